@@ -1,0 +1,35 @@
+# Every target sets up the private environment .venv by itself. Another interpreter: make test PYTHON=python3.12
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: demo test bench lint clean
+
+demo: $(READY)
+	$(BIN)/mpirun -n 2 $(BIN)/mesofriction run gaussian --out demo-output
+
+test: $(READY)
+	$(BIN)/python -m pytest
+
+bench: $(READY)
+	@set -e; for script in tests/bench/*.py; do echo "== $$script"; $(BIN)/python $$script; done
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+clean:
+	rm -rf $(VENV) demo-output bench-output
+
+$(READY): pyproject.toml
+	@command -v $(PYTHON) > /dev/null || \
+	  { echo "mesofriction: $(PYTHON) is not there; say which Python, as in: make test PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "mesofriction: $(PYTHON) is older than 3.11; say which newer one, as in: make test PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2> /dev/null || \
+	  { echo "mesofriction: $(PYTHON) lacks venv; install it, as in: apt install python3-venv" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[mpi,topography,test,lint]'
+	@touch $@

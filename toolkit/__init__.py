@@ -1,0 +1,3 @@
+"""The four rooms put to work: scene files, runs, result files, pictures, the command line."""
+
+__version__ = "0.1.0"
