@@ -1,0 +1,55 @@
+"""Contacts: what one contact is, and how all of them stand at X = 0."""
+
+import numpy as np
+
+from origins.errors import InputError
+from origins.frozen import as_thresholds
+from origins.start import as_start
+
+_CUT_LIMIT = 1e-6
+
+
+class Contacts:
+    """Contacts that break at random thresholds and re-form at once at x = 0.
+
+    Parameters
+    ----------
+    thresholds : Thresholds or frozen scipy.stats distribution on x >= 0
+        Law P_c(x) of fresh thresholds (a length).
+    start : None, float, Start or frozen scipy.stats distribution
+        Stretches at X = 0, of contacts that hold; None: all relaxed, x = 0. A contact that starts at x has a
+        threshold from P_c conditional on x_s > |x|.
+
+    Attributes
+    ----------
+    mean_threshold : float
+        <x_s>, the unit in which tolerances are stated.
+    cut_weight : float
+        Starting weight that lay beyond every threshold and was cut off; 0 unless said.
+
+    Raises InputError where more than 1e-6 of the start lies beyond every threshold: such contacts hold nothing.
+    """
+
+    def __init__(self, thresholds: object, start: object = None) -> None:
+        self.thresholds = as_thresholds(thresholds)
+        self.start = as_start(start)
+        self.mean_threshold = self.thresholds.mean()
+        if not np.isfinite(self.mean_threshold):
+            raise InputError(
+                f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach a "
+                "steady state"
+            )
+        self.cut_weight = self._weight_beyond()
+        if self.cut_weight > _CUT_LIMIT:
+            raise InputError(
+                f"start: a weight of {self.cut_weight:.3g} lies beyond every threshold, at |x| >= "
+                f"{self.thresholds.support()[1]:.6g}; start from stretches below it"
+            )
+
+    def _weight_beyond(self) -> float:
+        upper = self.thresholds.support()[1]
+        if not np.isfinite(upper):
+            return 0.0
+        if self.start.is_single:
+            return float(abs(self.start.mean()) >= upper)
+        return float(self.start.cdf(-upper) + self.start.sf(upper))

@@ -1,0 +1,71 @@
+"""The one error type for bad input, and the checks that raise it."""
+
+import math
+from typing import NoReturn
+
+import numpy as np
+
+
+class InputError(ValueError):
+    """A value that cannot be used: which one, what it was, what holds, what to write instead."""
+
+
+def refuse(name: str, value: object, rule: str) -> NoReturn:
+    """Raise InputError as one line: ``name = value: rule``."""
+    shown = repr(value)
+    if isinstance(value, np.ndarray):
+        shown = f"array of shape {value.shape}"
+    elif isinstance(value, np.generic):
+        shown = repr(value.item())
+    if len(shown) > 60:
+        shown = shown[:57] + "..."
+    raise InputError(f"{name} = {shown}: {rule}")
+
+
+def finite(name: str, value: object) -> float:
+    """`value` as a finite float."""
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
+        refuse(name, value, "must be a number, such as 1.0")
+    number = float(value)  # type: ignore[arg-type]
+    if not math.isfinite(number):
+        refuse(name, value, "must be finite, such as 1.0")
+    return number
+
+
+def positive(name: str, value: object) -> float:
+    """`value` as a finite float above zero."""
+    number = finite(name, value)
+    if number <= 0.0:
+        refuse(name, value, "must be above zero, such as 1.0")
+    return number
+
+
+def non_negative(name: str, value: object) -> float:
+    """`value` as a finite float of at least zero."""
+    number = finite(name, value)
+    if number < 0.0:
+        refuse(name, value, "must be zero or above")
+    return number
+
+
+def whole(name: str, value: object, least: int) -> int:
+    """`value` as an int of at least `least`."""
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
+        refuse(name, value, f"must be a whole number of at least {least}")
+    if int(value) < least:
+        refuse(name, value, f"must be a whole number of at least {least}")
+    return int(value)
+
+
+def finite_array(name: str, value: object) -> np.ndarray:
+    """`value` as a one-dimensional, non-empty float array without NaN or infinity."""
+    try:
+        array = np.atleast_1d(np.asarray(value, dtype=float))
+    except (TypeError, ValueError):
+        refuse(name, value, "must be an array of numbers")
+    if array.ndim != 1 or array.size == 0:
+        refuse(name, array, "must be one-dimensional and not empty")
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        refuse(f"{name}[{bad[0]}]", array[bad[0]], "must be finite")
+    return array

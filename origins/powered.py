@@ -1,0 +1,66 @@
+"""Thresholds that are a power of another law's variable: x = scale * y^exponent."""
+
+import numpy as np
+
+from origins.thresholds import Array, Thresholds
+
+
+class Powered(Thresholds):
+    """The law of scale * y**exponent, y from `base`; scale and exponent above zero.
+
+    Everything is the base's, taken where y stands, so that nothing of its accuracy is lost.
+    """
+
+    def __init__(self, base: Thresholds, scale: float, exponent: float) -> None:
+        self.base = base
+        self.scale = scale
+        self.exponent = exponent
+        self.onset_power = (base.onset_power + 1.0) / exponent - 1.0 if base.support()[0] == 0.0 else base.onset_power
+
+    def _forward(self, y: Array) -> Array:
+        return self.scale * np.asarray(y, dtype=float) ** self.exponent
+
+    def _back(self, x: Array) -> Array:
+        return (x / self.scale) ** (1.0 / self.exponent)
+
+    def support(self) -> tuple[float, float]:
+        lower, upper = self._forward(np.array(self.base.support()))
+        return float(lower), float(upper)
+
+    @property
+    def breakpoints(self) -> Array:
+        return self._forward(self.base.breakpoints)
+
+    @property
+    def atoms(self) -> tuple[Array, Array]:
+        positions, weights = self.base.atoms
+        return self._forward(positions), weights
+
+    def _pdf(self, x: Array) -> Array:
+        y = self._back(x)
+        return self.base.pdf(y) * (y / x) / self.exponent
+
+    def _logpdf(self, x: Array) -> Array:
+        y = self._back(x)
+        return self.base.logpdf(y) + np.log(y / x) - np.log(self.exponent)
+
+    def _cdf(self, x: Array) -> Array:
+        return self.base.cdf(self._back(x))
+
+    def _sf(self, x: Array) -> Array:
+        return self.base.sf(self._back(x))
+
+    def _logsf(self, x: Array) -> Array:
+        return self.base.logsf(self._back(x))
+
+    def _ppf(self, q: Array) -> Array:
+        return self._forward(self.base.ppf(q))
+
+    def _isf(self, q: Array) -> Array:
+        return self._forward(self.base.isf(q))
+
+    def _moment(self, n: int) -> float:
+        order = n * self.exponent
+        if order == round(order):
+            return self.scale**n * self.base.moment(round(order))
+        return super()._moment(n)

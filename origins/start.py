@@ -1,0 +1,147 @@
+"""The stretches of the contacts at X = 0: one value, a Gaussian, or any frozen scipy.stats distribution."""
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import ndtr, ndtri
+
+from origins.errors import InputError, finite, non_negative, refuse
+from origins.frozen import is_frozen_continuous
+from origins.thresholds import Array
+
+_REACH = 8.3  # standard deviations of a Gaussian with weight 1e-16 beyond
+
+
+class Start:
+    """Distribution Q_ini(x) of the starting stretches (lengths, of either sign).
+
+    `span` is the interval that holds all but 1e-16 of the weight; `breakpoints` are points inside it where the
+    density is not smooth. An exact single value has span (value, value) and no density.
+    """
+
+    span: tuple[float, float]
+    breakpoints: Array
+
+    def pdf(self, x: npt.ArrayLike) -> Array:
+        """Density at x, per length."""
+        raise NotImplementedError
+
+    def cdf(self, x: npt.ArrayLike) -> Array:
+        """Probability of a stretch of at most x."""
+        raise NotImplementedError
+
+    def sf(self, x: npt.ArrayLike) -> Array:
+        """Probability of a stretch above x."""
+        raise NotImplementedError
+
+    def ppf(self, q: npt.ArrayLike) -> Array:
+        """Stretch below which a fraction q lies."""
+        raise NotImplementedError
+
+    def isf(self, q: npt.ArrayLike) -> Array:
+        """Stretch above which a fraction q lies."""
+        raise NotImplementedError
+
+    def mean(self) -> float:
+        """Mean starting stretch."""
+        raise NotImplementedError
+
+    @property
+    def is_single(self) -> bool:
+        """Whether all contacts start from one stretch."""
+        return self.span[0] == self.span[1]
+
+
+class SingleStart(Start):
+    """All contacts start at one stretch."""
+
+    def __init__(self, value: float) -> None:
+        self.value = value
+        self.span = (value, value)
+        self.breakpoints = np.array([value])
+
+    def mean(self) -> float:
+        return self.value
+
+
+class GaussianStart(Start):
+    """Normal law, not cut: stretches may be negative."""
+
+    def __init__(self, mean: float, std: float) -> None:
+        self._mean, self._std = mean, std
+        self.span = (mean - _REACH * std, mean + _REACH * std)
+        self.breakpoints = np.empty(0)
+
+    def pdf(self, x: npt.ArrayLike) -> Array:
+        z = (np.asarray(x, dtype=float) - self._mean) / self._std
+        return np.exp(-0.5 * z * z) / (self._std * np.sqrt(2.0 * np.pi))
+
+    def cdf(self, x: npt.ArrayLike) -> Array:
+        return ndtr((np.asarray(x, dtype=float) - self._mean) / self._std)
+
+    def sf(self, x: npt.ArrayLike) -> Array:
+        return ndtr((self._mean - np.asarray(x, dtype=float)) / self._std)
+
+    def ppf(self, q: npt.ArrayLike) -> Array:
+        return self._mean + self._std * ndtri(np.asarray(q, dtype=float))
+
+    def isf(self, q: npt.ArrayLike) -> Array:
+        return self._mean - self._std * ndtri(np.asarray(q, dtype=float))
+
+    def mean(self) -> float:
+        return self._mean
+
+
+class FrozenStart(Start):
+    """A frozen continuous scipy.stats distribution on the real line."""
+
+    def __init__(self, frozen) -> None:  # type: ignore[no-untyped-def]
+        self._frozen = frozen
+        self._mean = float(frozen.mean())
+        if not np.isfinite(self._mean):
+            raise InputError(f"start: the mean of the distribution is {self._mean}; a start needs a finite mean stretch")
+        lower, upper = (float(end) for end in frozen.support())
+        self.breakpoints = np.array([end for end in (lower, upper) if np.isfinite(end)])
+        self.span = (
+            lower if np.isfinite(lower) else float(frozen.ppf(1e-16)),
+            upper if np.isfinite(upper) else float(frozen.isf(1e-16)),
+        )
+
+    def pdf(self, x: npt.ArrayLike) -> Array:
+        return self._frozen.pdf(x)
+
+    def cdf(self, x: npt.ArrayLike) -> Array:
+        return self._frozen.cdf(x)
+
+    def sf(self, x: npt.ArrayLike) -> Array:
+        return self._frozen.sf(x)
+
+    def ppf(self, q: npt.ArrayLike) -> Array:
+        return self._frozen.ppf(q)
+
+    def isf(self, q: npt.ArrayLike) -> Array:
+        return self._frozen.isf(q)
+
+    def mean(self) -> float:
+        return self._mean
+
+
+def gaussian_start(mean: float, std: float) -> Start:
+    """Starting stretches from a normal law (lengths); std = 0 is the single value `mean`.
+
+    Raises InputError unless mean is finite and std is finite and not negative.
+    """
+    mean, std = finite("mean", mean), non_negative("std", std)
+    return GaussianStart(mean, std) if std > 0.0 else SingleStart(mean)
+
+
+def as_start(start: object) -> Start:
+    """None (all relaxed, x = 0), a number, a Start or a frozen scipy.stats distribution, as a Start."""
+    if start is None:
+        return SingleStart(0.0)
+    if isinstance(start, Start):
+        return start
+    if isinstance(start, int | float | np.number) and not isinstance(start, bool):
+        return SingleStart(finite("start", start))
+    if is_frozen_continuous(start):
+        return FrozenStart(start)
+    refuse("start", start, "must be None, a stretch, origins.gaussian_start(mean=0.0, std=0.025) or a frozen distribution")

@@ -1,0 +1,135 @@
+"""A measured surface: heights in metres on a grid of pixels, missing points as NaN, trend removed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import positive, refuse
+
+Array = npt.NDArray[np.float64]
+
+METRES = {
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "\u00b5m": 1e-6,
+    "\u03bcm": 1e-6,
+    "um": 1e-6,
+    "nm": 1e-9,
+    "\u00c5": 1e-10,
+    "\u212b": 1e-10,
+    "A": 1e-10,
+    "pm": 1e-12,
+}
+DETRENDS = ("curvature", "tilt", "centre")
+_ROUND_OFF = 1e-12  # of the heights' range: a residue below it is the arithmetic's, not the surface's
+
+
+@dataclass(frozen=True)
+class Topography:
+    """Heights of shape (n_x, n_y) and pixel sizes (dx, dy), all in metres; NaN where a point is missing."""
+
+    heights: Array
+    pixel_size: tuple[float, float]
+
+    @property
+    def missing_fraction(self) -> float:
+        """Fraction of the points that are missing."""
+        return float(np.isnan(self.heights).mean())
+
+
+def as_topography(heights: object, pixel_size: object = None) -> Topography:
+    """`heights` as a Topography in metres.
+
+    Parameters
+    ----------
+    heights : array of shape (n_x, n_y), or an object with .heights(), .pixel_size and .unit
+        Heights in metres, NaN or masked where missing; or a SurfaceTopography topography, converted by its unit.
+    pixel_size : float or (dx, dy)
+        Distances between points along the first and the second axis, in metres; left out for an object, which knows.
+
+    Raises InputError for line scans, absent or unknown units, infinite heights and pixel sizes not above zero.
+    """
+    if isinstance(heights, Topography):
+        return heights
+    if callable(getattr(heights, "heights", None)):
+        if pixel_size is not None:
+            refuse("pixel_size", pixel_size, "the topography object has its own; leave it out")
+        scale = _metres(getattr(heights, "unit", None))
+        values = _height_array(heights.heights()) * scale  # type: ignore[attr-defined]
+        sizes = getattr(heights, "pixel_size", None)
+        if sizes is None:
+            refuse("heights.pixel_size", sizes, "open the scan with its physical_sizes given")
+        dx, dy = (float(size) * scale for size in np.atleast_1d(sizes))
+        return Topography(values, (positive("heights.pixel_size[0]", dx), positive("heights.pixel_size[1]", dy)))
+    values = _height_array(heights)
+    if pixel_size is None:
+        refuse("pixel_size", pixel_size, "heights without it have no slope; write pixel_size=(dx, dy) in metres")
+    return Topography(values, pixel_sizes(pixel_size))
+
+
+def pixel_sizes(pixel_size: object) -> tuple[float, float]:
+    """`pixel_size`, one number or a pair, as (dx, dy), both above zero."""
+    if isinstance(pixel_size, tuple | list | np.ndarray):
+        if len(pixel_size) != 2:
+            refuse("pixel_size", pixel_size, "must be one number or a pair (dx, dy)")
+        return positive("pixel_size[0]", pixel_size[0]), positive("pixel_size[1]", pixel_size[1])
+    size = positive("pixel_size", pixel_size)
+    return size, size
+
+
+def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
+    """The surface less its least-squares trend, fitted to the points that are there.
+
+    "curvature": polynomial of second order with the xy term; "tilt": plane; "centre": mean height.
+
+    Raises InputError for any other name and where nothing but the trend is there.
+    """
+    if detrend not in DETRENDS:
+        refuse("detrend", detrend, 'must be "curvature", "tilt" or "centre"')
+    heights = surface.heights
+    x, y = (np.linspace(-1.0, 1.0, n) for n in heights.shape)
+    x, y = np.meshgrid(x, y, indexing="ij")
+    terms = [np.ones_like(x)]
+    if detrend != "centre":
+        terms += [x, y]
+    if detrend == "curvature":
+        terms += [x * x, y * y, x * y]
+    there = np.isfinite(heights)
+    # heights of any unit, and far from zero: fitted about their mean, in units of their range
+    middle = float(heights[there].mean())
+    span = float(np.ptp(heights[there]))
+    largest = float(np.abs(heights[there]).max())
+    basis = np.stack([term[there] for term in terms], axis=1)
+    coefficients = np.linalg.lstsq(basis, (heights[there] - middle) / (span or 1.0), rcond=None)[0]
+    left = heights - middle - span * np.tensordot(coefficients, np.stack(terms), axes=1)
+    if not float(np.nanstd(left)) > _ROUND_OFF * largest:
+        refuse("heights", heights, f'nothing is left after removing the {detrend}: a flat surface has no asperities')
+    return Topography(left, surface.pixel_size)
+
+
+def _height_array(heights: object) -> Array:
+    try:
+        values = np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan)
+    except (TypeError, ValueError):
+        refuse("heights", heights, "must be a two-dimensional array of heights in metres")
+    if values.ndim != 2 or min(values.shape) < 3:
+        refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
+    infinite = np.argwhere(np.isinf(values))
+    if infinite.size:
+        i, j = infinite[0]
+        refuse(f"heights[{i}, {j}]", values[i, j], "must be finite, or NaN where the point is missing")
+    if not np.isfinite(values).any():
+        refuse("heights", values, "every point is missing; a surface needs heights")
+    return values
+
+
+def _metres(unit: object) -> float:
+    if isinstance(unit, str) and unit in METRES:
+        return METRES[unit]
+    refuse(
+        "heights.unit",
+        unit,
+        "lengths need one unit, such as 'nm'; open the scan with unit='nm', or pass heights and pixel_size in metres",
+    )
