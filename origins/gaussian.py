@@ -1,21 +1,43 @@
 """Gaussian thresholds, the parent normal cut at x = 0 and normalised."""
 
-import numpy as np
-from scipy.special import log_ndtr, ndtr, ndtri, ndtri_exp
+from typing import Literal
 
-from origins.errors import finite, positive
+import numpy as np
+from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
+
+from origins.errors import finite, positive, refuse
+from origins.gaussian_chord import ChordGaussian
 from origins.quadrature import gauss
 from origins.thresholds import Array, Thresholds
 
-_LOG_ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
+_ROOT_TWO = np.sqrt(2.0)
+_ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
 
-def gaussian(mean: float, std: float) -> Thresholds:
-    """Thresholds from the normal law of `mean` and `std` (lengths), cut at 0 (paper, Eq. Q14e).
+def gaussian(
+    mean: float, std: float, form: Literal["cut", "paper"] = "cut", upper: float | None = None
+) -> Thresholds:
+    """Thresholds from the normal law of `mean` and `std`, both lengths (paper, Eq. Q14e).
 
-    Raises InputError unless mean is finite and std is finite and above zero; for one value, use identical().
+    form = "cut": the normal law conditional on x > 0.
+    form = "paper": the paper's corrected form on (0, upper), the normal density less the chord between its values
+    at 0 and at upper, cut where it is negative and normalised; needs 0 < mean < upper.
+    Raises InputError unless mean is finite, std is finite and above zero (for one value, use identical()), and
+    `upper` is given for the paper's form and for it alone.
     """
-    return CutGaussian(finite("mean", mean), positive("std", std))
+    mean, std = finite("mean", mean), positive("std", std)
+    if form == "cut":
+        if upper is not None:
+            refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')
+        return CutGaussian(mean, std)
+    if form != "paper":
+        refuse("form", form, 'must be "cut" or "paper"')
+    if upper is None:
+        refuse("upper", upper, f'form = "paper" needs the end of its interval, such as upper={3.0 * abs(mean):g}')
+    upper = positive("upper", upper)
+    if not 0.0 < mean < upper:
+        refuse("mean", mean, f'form = "paper" needs 0 < mean < upper = {upper:g}')
+    return ChordGaussian(mean, std, upper)
 
 
 class CutGaussian(Thresholds):
@@ -29,6 +51,9 @@ class CutGaussian(Thresholds):
         self._z0 = -parent_mean / parent_std
         self._log_kept = float(log_ndtr(-self._z0))
         self._kept = float(ndtr(-self._z0))
+        # P_c(0) by the form that stays finite however little of the parent is kept
+        edge = 2.0 / float(erfcx(self._z0 / _ROOT_TWO)) if self._z0 > 0.0 else np.exp(-0.5 * self._z0**2) / self._kept
+        self._at_zero = edge / (_ROOT_TWO_PI * parent_std)
 
     def support(self) -> tuple[float, float]:
         return 0.0, np.inf
@@ -36,43 +61,62 @@ class CutGaussian(Thresholds):
     def _z(self, x: Array) -> Array:
         return (x - self.parent_mean) / self.parent_std
 
+    def _fall(self, x: Array) -> Array:
+        """log of P_c(x) / P_c(0), for a parent mean below 0."""
+        with np.errstate(over="ignore"):
+            u = x / self.parent_std
+            return -u * (0.5 * u + self._z0)
+
     def _logpdf(self, x: Array) -> Array:
-        return -0.5 * self._z(x) ** 2 - _LOG_ROOT_TWO_PI - np.log(self.parent_std) - self._log_kept
+        if self._z0 > 0.0:
+            return np.log(self._at_zero) + self._fall(x)
+        with np.errstate(over="ignore"):
+            return -0.5 * self._z(x) ** 2 - np.log(_ROOT_TWO_PI * self.parent_std * self._kept)
 
     def _pdf(self, x: Array) -> Array:
         return np.exp(self._logpdf(x))
 
     def _logsf(self, x: Array) -> Array:
-        return np.minimum(log_ndtr(-self._z(x)) - self._log_kept, 0.0)
+        if self._z0 > 0.0:
+            out = self._fall(x) + np.log(erfcx(self._z(x) / _ROOT_TWO) / erfcx(self._z0 / _ROOT_TWO))
+        else:
+            out = log_ndtr(-self._z(x)) - self._log_kept
+        near = out > -0.5
+        if near.any():
+            out[near] = np.log1p(-self._cdf(x[near]))
+        return out
 
     def _sf(self, x: Array) -> Array:
-        if self._z0 < -1.0:
-            return np.minimum(ndtr(-self._z(x)) / self._kept, 1.0)
-        return np.exp(self._logsf(x))
+        if self._z0 > 0.0:
+            return np.exp(self._logsf(x))
+        return np.minimum(ndtr(-self._z(x)) / self._kept, 1.0)
 
     def _cdf(self, x: Array) -> Array:
-        z = self._z(x)
-        if self._z0 > 5.0:
-            rest = -np.expm1(self._logsf(x))
-        elif self._z0 > 0.0:
-            rest = (ndtr(-self._z0) - ndtr(-z)) / self._kept
-        else:
-            rest = (ndtr(z) - ndtr(self._z0)) / self._kept
+        z, out = self._z(x), np.empty(x.shape)
         # just above 0 the difference cancels: integrate the density instead
         near = x * max(1.0, abs(self._z0)) < 0.3 * self.parent_std
+        far = ~near
+        if self._z0 > 0.0:
+            with np.errstate(under="ignore"):
+                ratio = erfcx(z[far] / _ROOT_TWO) / erfcx(self._z0 / _ROOT_TWO)
+                out[far] = 1.0 - ratio * np.exp(self._fall(x[far]))
+        else:
+            out[far] = (ndtr(z[far]) - ndtr(self._z0)) / self._kept
         if near.any():
             nodes, weights = gauss(np.zeros(int(near.sum())), x[near])
-            rest[near] = (weights * self._pdf(nodes)).sum(-1)
-        return np.minimum(rest, 1.0)
+            out[near] = (weights * self._pdf(nodes)).sum(-1)
+        return np.minimum(out, 1.0)
 
     def _isf(self, q: Array) -> Array:
-        return self._polish(self.parent_mean - self.parent_std * ndtri_exp(np.log(q) + self._log_kept), q, self._sf, 1.0)
+        if self._z0 > 0.0:
+            return super()._isf(q)
+        x = self.parent_mean - self.parent_std * ndtri_exp(np.log(q) + self._log_kept)
+        return self._polish(x, q, self._sf, 1.0)
 
     def _ppf(self, q: Array) -> Array:
-        if self._z0 < 0.0:
-            x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * self._kept)
-        else:
-            x = self.parent_mean - self.parent_std * ndtri_exp(np.log1p(-q) + self._log_kept)
+        if self._z0 > 0.0:
+            return super()._ppf(q)
+        x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * self._kept)
         return self._polish(x, q, self._cdf, -1.0)
 
     def _polish(self, x: Array, q: Array, function, sign: float) -> Array:  # type: ignore[no-untyped-def]
@@ -88,9 +132,14 @@ class CutGaussian(Thresholds):
     def _moment(self, n: int) -> float:
         if self.parent_mean < 0.0:
             return super()._moment(n)
-        at_zero = float(self._pdf(np.zeros(1))[0])
         variance = self.parent_std**2
-        lower, moment = 1.0, self.parent_mean + variance * at_zero
+        lower, moment = 1.0, self.parent_mean + variance * self._at_zero
         for order in range(2, n + 1):
             lower, moment = moment, self.parent_mean * moment + (order - 1) * variance * lower
         return moment
+
+    def _variance(self) -> float:
+        if self.parent_mean < 0.0:
+            return super()._variance()
+        edge = self._at_zero * self.parent_std
+        return self.parent_std**2 * (1.0 + self._z0 * edge - edge * edge)

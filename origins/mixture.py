@@ -4,12 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import logsumexp
 
 from origins.errors import finite_array, positive, refuse
 from origins.frozen import as_thresholds
 from origins.inversion import invert_hazard
 from origins.thresholds import Array, RandomState, Thresholds
+
+_ROUNDING = 4.0 * np.finfo(float).eps
 
 
 def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
@@ -28,7 +29,13 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
         positive(f"weights[{i}]", share)
     if abs(float(shares.sum()) - 1.0) > 1e-12:
         refuse("weights", weights, f"must add up to 1, not {float(shares.sum()):.15g}; divide each by their sum")
-    return Mixture([as_thresholds(component) for component in components], shares / shares.sum())
+    laws: list[Thresholds] = []
+    parts: list[float] = []
+    for component, share in zip(components, shares / shares.sum(), strict=True):
+        law = as_thresholds(component)
+        laws += law.components if isinstance(law, Mixture) else [law]
+        parts += list(share * law.weights) if isinstance(law, Mixture) else [share]
+    return Mixture(laws, np.array(parts))
 
 
 class Mixture(Thresholds):
@@ -44,6 +51,7 @@ class Mixture(Thresholds):
         self._atoms = self._collect_atoms()
         if self._support[0] < self._support[1]:
             self._lowest_atom = float(self._atoms[1][self._atoms[0] == self._support[0]].sum())
+        self._steps = self._find_steps()
 
     def _collect_atoms(self) -> tuple[Array, Array]:
         pairs = [(c.atoms[0], w * c.atoms[1]) for c, w in zip(self.components, self.weights, strict=True)]
@@ -63,12 +71,16 @@ class Mixture(Thresholds):
         return self._atoms
 
     def _sum(self, values: list[Array]) -> Array:
-        return np.tensordot(self.weights, np.stack(values), axes=1)
+        total = self.weights[0] * values[0]
+        for share, value in zip(self.weights[1:], values[1:], strict=True):
+            total += share * value
+        return total
 
     def _log_sum(self, values: list[Array]) -> Array:
-        shares = np.log(self.weights).reshape((-1,) + (1,) * values[0].ndim)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return logsumexp(np.stack(values) + shares, axis=0)
+        highest = np.maximum.reduce(values)
+        level = np.where(np.isfinite(highest), highest, 0.0)
+        with np.errstate(divide="ignore"):
+            return level + np.log(self._sum([np.exp(value - level) for value in values]))
 
     def _pdf(self, x: Array) -> Array:
         return self._sum([c.pdf(x) for c in self.components])
@@ -77,10 +89,10 @@ class Mixture(Thresholds):
         return self._log_sum([c.logpdf(x) for c in self.components])
 
     def _cdf(self, x: Array) -> Array:
-        return self._sum([c.cdf(x) for c in self.components])
+        return np.minimum(self._sum([c.cdf(x) for c in self.components]), 1.0)
 
     def _sf(self, x: Array) -> Array:
-        return self._sum([c.sf(x) for c in self.components])
+        return np.minimum(self._sum([c.sf(x) for c in self.components]), 1.0)
 
     def _logsf(self, x: Array) -> Array:
         out = self._log_sum([c.logsf(x) for c in self.components])
@@ -91,25 +103,50 @@ class Mixture(Thresholds):
 
     def _ppf(self, q: Array) -> Array:
         own = np.stack([c.ppf(q) for c in self.components])
-        # at x the component alone holds weight * cdf <= q, so x is at most its quantile of q / weight
+        # at x a component alone holds weight * cdf <= q, so x is at most its quantile of q / weight
         scaled = np.stack([c.ppf(np.minimum(q / w, 1.0)) for c, w in zip(self.components, self.weights, strict=True)])
         left, right = own.min(axis=0), np.minimum(own.max(axis=0), scaled.min(axis=0))
-        return self._solve(-np.log1p(-q), left, right, right)
+        return self._solve(q, -np.log1p(-q), left, right, right, 1)
 
     def _isf(self, q: Array) -> Array:
         own = np.stack([c.isf(q) for c in self.components])
         scaled = np.stack([c.isf(np.minimum(q / w, 1.0)) for c, w in zip(self.components, self.weights, strict=True)])
         left, right = np.maximum(own.min(axis=0), scaled.max(axis=0)), own.max(axis=0)
-        return self._solve(-np.log(q), left, right, left)
+        return self._solve(q, -np.log(q), left, right, left, 2)
 
-    def _solve(self, hazard: Array, left: Array, right: Array, guess: Array) -> Array:
-        # the component's quantiles are good to their last bits only
-        left, right = left * (1.0 - 1e-14), right * (1.0 + 1e-14)
-        flat = [a.ravel() for a in (hazard, left, right, guess)]
-        return invert_hazard(self, *flat).reshape(hazard.shape)
+    def _solve(self, q: Array, hazard: Array, left: Array, right: Array, guess: Array, column: int) -> Array:
+        out, known = np.empty(q.shape), np.zeros(q.shape, dtype=bool)
+        # whole intervals of q belong to one value at an atom, one q to the left end of a gap
+        for row in self._steps:
+            here = (q >= row[column] * (1.0 - _ROUNDING)) & (q <= (row[column] + row[3]) * (1.0 + _ROUNDING))
+            out[here] = row[0]
+            known |= here
+        open_ = ~known
+        # the components' quantiles are good to their last bits only
+        ends = left[open_] * (1.0 - 1e-14), right[open_] * (1.0 + 1e-14)
+        out[open_] = invert_hazard(self, hazard[open_], *ends, guess[open_])
+        return out
+
+    def _find_steps(self) -> list[tuple[float, float, float, float]]:
+        """(position, cdf before, survival after, weight) of each atom, then of each gap, its weight 0."""
+        steps = []
+        for position, weight in zip(*self._atoms, strict=True):
+            before = self._sum([c.cdf(position) - c.atoms[1][c.atoms[0] == position].sum() for c in self.components])
+            steps.append((position, before, self._sum([c.sf(position) for c in self.components]), weight))
+        reach = self._support[0]
+        for low, high in sorted(c.support() for c in self.components):
+            if low > reach:
+                here = self._sum([c.cdf(reach) for c in self.components])
+                steps.append((reach, here, self._sum([c.sf(reach) for c in self.components]), 0.0))
+            reach = max(reach, high)
+        return [(float(a), float(b), float(c), float(d)) for a, b, c, d in steps]
 
     def _moment(self, n: int) -> float:
         return float(self.weights @ [c.moment(n) for c in self.components])
+
+    def _variance(self) -> float:
+        mean = self.mean()
+        return float(self.weights @ [c._variance() + (c.mean() - mean) ** 2 for c in self.components])
 
     def rvs(self, size: int | tuple[int, ...] | None = None, random_state: RandomState = None) -> Array:
         """Independent thresholds, each from a component drawn by weight."""

@@ -6,12 +6,16 @@ frozen scipy.stats distribution.
 """
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.errors import refuse
 from origins.inversion import invert_hazard
+
+if TYPE_CHECKING:
+    from origins.interface import Interface
 
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
@@ -28,9 +32,12 @@ class Thresholds:
     onset_power : float
         m in P_c(x) ~ (x - a)^m at the lower end a of the support; inf where P_c rises slower than any
         power, or where nothing continuous begins there.
+    interface : Interface or None
+        Load, contact density, stiffness and friction in SI units, where the law comes from a rough surface.
     """
 
     onset_power: float = np.inf
+    interface: "Interface | None" = None
     _lowest_atom: float = 0.0  # weight of an atom at the lower end of a support that reaches further
 
     # -- what a family states: x lies inside the support; densities are also asked at its finite ends ----

@@ -7,7 +7,7 @@ from origins.errors import positive
 from origins.thresholds import Array, Thresholds
 
 
-def gw_elastic(B: float) -> Thresholds:  # noqa: N803 - the paper's letter
+def gw_elastic(B: float) -> Thresholds:
     """Elastic contacts, P_c ~ x^(1/3) exp(-B x^(4/3)) (paper, Eq. GW3).
 
     B is in length^(-4/3); InputError unless it is finite and above zero.
@@ -15,7 +15,7 @@ def gw_elastic(B: float) -> Thresholds:  # noqa: N803 - the paper's letter
     return Weibull(4.0 / 3.0, positive("B", B), 1.0 / 3.0)
 
 
-def gw_plastic(B: float) -> Thresholds:  # noqa: N803 - the paper's letter
+def gw_plastic(B: float) -> Thresholds:
     """Plastic contacts, P_c ~ x exp(-B x^2) (paper, Eq. GW4).
 
     B is in length^-2; InputError unless it is finite and above zero.
