@@ -26,7 +26,10 @@ def finite(name: str, value: object) -> float:
     """`value` as a finite float."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
         refuse(name, value, "must be a number, such as 1.0")
-    number = float(value)  # type: ignore[arg-type]
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
     if not math.isfinite(number):
         refuse(name, value, "must be finite, such as 1.0")
     return number
@@ -61,7 +64,7 @@ def finite_array(name: str, value: object) -> np.ndarray:
     """`value` as a one-dimensional, non-empty float array without NaN or infinity."""
     try:
         array = np.atleast_1d(np.asarray(value, dtype=float))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         refuse(name, value, "must be an array of numbers")
     if array.ndim != 1 or array.size == 0:
         refuse(name, array, "must be one-dimensional and not empty")
