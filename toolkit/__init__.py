@@ -1,3 +1,35 @@
-"""The four rooms put to work: scene files, runs, result files, pictures, the command line."""
+"""The four rooms put to work: scene files, runs, result files, pictures, the command line.
+
+    result = toolkit.run("gaussian")         # a shipped scene, a scene file or a dict
+    toolkit.save(result, "gaussian-output")  # result.h5, summary.json, picture.png
+    result = toolkit.load("gaussian-output")
+    toolkit.plot(result)
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from toolkit.files import load, save
+    from toolkit.plots import plot
+    from toolkit.running import run
+    from toolkit.scene import load_scene
 
 __version__ = "0.1.0"
+
+__all__ = ["__version__", "load", "load_scene", "plot", "run", "save"]
+
+_HOMES = {
+    "load": "toolkit.files",
+    "save": "toolkit.files",
+    "plot": "toolkit.plots",
+    "run": "toolkit.running",
+    "load_scene": "toolkit.scene",
+}
+
+
+def __getattr__(name: str) -> Any:
+    # imported when first asked for: the command's --help needs none of it
+    if name not in _HOMES:
+        raise AttributeError(f"module 'toolkit' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)

@@ -1,0 +1,63 @@
+"""What several test files share: the command in a process of its own, alone and under mpirun."""
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+LAUNCHER_VARIABLES = ("PMI_", "PMIX_", "OMPI_", "MPI_", "MV2_", "SLURM_", "HYDI_")
+
+Runner = Callable[..., subprocess.CompletedProcess[str]]
+
+
+def clean_environment(**extra: str) -> dict[str, str]:
+    """This process's environment without any launcher's variables, the repository importable."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(LAUNCHER_VARIABLES)}
+    return {**kept, "PYTHONPATH": str(ROOT), **extra}
+
+
+@pytest.fixture
+def python(tmp_path: Path) -> Runner:
+    """python(code, *words, **environment): run code in a fresh interpreter, in an empty folder."""
+
+    def run(code: str, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-c", code, *words],
+            cwd=tmp_path,
+            env=clean_environment(**environment),
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+
+    return run
+
+
+@pytest.fixture
+def mpirun(tmp_path: Path) -> Runner:
+    """mpirun(ranks, code, *words): the same on several ranks, oversubscribed where need be."""
+    launcher = shutil.which("mpiexec", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]))
+    if launcher is None or importlib.util.find_spec("mpi4py") is None:
+        pytest.skip("needs the extra [mpi]")
+
+    def run(ranks: int, code: str, *words: str) -> subprocess.CompletedProcess[str]:
+        environment = clean_environment(
+            OMPI_MCA_rmaps_base_oversubscribe="1", PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe"
+        )
+        return subprocess.run(
+            [launcher, "-n", str(ranks), sys.executable, "-c", code, *words],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            stdin=subprocess.DEVNULL,
+        )
+
+    return run

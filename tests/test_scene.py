@@ -1,0 +1,235 @@
+"""Scene files: what they build, and how each mistake is named."""
+
+import copy
+import math
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import origins
+import toolkit
+from origins.errors import InputError
+from toolkit import laws
+from toolkit.scene import SHIPPED, shipped_scenes
+from toolkit.toml import to_toml
+
+SCENE: dict[str, Any] = {
+    "title": "test",
+    "contacts": {
+        "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.05},
+        "start": {"kind": "gaussian", "mean": 0.0, "std": 0.025},
+    },
+    "drive": {"to": 5.0, "points": 501},
+    "master": {"tolerance": 1e-8},
+    "eq": {"contacts": 100, "replicas": 2, "seed": 1},
+}
+
+# a call of every kind that works
+LAWS: dict[str, dict[str, Any]] = {
+    "identical": {"value": 1.5},
+    "gaussian": {"mean": 1.0, "std": 0.05},
+    "rectangular": {"lower": 0.5, "upper": 1.5},
+    "mixture": {
+        "components": [
+            {"kind": "gaussian", "mean": 1.0, "std": 0.1},
+            {"kind": "rectangular", "lower": 2.0, "upper": 3.0},
+        ],
+        "weights": [0.25, 0.75],
+    },
+    "gw-elastic": {"B": 1.588},
+    "gw-plastic": {"B": 1.251},
+    "persson": {"centre": 1.0, "width": 0.5},
+    "lubricated": {"width": 0.7},
+}
+
+
+def changed(place: str, value: Any) -> dict[str, Any]:
+    """SCENE with one key set, or taken out where value is None."""
+    scene = copy.deepcopy(SCENE)
+    *tables, key = place.split(".")
+    table = scene
+    for name in tables:
+        table = table.setdefault(name, {})
+    if value is None:
+        del table[key]
+    else:
+        table[key] = value
+    return scene
+
+
+def with_law(law: dict[str, Any]) -> dict[str, Any]:
+    return {**SCENE, "contacts": {"thresholds": law}}
+
+
+def test_scene_says_what_is_run() -> None:
+    scene = toolkit.load_scene(SCENE)
+    assert scene.title == "test"
+    assert np.array_equal(scene.path, np.linspace(0.0, 5.0, 501))
+    assert scene.contacts.thresholds.mean() == pytest.approx(1.0)
+    assert scene.contacts.start.cdf(0.025) == pytest.approx(0.841344746)
+    assert scene.master is not None and scene.master.tolerance == 1e-8
+    assert scene.eq is not None and (scene.eq.contacts, scene.eq.replicas, scene.eq.seed) == (100, 2, 1)
+
+
+def test_what_is_not_named_is_not_asked_for() -> None:
+    scene = toolkit.load_scene({"contacts": SCENE["contacts"], "drive": SCENE["drive"], "master": {}})
+    assert scene.eq is None
+    assert scene.master is not None and scene.master.tolerance == 1e-8
+    assert toolkit.load_scene(changed("contacts.start", None)).contacts.start.is_single
+
+
+def test_every_kind_of_thresholds_has_an_example() -> None:
+    assert set(LAWS) == set(laws.THRESHOLDS)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in LAWS if kind != "mixture"])
+def test_kind_is_the_function_of_that_name(kind: str) -> None:
+    built = toolkit.load_scene(with_law({"kind": kind, **LAWS[kind]})).contacts.thresholds
+    direct = getattr(origins, kind.replace("-", "_"))(**LAWS[kind])
+    x = np.linspace(0.01, 3.0, 50)
+    assert np.array_equal(built.sf(x), direct.sf(x))
+    assert built.mean() == direct.mean()
+
+
+def test_mixture_builds_its_components() -> None:
+    built = toolkit.load_scene(with_law({"kind": "mixture", **LAWS["mixture"]})).contacts.thresholds
+    direct = origins.mixture([origins.gaussian(1.0, 0.1), origins.rectangular(2.0, 3.0)], [0.25, 0.75])
+    x = np.linspace(0.01, 3.5, 50)
+    assert np.array_equal(built.sf(x), direct.sf(x))
+
+
+def test_start_from_one_stretch() -> None:
+    start = toolkit.load_scene(changed("contacts.start", {"kind": "identical", "value": 0.25})).contacts.start
+    assert start.is_single and start.mean() == 0.25
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        ("contacts.thresholds.std", -1.0, "contacts.thresholds.std = -1.0: must be above zero"),
+        ("contacts.thresholds.std", math.nan, "contacts.thresholds.std = nan: must be finite"),
+        ("contacts.thresholds.mean", "one", "contacts.thresholds.mean = 'one': must be a number"),
+        ("contacts.thresholds.width", 1.0, "contacts.thresholds.width = 1.0: unknown key; gaussian takes mean, std"),
+        ("contacts.thresholds.mean", None, "contacts.thresholds.mean: is missing; gaussian takes mean, std"),
+        ("contacts.thresholds.kind", "gausian", "contacts.thresholds.kind = 'gausian': must be one of identical, gau"),
+        ("contacts.thresholds.kind", None, "contacts.thresholds.kind: is missing; must be one of identical, gaussian"),
+        ("contacts.thresholds.kind", 3, "contacts.thresholds.kind = 3: must be one of"),
+        ("contacts.thresholds", 3, "contacts.thresholds = 3: expected `object`, got `int`"),
+        ("contacts.thresholds", None, "contacts.thresholds: is missing"),
+        ("contacts.start.std", -0.1, "contacts.start.std = -0.1: must be zero or above"),
+        ("contacts.start.kind", "persson", "contacts.start.kind = 'persson': must be one of identical, gaussian"),
+        ("contacts.delay", {"time": 1.0}, "contacts.delay = {'time': 1.0}: unknown key; known here: thresholds, start"),
+        ("drive.to", math.inf, "drive.to = inf: must be finite"),
+        ("drive.to", -5.0, "drive.to = -5.0: must be above zero"),
+        ("drive.to", "far", "drive.to = 'far': expected `float`, got `str`"),
+        ("drive.to", True, "drive.to = True: expected `float`, got `bool`"),
+        ("drive.to", None, "drive.to: is missing"),
+        ("drive.points", 1, "drive.points = 1: must be a whole number of at least 2"),
+        ("drive.points", 10.5, "drive.points = 10.5: expected `int`, got `float`"),
+        ("drive.turns", [3.0, -3.0], "drive.turns = [3.0, -3.0]: unknown key; known here: to, points"),
+        ("drive", None, "drive: is missing"),
+        ("master.tolerance", 0.0, "master.tolerance = 0.0: must be above zero"),
+        ("master.tolerance", math.nan, "master.tolerance = nan: must be finite"),
+        ("master", 1e-8, "master = 1e-08: expected `object"),
+        ("eq.contacts", 0, "eq.contacts = 0: must be a whole number of at least 1"),
+        ("eq.replicas", -3, "eq.replicas = -3: must be a whole number of at least 1"),
+        ("eq.seed", -1, "eq.seed = -1: must be a whole number of at least 0"),
+        ("eq.threads", 2, "eq.threads = 2: unknown key; known here: contacts, replicas, seed"),
+        ("colour", "red", "colour = 'red': unknown key; known here: contacts, drive, title, master, eq"),
+        ("title", 3, "title = 3: expected `str`, got `int`"),
+    ],
+)
+def test_mistake_is_named_by_its_path(place: str, value: Any, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        toolkit.load_scene(changed(place, value))
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
+
+
+def test_mistake_inside_a_mixture_is_named_by_its_place() -> None:
+    law = copy.deepcopy({"kind": "mixture", **LAWS["mixture"]})
+    law["components"][1]["upper"] = -1.0
+    with pytest.raises(InputError, match=r"^contacts\.thresholds\.components\[1\]\.upper = -1\.0: must be above zero"):
+        toolkit.load_scene(with_law(law))
+
+
+def test_neither_solver_is_refused() -> None:
+    with pytest.raises(InputError, match=r"neither \[master\] nor \[eq\]"):
+        toolkit.load_scene({"contacts": SCENE["contacts"], "drive": SCENE["drive"]})
+
+
+def test_start_beyond_every_threshold_is_refused() -> None:
+    scene = with_law({"kind": "identical", "value": 1.0})
+    scene["contacts"]["start"] = {"kind": "identical", "value": 2.0}
+    with pytest.raises(InputError, match=r"^contacts\.start: a weight of 1 lies beyond every threshold"):
+        toolkit.load_scene(scene)
+
+
+@pytest.mark.parametrize("kind", list(LAWS))
+def test_no_wrong_value_of_any_key_gets_past_as_another_error(kind: str) -> None:
+    wrong = ["text", math.nan, math.inf, -1.0, True, [], [1.0, math.nan], [{"kind": "identical"}], {"a": 1.0}, 10**400]
+    for key in LAWS[kind]:
+        for value in wrong:
+            if (key, value) == ("mean", -1.0):
+                continue  # a normal law may have its centre below 0, where it is cut
+            with pytest.raises(InputError) as caught:
+                toolkit.load_scene(with_law({"kind": kind, **LAWS[kind], key: value}))
+            assert str(caught.value).startswith("contacts.thresholds"), (key, value)
+            assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_shipped_scene_is_whole(name: str) -> None:
+    scene = toolkit.load_scene(name)
+    assert scene.name == name and scene.title
+    assert scene.text == (SHIPPED / f"{name}.toml").read_text()
+    assert scene.master is not None and scene.eq is not None
+
+
+def test_scene_file_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(to_toml(SCENE))
+    for given in (file, str(file)):
+        scene = toolkit.load_scene(given)
+        assert scene.name == "mine" and scene.text == to_toml(SCENE)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [(b"a = = 1", "is not TOML: Invalid value (at line 1"), (b"\xff\xfe", "is not TOML: 'utf-8' codec")],
+)
+def test_broken_file_is_refused(tmp_path: Path, content: bytes, message: str) -> None:
+    file = tmp_path / "broken.toml"
+    file.write_bytes(content)
+    with pytest.raises(InputError, match=re.escape(message)):
+        toolkit.load_scene(file)
+
+
+def test_unknown_name_lists_the_shipped_ones() -> None:
+    with pytest.raises(InputError, match=r"^scene = 'gausian': no such file, and no shipped scene: those are gau"):
+        toolkit.load_scene("gausian")
+    with pytest.raises(InputError, match=r"^scene = 3: must be a dict"):
+        toolkit.load_scene(3)  # type: ignore[arg-type]
+
+
+def test_dict_is_kept_as_toml_that_reads_back() -> None:
+    tables = {
+        "title": 'quotes " and \\ and \n and \x7f and é',
+        "dotted.key": [1, 2.5, -1e-300, True, "x"],
+        "inner": {"deep": {"list": [{"kind": "a", "value": 1e16}], "empty": []}, "plain": 1e-8, "none": None},
+    }
+    expected = copy.deepcopy(tables)
+    del expected["inner"]["none"]  # type: ignore[attr-defined]
+    assert tomllib.loads(to_toml(tables)) == expected
+    assert toolkit.load_scene(toolkit.load_scene(SCENE)).text == to_toml(SCENE)
+
+
+def test_dict_takes_numpy_numbers_and_refuses_what_toml_lacks() -> None:
+    scene = toolkit.load_scene(changed("drive", {"to": np.float64(2.0), "points": np.int64(3)}))
+    assert np.array_equal(scene.path, [0.0, 1.0, 2.0])
+    with pytest.raises(InputError, match=r"^contacts\.thresholds\.std = .*: a scene holds numbers"):
+        toolkit.load_scene(changed("contacts.thresholds.std", object()))

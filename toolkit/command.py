@@ -1,0 +1,52 @@
+"""The command `mesofriction`: each subcommand is a module of toolkit.commands, imported when it is called."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import redirect_stderr, redirect_stdout
+from importlib import import_module
+
+from toolkit import __version__
+from toolkit.launch import Launch, read_environment
+
+COMMANDS = {
+    "run": "solve a scene: F(X) with its error and run time, result files and a picture",
+    "thresholds": "picture and table of a scene's P_c(x)",
+    "scenes": "list the scenes that are shipped",
+}
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit status: 0 done, 1 a solver or the program failed, 2 bad input."""
+    words = list(sys.argv[1:] if words is None else words)
+    launched = read_environment()
+    if launched.rank == 0:
+        return _execute(_parse(words), launched)
+    with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):  # rank 0 speaks for all
+        with redirect_stderr(nowhere):
+            parsed = _parse(words)
+        return _execute(parsed, launched)
+
+
+def _parse(words: list[str]) -> argparse.Namespace:
+    purpose = "Friction at the mesoscale, from thresholds to sliding."
+    parser = argparse.ArgumentParser(prog="mesofriction", description=purpose)
+    parser.add_argument("--version", action="version", version=f"mesofriction {__version__}")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, purpose in COMMANDS.items():
+        subparser = subparsers.add_parser(name, help=purpose, description=purpose)
+        if name in words:
+            import_module(f"toolkit.commands.{name}").add_arguments(subparser)
+    return parser.parse_args(words)
+
+
+def _execute(parsed: argparse.Namespace, launched: Launch) -> int:
+    module = import_module(f"toolkit.commands.{parsed.command}")
+    if not module.ALL_RANKS:
+        if launched.rank > 0:
+            return 0
+        launched = Launch()
+    from toolkit.ranks import end_together
+
+    return end_together(lambda comm: int(module.execute(parsed, comm)), launched)

@@ -1,0 +1,58 @@
+"""mesofriction run SCENE: every solver the scene names, its error and run time, result files and a picture."""
+
+import argparse
+import sys
+from typing import Any
+
+ALL_RANKS = True
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """SCENE and --out."""
+    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
+    parser.add_argument("--out", metavar="DIR", help="folder for the results (default: ./NAME-output)")
+
+
+def execute(arguments: argparse.Namespace, comm: Any) -> int:
+    """Run, report, write; 1 where a solver did not reach its tolerance (the results are written all the same)."""
+    from toolkit.files import save
+    from toolkit.folders import check_folder
+    from toolkit.progress import Progress
+    from toolkit.ranks import on_root
+    from toolkit.running import run
+    from toolkit.scene import load_scene
+
+    scene = load_scene(arguments.scene)
+    folder = arguments.out or f"{scene.name}-output"
+    # refused before the work, not after it
+    on_root(comm, lambda: check_folder(folder))
+    first = comm is None or comm.Get_rank() == 0
+    result = run(scene, comm=comm, progress=Progress() if first else None)
+    for line in report(result):
+        print(line)
+    on_root(comm, lambda: save(result, folder))
+    print(f"written to {folder}")
+    if result.master is not None and not result.master.success:
+        if first:
+            print(f"mesofriction: master: {result.master.message}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def report(result: Any) -> list[str]:
+    """A line per solver with its error and its run time."""
+    lines = [result.title or result.name]
+    if result.master is not None:
+        solved = result.master
+        lines.append(
+            f"master  error {solved.force_error:.1e} of <x_s>  run time {solved.run_time:.4f} s  "
+            f"{solved.path.size} points"
+        )
+    if result.eq is not None:
+        eq = result.eq
+        error = eq.force_standard_error.max() / result.mean_threshold
+        lines.append(
+            f"eq      error {error:.1e} of <x_s> (largest standard error)  run time {eq.run_time:.4f} s, "
+            f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
+        )
+    return lines

@@ -1,0 +1,159 @@
+"""Result folders: result.h5, summary.json and a picture, and their way back."""
+
+import json
+import math
+import os
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from origins.errors import InputError, refuse
+from toolkit.folders import write_folder
+from toolkit.results import Result, SimulatedRecord, SolvedRecord, ThresholdCurve
+
+if TYPE_CHECKING:
+    import h5py
+
+Record = TypeVar("Record", SolvedRecord, SimulatedRecord, ThresholdCurve)
+
+RESULT, SUMMARY, PICTURE = "result.h5", "summary.json", "picture.png"
+
+_LENGTH = "length unit of the thresholds"
+_UNITS = {
+    "path": _LENGTH,
+    "force": _LENGTH,
+    "force_standard_error": _LENGTH,
+    "x": _LENGTH,
+    "density": f"1 / {_LENGTH}",
+    "atoms": _LENGTH,
+    "run_time": "s",
+    "compile_time": "s",
+}
+
+
+def save(result: Result, folder: str | os.PathLike[str]) -> None:
+    """Write result.h5, summary.json and picture.png into `folder`, whole or not at all.
+
+    result.h5 holds a group per solver and one for the thresholds. Each array has its unit as the attribute `units`;
+    force is per N_c<k>, so a length. Raises InputError where the folder cannot be written.
+    """
+    from toolkit.plots import save_picture
+
+    write_folder(
+        folder,
+        {
+            RESULT: lambda path: _write_result(result, path),
+            SUMMARY: lambda path: write_json(summary(result), path),
+            PICTURE: lambda path: save_picture(result, path),
+        },
+    )
+
+
+def load(folder: str | os.PathLike[str]) -> Result:
+    """The result that `save` wrote into `folder`. Raises InputError where there is none."""
+    import h5py
+
+    file = Path(folder) / RESULT
+    if not file.is_file():
+        refuse("folder", str(folder), f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one")
+    try:
+        with h5py.File(file) as store:
+            return Result(
+                name=str(store.attrs["name"]),
+                title=str(store.attrs["title"]),
+                text=str(store.attrs["scene"]),
+                version=str(store.attrs["version"]),
+                mean_threshold=float(store.attrs["mean_threshold"]),
+                thresholds=_read(store["thresholds"], ThresholdCurve),
+                master=_read(store["master"], SolvedRecord) if "master" in store else None,
+                eq=_read(store["eq"], SimulatedRecord) if "eq" in store else None,
+            )
+    except (OSError, KeyError) as error:
+        raise InputError(f"folder = {str(folder)!r}: its {RESULT} is not one of mesofriction: {error}") from error
+
+
+def summary(result: Result) -> dict[str, Any]:
+    """The numbers of a run that one looks at first; lengths in the unit of the thresholds, times in seconds."""
+    asked = result.asked
+    content: dict[str, Any] = {
+        "name": result.name,
+        "title": result.title,
+        "version": result.version,
+        "mean_threshold": result.mean_threshold,
+        "success": result.success,
+    }
+    if result.master is not None and asked.master is not None:
+        content["master"] = {
+            "tolerance": asked.master.tolerance,
+            "force_error": float(result.master.force_error),
+            "run_time": float(result.master.run_time),
+            "success": bool(result.master.success),
+            "message": result.master.message,
+            "last_force": float(result.master.force[-1]),
+        }
+    if result.eq is not None and asked.eq is not None:
+        content["eq"] = {
+            "contacts": asked.eq.contacts,
+            "replicas": asked.eq.replicas,
+            "seed": asked.eq.seed,
+            "largest_standard_error": float(np.max(result.eq.force_standard_error)),
+            "run_time": float(result.eq.run_time),
+            "compile_time": float(result.eq.compile_time),
+            "breaks": int(result.eq.breaks),
+            "breaks_per_rank": [int(breaks) for breaks in result.eq.breaks_per_rank],
+            "last_force": float(result.eq.force[-1]),
+        }
+    return content
+
+
+def write_json(content: dict[str, Any], path: Path) -> None:
+    """Write `content` as indented JSON; what is not finite becomes null, since JSON has no word for it."""
+    path.write_text(json.dumps(_speakable(content), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _speakable(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _speakable(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_speakable(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _write_result(result: Result, path: Path) -> None:
+    import h5py
+
+    with h5py.File(path, "w") as store:
+        store.attrs.update(
+            name=result.name,
+            title=result.title,
+            scene=result.text,
+            version=result.version,
+            mean_threshold=result.mean_threshold,
+        )
+        _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve)
+        if result.master is not None:
+            _write(store.create_group("master"), result.master, SolvedRecord)
+        if result.eq is not None and result.asked.eq is not None:
+            store.attrs["seed"] = result.asked.eq.seed
+            _write(store.create_group("eq"), result.eq, SimulatedRecord)
+
+
+def _write(group: "h5py.Group", answer: object, record: type[Record]) -> None:
+    """The fields of `record`, as found on `answer`: arrays as data sets, the rest as attributes."""
+    for field in fields(record):
+        value = getattr(answer, field.name)
+        if isinstance(value, np.ndarray):
+            group[field.name] = value
+            group[field.name].attrs["units"] = _UNITS.get(field.name, "1")
+        else:
+            group.attrs[field.name] = value
+
+
+def _read(group: "h5py.Group", record: type[Record]) -> Record:
+    values: dict[str, Any] = {name: data[()] for name, data in group.items()}
+    for name, value in group.attrs.items():
+        plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+        values[name] = tuple(plain) if isinstance(plain, list) else plain
+    return record(**{field.name: values[field.name] for field in fields(record)})

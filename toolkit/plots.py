@@ -1,0 +1,103 @@
+"""Pictures: functions that take matplotlib axes and return them. Lengths are in the unit of the thresholds."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toolkit.results import Result, ThresholdCurve
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
+_BARS = 41  # as many error bars as a picture can show apart
+
+
+def plot(result: Result, axes: Any = None) -> Any:
+    """F(X) from every solver, and P_c(x) beside it, on a pair of axes; made with pyplot where none are given."""
+    if axes is None:
+        from matplotlib import pyplot
+
+        _, axes = pyplot.subplots(1, 2, figsize=(10, 4), width_ratios=(2.2, 1), layout="constrained")
+    plot_force(axes[0], result)
+    plot_density(axes[1], result.thresholds)
+    return axes
+
+
+def plot_force(axes: "Axes", result: Result) -> "Axes":
+    """F/(N_c<k>) against X: the master equation as a line, the ensemble as error bars of one standard error over it."""
+    if result.master is not None:
+        axes.plot(result.master.path, result.master.force, color=_INK["master"], lw=1.4, label="master equation")
+    if result.eq is not None:
+        eq = result.eq
+        shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
+        axes.errorbar(
+            eq.path[shown],
+            eq.force[shown],
+            yerr=eq.force_standard_error[shown],
+            fmt="o",
+            ms=3,
+            capsize=2,
+            lw=1,
+            color=_INK["eq"],
+            label="EQ ensemble, ±1 standard error",
+        )
+    axes.set(xlabel="slider position $X$", ylabel=r"force $F/(N_c\langle k\rangle)$", title=result.title or result.name)
+    axes.legend()
+    return axes
+
+
+def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
+    """P_c(x), with exact single values as lines as high as their weight."""
+    finite = np.isfinite(curve.density)
+    if curve.density[finite].any():
+        axes.fill_between(curve.x[finite], curve.density[finite], color=_INK["thresholds"], alpha=0.25, lw=0)
+        axes.plot(curve.x[finite], curve.density[finite], color=_INK["thresholds"], lw=1.2)
+    if curve.atoms.size:
+        axes.vlines(curve.atoms, 0.0, curve.atom_weights, color=_INK["thresholds"], lw=2, label="weight at one value")
+        axes.legend()
+    axes.set(xlabel="threshold $x$", ylabel="$P_c(x)$", title="thresholds", xlim=_reach(curve), ylim=(0, None))
+    return axes
+
+
+def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
+    """S(x), the probability that a threshold exceeds x."""
+    axes.plot(curve.x, curve.survival, color=_INK["thresholds"], lw=1.2)
+    axes.set(xlabel="threshold $x$", ylabel="$S(x)$", title="survival", xlim=_reach(curve), ylim=(0, 1.05))
+    return axes
+
+
+def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
+    """P_c(x)/S(x), the rate of breaking per length at stretch x, where S > 0."""
+    shown = (curve.survival > 0.0) & np.isfinite(curve.density)
+    axes.plot(curve.x[shown], curve.density[shown] / curve.survival[shown], color=_INK["thresholds"], lw=1.2)
+    axes.set(xlabel="stretch $x$", ylabel="$P_c(x)/S(x)$", title="hazard", xlim=_reach(curve), ylim=(0, None))
+    return axes
+
+
+def _reach(curve: ThresholdCurve) -> tuple[float, float]:
+    """From 0 to a little beyond all but a thousandth of the thresholds."""
+    return 0.0, 1.1 * float(curve.x[curve.survival > 1e-3].max())
+
+
+def save_picture(result: Result, path: Path) -> None:
+    """The picture of a run as a PNG, on a figure of its own: the session's backend is not touched."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 4), layout="constrained")
+    plot(result, figure.subplots(1, 2, width_ratios=(2.2, 1)))
+    figure.savefig(path, dpi=150, format="png")
+
+
+def save_thresholds_picture(curve: ThresholdCurve, title: str, path: Path) -> None:
+    """P_c, survival and hazard side by side as a PNG."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 3.6), layout="constrained")
+    axes = figure.subplots(1, 3)
+    plot_density(axes[0], curve)
+    plot_survival(axes[1], curve)
+    plot_hazard(axes[2], curve)
+    figure.suptitle(title)
+    figure.savefig(path, dpi=150, format="png")

@@ -1,0 +1,101 @@
+"""Ranks at work together: their communicator, what one does for all, and one end for all of them."""
+
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from origins.errors import InputError
+from toolkit.launch import Launch
+
+T = TypeVar("T")
+
+_PATIENCE = 5.0  # seconds to wait for the other ranks to fail alike
+
+
+def communicator(launch: Launch) -> Any:
+    """mpi4py's COMM_WORLD, or None for a lone process, which never imports mpi4py.
+
+    Raises InputError where the ranks could not work together: N lone runs of one scene are never wanted.
+    """
+    if launch.size == 1:
+        return None
+    try:
+        from mpi4py import MPI
+    except (ImportError, RuntimeError) as error:
+        raise InputError(
+            f"mpirun: started {launch.size} ranks, but mpi4py cannot be imported ({error}); install "
+            "mesofriction[mpi], or run without mpirun"
+        ) from error
+    if MPI.COMM_WORLD.Get_size() < launch.size:
+        raise InputError(
+            f"mpirun: started {launch.size} ranks, but mpi4py's MPI connects {MPI.COMM_WORLD.Get_size()}; use the "
+            "mpirun that belongs to mpi4py's MPI, or build mpi4py against this one"
+        )
+    return MPI.COMM_WORLD
+
+
+def on_root(comm: Any, work: Callable[[], T]) -> T:
+    """What `work` returns on rank 0, on every rank; its InputError is raised on every rank too."""
+    if comm is None or comm.Get_size() == 1:
+        return work()
+    outcome: tuple[T | None, str | None] = (None, None)
+    if comm.Get_rank() == 0:
+        try:
+            outcome = (work(), None)
+        except InputError as error:
+            outcome = (None, str(error))
+    value, refused = comm.bcast(outcome, root=0)
+    if refused is not None:
+        raise InputError(refused)
+    return value
+
+
+def end_together(work: Callable[[Any], int], launched: Launch) -> int:
+    """Exit status of `work`, called with the communicator of all ranks launched (None: this process alone).
+
+    Bad input is one line and status 2, printed once. Any other exception of one rank ends all ranks.
+    """
+    try:
+        comm = communicator(launched)
+    except InputError as error:
+        if launched.rank == 0:
+            _say(error)
+        return 2
+    if comm is None:
+        try:
+            return work(None)
+        except InputError as error:
+            _say(error)
+            return 2
+    try:
+        return work(comm)
+    except InputError as error:
+        alike = _all_arrive(comm)
+        if not alike or comm.Get_rank() == 0:
+            _say(error)
+        if not alike:
+            comm.Abort(2)
+        return 2
+    except BaseException:
+        # an exception that leaves one rank only would leave the others waiting for ever
+        traceback.print_exc()
+        sys.stderr.flush()
+        comm.Abort(1)
+        raise
+
+
+def _say(error: InputError) -> None:
+    print(f"mesofriction: {error}", file=sys.stderr, flush=True)
+
+
+def _all_arrive(comm: Any) -> bool:
+    """Whether every rank calls this within a few seconds."""
+    request = comm.Ibarrier()
+    deadline = time.monotonic() + _PATIENCE
+    while not request.Test():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.001)
+    return True

@@ -1,0 +1,128 @@
+"""What the toolkit needs of a solver's result, and what it keeps of a whole run.
+
+The solvers' results share no base class: whatever has these attributes will do, a record read back from a file too.
+"""
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.thresholds import Thresholds
+from toolkit.scene import SceneTable, read_table
+
+Array = npt.NDArray[np.float64]
+
+
+class Curve(Protocol):
+    """A force over a path: `path`, `force` (n,) lengths, `holding` (n,) the fraction of contacts that hold."""
+
+    @property
+    def path(self) -> Array: ...
+    @property
+    def force(self) -> Array: ...
+    @property
+    def holding(self) -> Array: ...
+    @property
+    def run_time(self) -> float: ...
+
+
+class Solved(Curve, Protocol):
+    """The master equation's answer; `force_error` is relative to the mean threshold."""
+
+    @property
+    def force_error(self) -> float: ...
+    @property
+    def success(self) -> bool: ...
+    @property
+    def message(self) -> str: ...
+
+
+class Simulated(Curve, Protocol):
+    """The ensemble's answer; `force_standard_error` (n,) is a length, times are in seconds."""
+
+    @property
+    def force_standard_error(self) -> Array: ...
+    @property
+    def breaks(self) -> int: ...
+    @property
+    def breaks_per_rank(self) -> Sequence[int]: ...
+    @property
+    def compile_time(self) -> float: ...
+
+
+@dataclass(frozen=True)
+class SolvedRecord:
+    """A master equation's answer read back from a file."""
+
+    path: Array
+    force: Array
+    holding: Array
+    force_error: float
+    run_time: float
+    success: bool
+    message: str
+
+
+@dataclass(frozen=True)
+class SimulatedRecord:
+    """An ensemble's answer read back from a file."""
+
+    path: Array
+    force: Array
+    holding: Array
+    force_standard_error: Array
+    breaks: int
+    breaks_per_rank: tuple[int, ...]
+    run_time: float
+    compile_time: float
+
+
+@dataclass(frozen=True)
+class ThresholdCurve:
+    """P_c(x) sampled for a picture: `x`, `density`, `survival` of shape (m,), and the law's exact single values."""
+
+    x: Array
+    density: Array
+    survival: Array
+    atoms: Array
+    atom_weights: Array
+
+
+@dataclass(frozen=True)
+class Result:
+    """A run of a scene: its TOML `text`, the thresholds, and an answer per solver; None where not asked for."""
+
+    name: str
+    title: str
+    text: str
+    version: str
+    mean_threshold: float
+    thresholds: ThresholdCurve
+    master: Solved | None
+    eq: Simulated | None
+
+    @property
+    def asked(self) -> SceneTable:
+        """The scene's tables, defaults filled in."""
+        return read_table(tomllib.loads(self.text))
+
+    @property
+    def success(self) -> bool:
+        """Whether every solver reached what was asked of it."""
+        return self.master is None or self.master.success
+
+
+def sample_curve(thresholds: Thresholds, points: int = 400) -> ThresholdCurve:
+    """P_c(x) where its weight lies: quantiles down to 1e-6 on either side, an even grid, both sides of each jump."""
+    atoms, weights = thresholds.atoms
+    tail = np.geomspace(1e-6, 0.5, points // 2)
+    quantiles = np.concatenate([np.atleast_1d(thresholds.ppf(tail)), np.atleast_1d(thresholds.isf(tail))])
+    upper = quantiles.max()
+    jumps = thresholds.breakpoints[thresholds.breakpoints <= upper]
+    even = np.linspace(0.0, 1.05 * upper, points)
+    x = np.unique(np.concatenate([quantiles, even, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
+    return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights)

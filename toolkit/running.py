@@ -1,0 +1,64 @@
+"""Run a scene: each solver it names, and no other."""
+
+from collections.abc import Callable, Mapping
+from os import PathLike
+from typing import Any
+
+import toolkit
+from toolkit import laws
+from toolkit.results import Result, Simulated, Solved, sample_curve
+from toolkit.scene import EqTable, MasterTable, Scene, load_scene
+
+
+def run(
+    scene: Scene | Mapping[str, Any] | str | PathLike[str],
+    comm: Any = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Result:
+    """Solve what the scene asks for.
+
+    Parameters
+    ----------
+    scene : dict, path or name of a shipped scene
+    comm : mpi4py communicator, optional
+        The ensemble's work is shared among its ranks, all of which must call; None: this process alone.
+        Every rank gets the whole result.
+    progress : callable, optional
+        Called as progress(done, total) with the ensemble's blocks.
+
+    Raises InputError for a scene that cannot be run.
+    """
+    scene = load_scene(scene)
+    master = None if scene.master is None else _solve(scene, scene.master)
+    eq = None if scene.eq is None else _simulate(scene, scene.eq, comm, progress)
+    return Result(
+        name=scene.name,
+        title=scene.title,
+        text=scene.text,
+        version=toolkit.__version__,
+        mean_threshold=scene.contacts.mean_threshold,
+        thresholds=sample_curve(scene.contacts.thresholds),
+        master=master,
+        eq=eq,
+    )
+
+
+def _solve(scene: Scene, asked: MasterTable) -> Solved:
+    import master
+
+    with laws.inside("master"):
+        return master.solve(scene.contacts, scene.path, tolerance=asked.tolerance)
+
+
+def _simulate(scene: Scene, asked: EqTable, comm: Any, progress: Callable[[int, int], None] | None) -> Simulated:
+    import eq_model
+
+    with laws.inside("eq"):
+        return eq_model.simulate(
+            scene.contacts,
+            scene.path,
+            n_contacts=asked.contacts,
+            n_replicas=asked.replicas,
+            seed=asked.seed,
+            comm=comm,
+        )

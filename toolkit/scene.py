@@ -1,0 +1,159 @@
+"""Scene files: what is asked for, checked whole before anything runs."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any, get_args
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from origins.contacts import Contacts
+from origins.errors import InputError, positive, refuse, whole
+from toolkit import laws
+from toolkit.toml import to_toml
+
+SHIPPED = Path(__file__).parent / "scenes"
+
+
+class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A table of the scene file: its fields are the keys it may hold."""
+
+
+class ContactsTable(Table, frozen=True):
+    thresholds: dict[str, Any]
+    start: dict[str, Any] | None = None
+
+
+class DriveTable(Table, frozen=True):
+    to: float
+    points: int
+
+
+class MasterTable(Table, frozen=True):
+    tolerance: float = 1e-8
+
+
+class EqTable(Table, frozen=True):
+    contacts: int = 100_000
+    replicas: int = 16
+    seed: int = 1
+
+
+class SceneTable(Table, frozen=True):
+    contacts: ContactsTable
+    drive: DriveTable
+    title: str = ""
+    master: MasterTable | None = None
+    eq: EqTable | None = None
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A checked scene.
+
+    `text` is the TOML it came from, `path` the slider's positions (n,), lengths in the unit of the thresholds;
+    `master` and `eq` are None where that solver is not asked for.
+    """
+
+    name: str
+    title: str
+    text: str
+    contacts: Contacts
+    path: npt.NDArray[np.float64]
+    master: MasterTable | None
+    eq: EqTable | None
+
+
+def shipped_scenes() -> list[str]:
+    """Names of the scenes that come with the package."""
+    return sorted(file.stem for file in SHIPPED.glob("*.toml"))
+
+
+def load_scene(scene: "Scene | Mapping[str, Any] | str | PathLike[str]") -> Scene:
+    """The scene of a dict, of a scene file, or of a shipped scene's name.
+
+    Raises InputError with the path of the bad key, such as ``contacts.thresholds.std = -1.0: must be above zero``.
+    """
+    if isinstance(scene, Scene):
+        return scene
+    if isinstance(scene, Mapping):
+        text = to_toml(scene)
+        return _checked("scene", text, tomllib.loads(text))
+    file = _find(scene)
+    try:
+        text = file.read_text(encoding="utf-8")
+        tables = tomllib.loads(text)
+    except OSError as error:
+        raise InputError(f"scene = {str(scene)!r}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"scene = {str(scene)!r}: is not TOML: {error}") from error
+    return _checked(file.stem, text, tables)
+
+
+def _find(scene: object) -> Path:
+    if not isinstance(scene, str | PathLike):
+        refuse("scene", scene, "must be a dict, a scene file or the name of a shipped scene")
+    if isinstance(scene, str) and scene in shipped_scenes():
+        return SHIPPED / f"{scene}.toml"
+    file = Path(scene)
+    if not file.is_file():
+        refuse("scene", str(scene), f"no such file, and no shipped scene: those are {', '.join(shipped_scenes())}")
+    return file
+
+
+def _checked(name: str, text: str, tables: Mapping[str, Any]) -> Scene:
+    table = read_table(tables)
+    if table.master is None and table.eq is None:
+        raise InputError("scene: has neither [master] nor [eq], so nothing would be computed; add one of them")
+    to = positive("drive.to", table.drive.to)
+    points = whole("drive.points", table.drive.points, least=2)
+    if table.master is not None:
+        positive("master.tolerance", table.master.tolerance)
+    if table.eq is not None:
+        whole("eq.contacts", table.eq.contacts, least=1)
+        whole("eq.replicas", table.eq.replicas, least=1)
+        whole("eq.seed", table.eq.seed, least=0)
+    thresholds = laws.build(laws.THRESHOLDS, table.contacts.thresholds, "contacts.thresholds")
+    start = table.contacts.start
+    start_law = None if start is None else laws.build(laws.START, start, "contacts.start")
+    with laws.inside("contacts"):
+        contacts = Contacts(thresholds=thresholds, start=start_law)
+    return Scene(name, table.title, text, contacts, np.linspace(0.0, to, points), table.master, table.eq)
+
+
+def read_table(tables: Mapping[str, Any]) -> SceneTable:
+    """The tables with their types checked and defaults filled in. Raises InputError."""
+    try:
+        return msgspec.convert(tables, SceneTable)
+    except msgspec.ValidationError as error:
+        raise InputError(_explain(str(error), tables)) from error
+
+
+def _explain(message: str, tables: Mapping[str, Any]) -> str:
+    """msgspec's message, which ends in the place as `$.drive.to`, as one line in house style."""
+    rule, _, place = message.partition(" - at ")
+    keys = [key for key in place.strip("`").split(".")[1:] if key]
+    value, kind = tables, SceneTable
+    for key in keys:
+        value = value[key]
+        kind = _field_type(kind, key)
+    unknown = re.match(r"Object contains unknown field `(.*)`", rule)
+    missing = re.match(r"Object missing required field `(.*)`", rule)
+    if unknown:
+        key = unknown[1]
+        known = ", ".join(kind.__struct_fields__)
+        return f"{'.'.join([*keys, key])} = {value[key]!r}: unknown key; known here: {known}"
+    if missing:
+        return f"{'.'.join([*keys, missing[1]])}: is missing"
+    return f"{'.'.join(keys)} = {value!r}: {rule[0].lower()}{rule[1:]}"
+
+
+def _field_type(kind: Any, key: str) -> Any:
+    """The table, or the type, that `key` of table `kind` holds; of `Table | None` the table."""
+    types = {field.name: field.type for field in msgspec.structs.fields(kind)}
+    return next((one for one in get_args(types[key]) if isinstance(one, type) and issubclass(one, Table)), types[key])
