@@ -21,7 +21,8 @@ class Powered(Thresholds):
         return self.scale * np.asarray(y, dtype=float) ** self.exponent
 
     def _back(self, x: Array) -> Array:
-        return (x / self.scale) ** (1.0 / self.exponent)
+        with np.errstate(over="ignore"):
+            return (x / self.scale) ** (1.0 / self.exponent)
 
     def support(self) -> tuple[float, float]:
         lower, upper = self._forward(np.array(self.base.support()))
@@ -37,12 +38,23 @@ class Powered(Thresholds):
         return self._forward(positions), weights
 
     def _pdf(self, x: Array) -> Array:
-        y = self._back(x)
-        return self.base.pdf(y) * (y / x) / self.exponent
+        with np.errstate(divide="ignore", invalid="ignore"):
+            density = self.base.pdf(self._back(x)) * np.exp(self._log_slope(x))
+        return np.where(x == 0.0, self._at_zero(), density)
 
     def _logpdf(self, x: Array) -> Array:
-        y = self._back(x)
-        return self.base.logpdf(y) + np.log(y / x) - np.log(self.exponent)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(x == 0.0, np.log(self._at_zero()), self.base.logpdf(self._back(x)) + self._log_slope(x))
+
+    def _log_slope(self, x: Array) -> Array:
+        """log dy/dx."""
+        return (1.0 / self.exponent - 1.0) * np.log(x / self.scale) - np.log(self.exponent * self.scale)
+
+    def _at_zero(self) -> float:
+        if self.support()[0] > 0.0 or self.onset_power > 0.0:
+            return 0.0
+        # a density that begins at a finite value: cdf = density * x
+        return 1e-30 / float(self.ppf(1e-30)) if self.onset_power == 0.0 else np.inf
 
     def _cdf(self, x: Array) -> Array:
         return self.base.cdf(self._back(x))

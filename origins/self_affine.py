@@ -48,7 +48,9 @@ def self_affine_surface(
     Raises InputError for values outside these, for a short_cutoff below two pixels and where no mode is left.
     """
     amplitude = mode_amplitudes(shape, pixel_size, hurst, rms_slope, long_cutoff, short_cutoff)
-    generator = np.random.Generator(np.random.Philox(key=whole("seed", seed, 0)))
+    if whole("seed", seed, 0) >= 2**64:
+        refuse("seed", seed, "must be below 2**64")
+    generator = np.random.Generator(np.random.Philox(key=seed))
     noise = np.fft.rfft2(generator.standard_normal(shape))
     return np.fft.irfft2(amplitude * noise / np.abs(noise), s=shape) * (shape[0] * shape[1])
 

@@ -9,7 +9,6 @@ from origins.topography import Array, Topography, as_topography, detrended
 
 _LEAST_USED = 0.5
 _BANDWIDTH_LIMIT = 0.8968  # below it McCool's summit variance is negative
-_LEAST_STEP_POINTS = 2
 
 
 @dataclass(frozen=True)
@@ -43,6 +42,13 @@ class SpectralMoments:
     pixel_size: tuple[float, float]
     missing_fraction: float
     used_fraction: float
+
+    def __post_init__(self) -> None:
+        if not self.bandwidth > _BANDWIDTH_LIMIT:
+            raise InputError(
+                f"heights: alpha = m0 m4/m2² is {self.bandwidth:.4g}, and a Gaussian surface has at least 1.5; remove "
+                "less trend or use a larger scan"
+            )
 
     @property
     def m2(self) -> float:
@@ -123,8 +129,9 @@ def spectral_moments(
     if periodic and detrend != "centre":
         refuse("detrend", detrend, 'a periodic surface has neither tilt nor curvature; write detrend="centre"')
     step = whole("step", step, 1)
-    if min(surface.heights.shape) < _LEAST_STEP_POINTS * step + 1:
-        refuse("step", step, f"the scan of {surface.heights.shape} points needs at least {2 * step + 1} along each axis")
+    least = 2 * step + 1
+    if min(surface.heights.shape) < least:
+        refuse("step", step, f"the scan of {surface.heights.shape} points needs at least {least} along each axis")
     level = detrended(surface, detrend)
     sizes = (step * level.pixel_size[0], step * level.pixel_size[1])
     slopes = _slopes(level, step, periodic)
@@ -134,10 +141,10 @@ def spectral_moments(
         refuse(
             "heights",
             level.heights,
-            f"missing points ({level.missing_fraction:.1%}) leave {used:.1%} of the curvature stencils, less than half; "
-            "fill them in or cut out a part that is whole",
+            f"missing points ({level.missing_fraction:.1%}) leave {used:.1%} of the curvature stencils, less than "
+            "half; fill them in or cut out a part that is whole",
         )
-    moments = SpectralMoments(
+    return SpectralMoments(
         m0=float(np.nanmean(level.heights**2)),
         m2_axes=(_mean_square(slopes[0], sizes[0]), _mean_square(slopes[1], sizes[1])),
         m4_axes=(_mean_square(curvatures[0], sizes[0] ** 2), _mean_square(curvatures[1], sizes[1] ** 2)),
@@ -146,12 +153,6 @@ def spectral_moments(
         missing_fraction=level.missing_fraction,
         used_fraction=used,
     )
-    if not moments.bandwidth > _BANDWIDTH_LIMIT:
-        raise InputError(
-            f"heights: alpha = m0 m4/m2² is {moments.bandwidth:.4g}, and a Gaussian surface has at least 1.5; remove less "
-            "trend or use a larger scan"
-        )
-    return moments
 
 
 def _mean_square(differences: Array, unit: float) -> float:

@@ -58,10 +58,12 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
             refuse("pixel_size", pixel_size, "the topography object has its own; leave it out")
         scale = _metres(getattr(heights, "unit", None))
         values = _height_array(heights.heights()) * scale  # type: ignore[attr-defined]
-        sizes = getattr(heights, "pixel_size", None)
-        if sizes is None:
-            refuse("heights.pixel_size", sizes, "open the scan with its physical_sizes given")
-        dx, dy = (float(size) * scale for size in np.atleast_1d(sizes))
+        if getattr(heights, "physical_sizes", True) is None or not hasattr(heights, "pixel_size"):
+            refuse("heights.pixel_size", None, "open the scan with its physical_sizes given")
+        sizes = np.atleast_1d(heights.pixel_size)
+        if sizes.shape != (2,):
+            refuse("heights.pixel_size", sizes, "must be a pair (dx, dy)")
+        dx, dy = (float(size) * scale for size in sizes)
         return Topography(values, (positive("heights.pixel_size[0]", dx), positive("heights.pixel_size[1]", dy)))
     values = _height_array(heights)
     if pixel_size is None:
@@ -105,13 +107,13 @@ def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
     coefficients = np.linalg.lstsq(basis, (heights[there] - middle) / (span or 1.0), rcond=None)[0]
     left = heights - middle - span * np.tensordot(coefficients, np.stack(terms), axes=1)
     if not float(np.nanstd(left)) > _ROUND_OFF * largest:
-        refuse("heights", heights, f'nothing is left after removing the {detrend}: a flat surface has no asperities')
+        refuse("heights", heights, f"nothing is left after removing the {detrend}: a flat surface has no asperities")
     return Topography(left, surface.pixel_size)
 
 
 def _height_array(heights: object) -> Array:
     try:
-        values = np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan)
+        values: Array = np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan)
     except (TypeError, ValueError):
         refuse("heights", heights, "must be a two-dimensional array of heights in metres")
     if values.ndim != 2 or min(values.shape) < 3:

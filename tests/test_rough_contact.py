@@ -1,0 +1,380 @@
+"""From moments to thresholds: each contact model and threshold law against a second road."""
+
+import itertools
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import log_ndtr
+
+import origins
+from origins.greenwood_williamson import (
+    GaussianSummits,
+    critical_compression,
+    log_height_integral,
+    separation_of_load,
+)
+from origins.rough_contact import thresholds_of_moments
+from origins.spectral_moments import SpectralMoments
+from origins.weibull import Weibull
+
+MOMENTS = SpectralMoments(
+    m0=4e-14,
+    m2_axes=(0.004, 0.003),
+    m4_axes=(2e9, 3e9),
+    step=1,
+    pixel_size=(2e-6, 3e-6),
+    missing_fraction=0.0,
+    used_fraction=1.0,
+)
+E_STAR, MU, G, H, TAU, C = 3e9, 0.4, 1.1e9, 2.5e8, 6e7, 2e10
+MATERIAL = origins.Material(
+    contact_modulus=E_STAR, local_friction=MU, shear_modulus=G, hardness=H, shear_strength=TAU, force_coefficient=C
+)
+PATCH = 5e-12
+
+
+def mp_integral(order: float, z: float) -> mpmath.mpf:
+    """By the parabolic cylinder function: Gamma(n+1) e^(-z²/4) D_{-n-1}(z)/(2 pi)^(1/2)."""
+    mpmath.mp.dps = 40
+    n, z = mpmath.mpf(order), mpmath.mpf(z)
+    return mpmath.gamma(n + 1) * mpmath.exp(-z * z / 4) * mpmath.pcfd(-n - 1, z) / mpmath.sqrt(2 * mpmath.pi)
+
+
+@pytest.mark.parametrize("z", [-20.0, -3.0, 0.0, 1.3, 5.0, 20.0, 37.0])
+@pytest.mark.parametrize("order", [0.0, 0.5, 0.75, 1.0, 1.5, 3.0])
+def test_height_integrals_against_mpmath(order: float, z: float) -> None:
+    exact = mpmath.log(mp_integral(order, z))
+    assert log_height_integral(order, z) == pytest.approx(float(exact), rel=1e-13, abs=2e-13)
+
+
+@pytest.mark.parametrize("z", [-40.0, -3.0, 0.0, 7.0, 40.0, 200.0])
+def test_height_integral_of_order_zero_is_the_normal_tail(z: float) -> None:
+    assert log_height_integral(0.0, z) == pytest.approx(float(log_ndtr(-z)), rel=1e-13, abs=1e-13)
+
+
+@pytest.mark.parametrize("z", [-20.0, -3.0, 0.0, 0.7, 5.0, 20.0, 37.0])
+def test_separation_comes_back_from_the_load(z: float) -> None:
+    log_load = float(mpmath.log(mp_integral(1.5, z)))
+    assert separation_of_load(log_load) == pytest.approx(z, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("z", [-3.0, 0.0, 2.0, 20.0, 40.0])
+@pytest.mark.parametrize("exponent", [0.5, 0.75, 1.0])
+def test_gaussian_summits_against_mpmath(z: float, exponent: float) -> None:
+    std, scale = 2e-8, 3.0 * (2e-8) ** (1.0 - exponent)
+    law = GaussianSummits(z, std, scale, exponent)
+    mpmath.mp.dps = 40
+    touching = mpmath.ncdf(-z)
+    for t in (1e-6, 1e-3, 0.1, 1.0, 5.0, 20.0):
+        height = mpmath.mpf(t) / max(z, 1.0)
+        x = float(scale * (std * height) ** exponent)
+        height = (mpmath.mpf(x) / scale) ** (1 / mpmath.mpf(exponent)) / std
+        survival = mpmath.ncdf(-(z + height)) / touching
+        density = mpmath.npdf(z + height) / touching * height / (exponent * x)
+        assert float(law.sf(x)) == pytest.approx(float(survival), rel=2e-12, abs=0.0)
+        assert float(law.pdf(x)) == pytest.approx(float(density), rel=2e-12, abs=0.0)
+        assert float(law.cdf(x)) == pytest.approx(float(1 - survival), rel=1e-11, abs=0.0)
+        assert float(law.logsf(x)) == pytest.approx(float(mpmath.log(survival)), rel=1e-10)
+    q = np.array([1e-12, 1e-6, 0.01, 0.5, 0.99])
+    assert law.cdf(law.ppf(q)) == pytest.approx(q, rel=1e-10)
+    assert law.sf(law.isf(q)) == pytest.approx(q, rel=1e-10)
+    # the moments are quadratures over heights; the panels of the base class integrate x^n P_c
+    for n in (1, 2, 3):
+        assert law.moment(n) == pytest.approx(super(GaussianSummits, law)._moment(n), rel=1e-10)
+    assert law.onset_power == pytest.approx(1.0 / exponent - 1.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("exponent", [0.5, 0.75, 1.0])
+def test_light_loads_tend_to_exponential_heights(exponent: float) -> None:
+    far = []
+    for z in (10.0, 20.0, 40.0):
+        limit = Weibull(1.0 / exponent, z, 1.0 / exponent - 1.0)
+        x = limit.isf(np.array([0.9, 0.5, 0.1, 0.01]))
+        far.append(np.abs(GaussianSummits(z, 1.0, 1.0, exponent).sf(x) - limit.sf(x)).max())
+    orders = np.log2(np.array(far[:-1]) / far[1:])
+    assert np.abs(orders - 2.0).max() < 0.05 and far[-1] < 1e-3
+
+
+def hertz(law: str, delta: float, radius: float) -> tuple[float, float, float]:
+    """(load, area, threshold) of one summit, written out; stiffness is f_s/x_s."""
+    load, area = 4.0 / 3.0 * E_STAR * np.sqrt(radius) * delta**1.5, np.pi * radius * delta
+    if law == "amontons":
+        return load, area, MU * load / (G * np.sqrt(area))
+    if law == "strength":
+        return load, area, TAU * area / (G * np.sqrt(area))
+    return load, area, np.sqrt(MU * load / C)
+
+
+@pytest.mark.parametrize("law", ["paper", "amontons", "strength"])
+@pytest.mark.parametrize("height_law", ["gaussian", "exponential"])
+@pytest.mark.parametrize("pressure", [1.0, 1e5, 5e6])
+def test_summits_against_sums_over_heights(law: str, height_law: str, pressure: float) -> None:
+    found = thresholds_of_moments(
+        MOMENTS, model="gw", law=law, material=MATERIAL, pressure=pressure, height_law=height_law
+    )
+    i = found.interface
+    assert i is not None and i.separation is not None
+    std, radius = MOMENTS.summit_std, MOMENTS.summit_radius
+
+    def per_area(function) -> float:  # type: ignore[no-untyped-def]
+        if height_law == "gaussian":
+            density = lambda h: np.exp(-0.5 * (h / std) ** 2) / (std * np.sqrt(2 * np.pi))  # noqa: E731
+        else:
+            density = lambda h: np.exp(-h / std) / std if h >= 0 else 0.0  # noqa: E731
+        step = std / max(i.separation / std, 1.0) if height_law == "gaussian" else std
+        parts = (
+            quad(lambda d: function(d) * density(i.separation + d), a, b, epsabs=0.0, epsrel=1e-12, limit=200)[0]
+            for a, b in ((0.0, step), (step, 8 * step), (8 * step, 60 * step))
+        )
+        return MOMENTS.summit_density * sum(parts)
+
+    threshold = lambda d: hertz(law, d, radius)[2]  # noqa: E731
+    number = per_area(lambda d: 1.0)
+    assert per_area(lambda d: hertz(law, d, radius)[0]) == pytest.approx(pressure, rel=1e-9)
+    assert i.contact_density == pytest.approx(number, rel=1e-9)
+    assert i.area_fraction == pytest.approx(per_area(lambda d: hertz(law, d, radius)[1]), rel=1e-9)
+    assert found.mean() == pytest.approx(per_area(threshold) / number, rel=1e-9)
+    assert found.moment(2) == pytest.approx(per_area(lambda d: threshold(d) ** 2) / number, rel=1e-9)
+
+    def strength(d: float) -> float:
+        load, area, _ = hertz(law, d, radius)
+        return TAU * area if law == "strength" else MU * load
+
+    stiffness = per_area(lambda d: strength(d) / threshold(d) if d > 0 else 0.0) / number
+    assert i.mean_stiffness == pytest.approx(stiffness, rel=1e-8)
+    kinetic = number * stiffness * found.moment(2) / (2 * found.mean())
+    assert i.friction_coefficient == pytest.approx(kinetic / pressure, rel=1e-8)
+    for d in (0.05 * std, 0.3 * std, std):
+        beyond = (
+            MOMENTS.summit_density
+            * quad(
+                lambda h: (
+                    np.exp(-0.5 * h * h) / np.sqrt(2 * np.pi) if height_law == "gaussian" else np.exp(-h) * (h > 0)
+                ),
+                (i.separation + d) / std,
+                (i.separation + d) / std + 40,
+                epsabs=0.0,
+                epsrel=1e-12,
+                points=[(i.separation + d) / std + s for s in (1e-2, 0.1, 1.0)],
+            )[0]
+        )
+        assert float(found.sf(threshold(d))) == pytest.approx(beyond / number, rel=1e-8)
+    # plastic where the elastic load exceeds what the hardness bears over the plastic area, pi r delta H
+    limit = critical_compression(radius, E_STAR, H)
+    assert hertz(law, limit, radius)[0] == pytest.approx(np.pi * radius * limit * H, rel=1e-12)
+    assert i.plastic_fraction == pytest.approx(float(found.sf(threshold(limit))), rel=1e-12)
+    assert i.plasticity_index == pytest.approx(E_STAR / (H / 3) * np.sqrt(std / radius), rel=1e-12)
+    assert i.mean_load == pytest.approx(pressure / number, rel=1e-9)
+    assert i.mean_plane_separation == i.separation + MOMENTS.summit_offset
+
+
+def test_exponential_heights_are_the_papers_families_and_know_no_load() -> None:
+    radius, std = MOMENTS.summit_radius, MOMENTS.summit_std
+    x = np.linspace(1e-10, 1e-7, 7)
+    for law, shape in (("paper", 4 / 3), ("amontons", 1.0), ("strength", 2.0)):
+        light, heavy = (
+            thresholds_of_moments(MOMENTS, model="gw", law=law, material=MATERIAL, pressure=p, height_law="exponential")
+            for p in (1.0, 1e6)
+        )
+        assert (light.pdf(x) == heavy.pdf(x)).all() and light.onset_power == pytest.approx(shape - 1.0)
+        one = hertz(law, std, radius)[2]
+        assert light.sf(x) == pytest.approx(np.exp(-((x / one) ** shape)), rel=1e-10)
+
+
+@pytest.mark.parametrize("law", ["paper", "amontons"])
+@pytest.mark.parametrize("pressure", [1e3, 1e7, 1.5e8, 5e8])
+def test_stresses_against_sums_over_the_stress_distribution(law: str, pressure: float) -> None:
+    found = thresholds_of_moments(
+        MOMENTS, model="persson", law=law, material=MATERIAL, pressure=pressure, patch_area=PATCH
+    )
+    i = found.interface
+    assert i is not None
+    width = E_STAR * MOMENTS.rms_slope / np.sqrt(2)
+
+    def density(s: float) -> float:
+        # e^-((s-p)/D)² - e^-((s+p)/D)², its difference by expm1
+        return (
+            np.exp(-(((s - pressure) / width) ** 2))
+            * -np.expm1(-4 * s * pressure / width**2)
+            / (width * np.sqrt(np.pi))
+        )
+
+    def over(function, start: float = 0.0) -> float:  # type: ignore[no-untyped-def]
+        ends = [start, *(e for e in (pressure, pressure + width, pressure + 3 * width) if e > start)]
+        ends.append(pressure + 8 * width + start)
+        pairs = itertools.pairwise(ends)
+        return sum(quad(lambda s: function(s) * density(s), a, b, epsabs=0.0, epsrel=1e-12)[0] for a, b in pairs)
+
+    def threshold(s: float) -> float:
+        force = MU * s * PATCH
+        return force / (G * np.sqrt(PATCH)) if law == "amontons" else np.sqrt(force / C)
+
+    norm = over(lambda s: 1.0)
+    assert i.area_fraction == pytest.approx(norm, rel=1e-9)
+    assert over(lambda s: s) == pytest.approx(pressure, rel=1e-9)
+    assert i.contact_density == pytest.approx(norm / PATCH, rel=1e-9) and i.mean_area == pytest.approx(PATCH)
+    assert found.mean() == pytest.approx(over(threshold) / norm, rel=1e-9)
+    assert found.moment(2) == pytest.approx(over(lambda s: threshold(s) ** 2) / norm, rel=1e-9)
+    for s in (0.2 * width, width, pressure + width):
+        assert float(found.sf(threshold(s))) == pytest.approx(over(lambda t: 1.0, s) / norm, rel=1e-8)
+    stiffness = over(lambda s: MU * s * PATCH / threshold(s) if s > 0 else 0.0) / norm
+    assert i.mean_stiffness == pytest.approx(stiffness, rel=1e-8)
+    kinetic = i.contact_density * stiffness * found.moment(2) / (2 * found.mean())
+    assert i.friction_coefficient == pytest.approx(kinetic / pressure, rel=1e-8)
+    assert i.plastic_fraction == pytest.approx(over(lambda s: 1.0, H) / norm, rel=1e-8)
+    assert found.onset_power == (1.0 if law == "amontons" else 3.0)
+    assert float(found.pdf(0.0)) == 0.0 and found.std() > 0.0
+
+
+@pytest.mark.parametrize(("model", "patch"), [("gw", None), ("persson", PATCH)])
+def test_stiffness_in_step_with_threshold_gives_half_the_sum_of_thresholds(model: str, patch: float | None) -> None:
+    p = 2e5
+    paper = thresholds_of_moments(
+        MOMENTS, model=model, law="paper", material=MATERIAL, pressure=p, patch_area=patch
+    ).interface
+    assert paper is not None and paper.friction_coefficient == pytest.approx(MU / 2, rel=1e-10)
+    strength = thresholds_of_moments(MOMENTS, model="gw", law="strength", material=MATERIAL, pressure=p).interface
+    assert strength is not None
+    assert strength.friction_coefficient == pytest.approx(TAU * strength.area_fraction / (2 * p), rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("model", "law"),
+    [("gw", "paper"), ("gw", "amontons"), ("gw", "strength"), ("persson", "paper"), ("persson", "amontons")],
+)
+def test_lengths_and_moduli_scale(model: str, law: str) -> None:
+    h = origins.self_affine_surface((48, 40), (1e-7, 2e-7), hurst=0.8, rms_slope=0.1, seed=1, short_cutoff=8e-7)
+    constants = {
+        "contact_modulus": E_STAR,
+        "local_friction": MU,
+        "shear_modulus": G,
+        "hardness": H,
+        "shear_strength": TAU,
+        "force_coefficient": C,
+    }
+
+    def made(length: float, modulus: float) -> origins.Thresholds:
+        material = {k: v if k == "local_friction" else v * modulus for k, v in constants.items()}
+        return origins.from_topography(
+            h * length,
+            (1e-7 * length, 2e-7 * length),
+            model=model,
+            law=law,
+            material=origins.Material(**material),
+            pressure=1e5 * modulus,
+            patch_area=PATCH * length**2 if model == "persson" else None,
+        )
+
+    one = made(1.0, 1.0)
+    q = np.array([1e-6, 0.1, 0.5, 0.999])
+    for length, modulus in ((1e-9, 1.0), (1e9, 1.0), (1.0, 1e-3), (1e3, 1e3)):
+        other = made(length, modulus)
+        assert other.isf(q) == pytest.approx(one.isf(q) * length, rel=1e-9)
+        assert other.mean() == pytest.approx(one.mean() * length, rel=1e-9)
+        assert other.std() == pytest.approx(one.std() * length, rel=1e-9)
+        a, b = one.interface, other.interface
+        assert a is not None and b is not None
+        assert b.contact_density == pytest.approx(a.contact_density / length**2, rel=1e-9)
+        assert b.mean_stiffness == pytest.approx(a.mean_stiffness * length * modulus, rel=1e-9)
+        for name in ("area_fraction", "friction_coefficient", "plasticity_index", "plastic_fraction"):
+            assert getattr(b, name) == pytest.approx(getattr(a, name), rel=1e-8)
+
+
+def test_density_and_sound_velocity_are_the_shear_modulus() -> None:
+    by_sound = origins.Material(contact_modulus=E_STAR, local_friction=MU, density=1100.0, sound_velocity=1000.0)
+    found, plain = (
+        thresholds_of_moments(MOMENTS, model="gw", law="amontons", material=m, pressure=1e5)
+        for m in (by_sound, MATERIAL)
+    )
+    assert found.mean() == pytest.approx(plain.mean(), rel=1e-14)
+    assert found.interface is not None and found.interface.plasticity_index is None
+    assert found.interface.plastic_fraction is None
+
+
+def test_patch_area_sets_the_scale_of_thresholds_and_nothing_else() -> None:
+    small, large = (
+        thresholds_of_moments(
+            MOMENTS, model="persson", law="amontons", material=MATERIAL, pressure=1e5, patch_area=PATCH * f
+        )
+        for f in (1.0, 4.0)
+    )
+    assert large.mean() == pytest.approx(2.0 * small.mean(), rel=1e-12)
+    a, b = small.interface, large.interface
+    assert a is not None and b is not None
+    assert b.contact_density == pytest.approx(a.contact_density / 4.0, rel=1e-12)
+    assert b.friction_coefficient == pytest.approx(a.friction_coefficient, rel=1e-12)
+
+
+def test_resolution_study_is_the_same_call_at_each_step() -> None:
+    h = origins.self_affine_surface((96, 80), 1e-7, hurst=0.7, rms_slope=0.1, seed=2)
+    options = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5, "detrend": "tilt"}
+    study = origins.resolution_study(h, 1e-7, factors=(1, 2, 4), **options)
+    for step, found in zip((1, 2, 4), study, strict=True):
+        alone = origins.from_topography(h, 1e-7, step=step, **options)
+        assert found.interface == alone.interface and found.mean() == alone.mean()
+        assert found.interface is not None
+        assert found.interface.moments == origins.spectral_moments(h, 1e-7, detrend="tilt", step=step)
+    m4 = [t.interface.moments.m4 for t in study if t.interface]
+    assert m4[0] > 2 * m4[1] > 4 * m4[2]
+
+
+GOOD = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"model": "hertz"}, "model = 'hertz'"),
+        ({"law": "coulomb"}, "law = 'coulomb'"),
+        ({"material": {"E": 1.0}}, "material = {'E': 1.0}"),
+        ({"pressure": 0.0}, "pressure = 0.0"),
+        ({"pressure": np.nan}, "pressure = nan"),
+        ({"pressure": 1e9}, 'model="persson"'),
+        ({"pressure": 1e9, "height_law": "exponential"}, "bear at most"),
+        ({"height_law": "flat"}, "height_law = 'flat'"),
+        ({"patch_area": 1e-12}, "patch_area = 1e-12"),
+        ({"model": "persson"}, "patch_area = None"),
+        ({"model": "persson", "patch_area": -1.0}, "patch_area = -1.0"),
+        ({"model": "persson", "patch_area": 1e-12, "height_law": "exponential"}, "height_law"),
+        ({"model": "persson", "patch_area": 1e-12, "law": "strength"}, "model='gw'"),
+        ({"material": origins.Material(contact_modulus=1e9)}, "material.local_friction = None"),
+        ({"material": origins.Material(contact_modulus=1e9, local_friction=0.3)}, "material.shear_modulus = None"),
+        (
+            {"material": origins.Material(contact_modulus=1e9, local_friction=0.3), "law": "paper"},
+            "material.force_coefficient = None",
+        ),
+        (
+            {"material": origins.Material(contact_modulus=1e9, shear_modulus=1e9), "law": "strength"},
+            "material.shear_strength = None",
+        ),
+    ],
+)
+def test_what_has_no_meaning_is_refused_in_one_line(change: dict, says: str) -> None:
+    with pytest.raises(origins.InputError) as caught:
+        thresholds_of_moments(MOMENTS, **{**GOOD, **change})
+    assert says in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("constants", "says"),
+    [
+        ({"contact_modulus": -1.0}, "contact_modulus = -1.0"),
+        ({"contact_modulus": 1.0, "hardness": 0.0}, "hardness = 0.0"),
+        ({"contact_modulus": 1.0, "shear_modulus": 1.0, "density": 1.0, "sound_velocity": 1.0}, "given twice"),
+        ({"contact_modulus": 1.0, "density": 1.0}, "sound_velocity = None"),
+        ({"contact_modulus": 1.0, "local_friction": np.inf}, "local_friction = inf"),
+    ],
+)
+def test_bad_materials_are_refused_in_one_line(constants: dict, says: str) -> None:
+    with pytest.raises(origins.InputError) as caught:
+        origins.Material(**constants)
+    assert says in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("options", [{"factors": ()}, {"factors": (0,)}, {"factors": 2}, {"step": 2}])
+def test_bad_resolution_studies_are_refused(options: dict) -> None:
+    h = origins.self_affine_surface((32, 32), 1e-7, hurst=0.8, rms_slope=0.1, seed=1)
+    with pytest.raises(origins.InputError, match=r"factors"):
+        origins.resolution_study(h, 1e-7, **GOOD, **options)

@@ -1,0 +1,101 @@
+"""The generated surface: its slope is what was asked for, exactly, whatever the seed."""
+
+import numpy as np
+import pytest
+
+import origins
+from origins.self_affine import difference_moments
+
+CASES = [
+    ((64, 64), 1.0, {"hurst": 0.8}),
+    ((63, 48), (1.0, 2.5), {"hurst": 0.5, "short_cutoff": 9.0}),
+    ((40, 57), (3e-8, 2e-8), {"hurst": 1.0, "long_cutoff": 6e-7, "short_cutoff": 1e-7}),
+]
+
+
+def modes(h: np.ndarray, dx: float, dy: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """|a_q|², q_x, q_y over the full plane, off the heights alone."""
+    power = np.abs(np.fft.fft2(h) / h.size) ** 2
+    q_x, q_y = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(h.shape, (dx, dy), strict=True))
+    return power, *np.meshgrid(q_x, q_y, indexing="ij")
+
+
+@pytest.mark.parametrize(("shape", "pixel_size", "options"), CASES)
+@pytest.mark.parametrize("seed", [0, 7])
+def test_slope_is_exact_in_fourier_space_and_by_differences(shape, pixel_size, options, seed) -> None:  # type: ignore[no-untyped-def]
+    h = origins.self_affine_surface(shape, pixel_size, rms_slope=0.13, seed=seed, **options)
+    dx, dy = pixel_size if isinstance(pixel_size, tuple) else (pixel_size, pixel_size)
+    power, q_x, q_y = modes(h, dx, dy)
+    assert h.shape == shape and abs(h.mean()) < 1e-12 * h.std()
+    assert np.sqrt((power * (q_x**2 + q_y**2)).sum()) == pytest.approx(0.13, rel=1e-12)
+    moments = origins.spectral_moments(h, pixel_size, detrend="centre", periodic=True)
+    m0, m2, m4 = difference_moments(shape, pixel_size, rms_slope=0.13, **options)
+    assert (moments.m0, moments.m2, moments.m4) == pytest.approx((m0, m2, m4), rel=1e-11)
+    # the same from the heights' own modes, with the transfer factor written as a sinc of each
+    seen_x, seen_y = q_x * np.sinc(q_x * dx / (2 * np.pi)), q_y * np.sinc(q_y * dy / (2 * np.pi))
+    assert m2 == pytest.approx(0.5 * (power * (seen_x**2 + seen_y**2)).sum(), rel=1e-11)
+    assert m4 == pytest.approx(0.5 * (power * (seen_x**4 + seen_y**4)).sum(), rel=1e-11)
+
+
+def test_spectrum_is_flat_then_a_power_then_nothing() -> None:
+    n, hurst, longest, shortest = 128, 0.7, 40.0, 5.0
+    h = origins.self_affine_surface(
+        (n, n), 1.0, hurst=hurst, rms_slope=0.2, seed=3, long_cutoff=longest, short_cutoff=shortest
+    )
+    power, q_x, q_y = modes(h, 1.0, 1.0)
+    q = np.hypot(q_x, q_y)
+    low, high = 2 * np.pi / longest, 2 * np.pi / shortest
+    shape = np.where((q > 0) & (q <= high), np.maximum(q, low) ** (-2 - 2 * hurst), 0.0)
+    constant = 0.2**2 / (shape * q**2).sum()
+    assert np.abs(power - constant * shape).max() < 1e-12 * power.max()
+
+
+def test_slope_by_differences_tends_to_the_analytic_one() -> None:
+    errors = []
+    for n in (64, 128, 256):
+        h = origins.self_affine_surface(
+            (n, n), 64.0 / n, hurst=0.8, rms_slope=0.1, seed=1, long_cutoff=64.0, short_cutoff=8.0
+        )
+        found = origins.spectral_moments(h, 64.0 / n, detrend="centre", periodic=True).rms_slope
+        errors.append(1.0 - found / 0.1)
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.abs(orders - 2.0).max() < 0.1 and 0.0 < errors[-1] < 2e-3
+
+
+def test_seed_decides_the_phases_alone() -> None:
+    options = {"hurst": 0.8, "rms_slope": 0.1}
+    one, same, other = (origins.self_affine_surface((32, 32), 1.0, seed=s, **options) for s in (1, 1, 2))
+    assert (one == same).all() and not np.allclose(one, other)
+    assert np.allclose(np.abs(np.fft.fft2(one)), np.abs(np.fft.fft2(other)), rtol=1e-10, atol=1e-10)
+    assert abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 0.8
+
+
+def test_lengths_scale() -> None:
+    one = origins.self_affine_surface((32, 48), (1.0, 1.5), hurst=0.6, rms_slope=0.1, seed=5)
+    for scale in (1e-9, 1e9):
+        h = origins.self_affine_surface((32, 48), (scale, 1.5 * scale), hurst=0.6, rms_slope=0.1, seed=5)
+        assert np.allclose(h / scale, one, rtol=0.0, atol=1e-12 * one.std())
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"hurst": 0.0}, "hurst = 0.0"),
+        ({"hurst": 1.2}, "hurst = 1.2"),
+        ({"rms_slope": -0.1}, "rms_slope = -0.1"),
+        ({"seed": -1}, "seed = -1"),
+        ({"seed": 2**64}, "seed = "),
+        ({"seed": 1.5}, "seed = 1.5"),
+        ({"shape": (2, 32)}, "shape[0] = 2"),
+        ({"shape": 32}, "shape = 32"),
+        ({"pixel_size": (1.0, 0.0)}, "pixel_size[1] = 0.0"),
+        ({"short_cutoff": 1.0}, "short_cutoff = 1.0"),
+        ({"long_cutoff": 3.0, "short_cutoff": 4.0}, "long_cutoff = 3.0"),
+        ({"short_cutoff": 100.0, "long_cutoff": 200.0}, "no mode"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(change: dict, says: str) -> None:
+    good = {"shape": (32, 32), "pixel_size": 1.0, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
+    with pytest.raises(origins.InputError) as caught:
+        origins.self_affine_surface(**{**good, **change})
+    assert says in str(caught.value) and "\n" not in str(caught.value)
