@@ -15,6 +15,7 @@ from origins.greenwood_williamson import (
     log_height_integral,
     separation_of_load,
 )
+from origins.powered import Powered
 from origins.rough_contact import thresholds_of_moments
 from origins.spectral_moments import SpectralMoments
 from origins.weibull import Weibull
@@ -84,6 +85,41 @@ def test_gaussian_summits_against_mpmath(z: float, exponent: float) -> None:
     for n in (1, 2, 3):
         assert law.moment(n) == pytest.approx(super(GaussianSummits, law)._moment(n), rel=1e-10)
     assert law.onset_power == pytest.approx(1.0 / exponent - 1.0, abs=1e-15)
+
+
+def test_density_at_zero_is_its_limit() -> None:
+    for z in (-3.0, 0.0, 20.0):
+        height = float(mpmath.npdf(z) / mpmath.ncdf(-z))
+        assert float(GaussianSummits(z, 2e-8, 3.0, 1.0).pdf(0.0)) == pytest.approx(height / 6e-8, rel=1e-12)
+        assert float(GaussianSummits(z, 2e-8, 3.0, 0.75).pdf(0.0)) == 0.0
+    # an exponential written as the square of a Rayleigh
+    square = Powered(origins.gw_plastic(B=4.0), 1.0, 2.0)
+    assert square.onset_power == 0.0 and square.pdf(0.0) == pytest.approx(4.0, rel=1e-12)
+    x = np.array([0.0, 1e-6, 0.3, 50.0])
+    assert square.pdf(x) == pytest.approx(4.0 * np.exp(-4.0 * x), rel=1e-12)
+    assert square.logpdf(x) == pytest.approx(np.log(4.0) - 4.0 * x, rel=1e-12)
+    assert [square.moment(n) for n in (1, 2, 3)] == pytest.approx([1 / 4, 2 / 16, 6 / 64], rel=1e-12)
+
+
+def test_lightest_and_heaviest_loads() -> None:
+    options = {"law": "amontons", "material": MATERIAL}
+    lightest = thresholds_of_moments(MOMENTS, model="gw", pressure=1e-290, **options)
+    i = lightest.interface
+    assert i is not None and i.separation is not None and i.separation > 35 * MOMENTS.summit_std
+    # exponential heights of mean sigma_h²/h0, up to (sigma_h/h0)²: F_k/load is 2/3 mu
+    assert lightest.std() / lightest.mean() == pytest.approx(1.0, abs=1e-3)
+    assert i.friction_coefficient == pytest.approx(2 / 3 * MU, rel=1e-3)
+    light, heavy = (
+        thresholds_of_moments(MOMENTS, model="persson", pressure=p, patch_area=PATCH, **options) for p in (1e-290, 1e11)
+    )
+    # stresses s exp(-(s/D)²), and a normal law of mean p and variance D²/2
+    assert light.std() / light.mean() == pytest.approx(np.sqrt(4 / np.pi - 1), rel=1e-9)
+    assert light.interface is not None and light.interface.friction_coefficient == pytest.approx(2 / np.pi * MU)
+    width = E_STAR * np.sqrt(MOMENTS.m2)
+    assert heavy.std() / heavy.mean() == pytest.approx(width / np.sqrt(2) / 1e11, rel=1e-9)
+    assert heavy.interface is not None and heavy.interface.area_fraction == 1.0
+    with pytest.raises(origins.InputError, match=r"summits would cover"):
+        thresholds_of_moments(MOMENTS, model="gw", pressure=1e30, **options)
 
 
 @pytest.mark.parametrize("exponent", [0.5, 0.75, 1.0])
