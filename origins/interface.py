@@ -30,6 +30,7 @@ class Interface:
     friction_coefficient : float
         Kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of x_i (paper,
         Eq. Q6). Where k is proportional to x_s it is <f_s>/(2 <load>) exactly: half the sum of all thresholds.
+        Number, load and <k> are those of the fresh interface; sliding favours large thresholds, which is left out.
     plasticity_index : float or None
         psi = (E*/Y)(sigma_h/r)^(1/2) with Y = H/3; None without a hardness. Thresholds are those of elastic
         contacts at any psi.
