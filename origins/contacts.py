@@ -36,8 +36,8 @@ class Contacts:
         self.mean_threshold = self.thresholds.mean()
         if not np.isfinite(self.mean_threshold):
             raise InputError(
-                f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach a "
-                "steady state"
+                f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach "
+                "a steady state"
             )
         self.cut_weight = self._weight_beyond()
         if self.cut_weight > _CUT_LIMIT:

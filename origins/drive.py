@@ -24,4 +24,8 @@ class Drive:
         back = np.flatnonzero(np.diff(self.path) < 0.0)
         if back.size:
             at = int(back[0]) + 1
-            refuse(f"path[{at}]", self.path[at], f"lies behind path[{at - 1}] = {self.path[at - 1]:g}; the path must not turn round")
+            refuse(
+                f"path[{at}]",
+                self.path[at],
+                f"lies behind path[{at - 1}] = {self.path[at - 1]:g}; the path must not turn round",
+            )

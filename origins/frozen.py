@@ -36,53 +36,75 @@ class FrozenThresholds(Thresholds):
 
     def __init__(self, frozen) -> None:  # type: ignore[no-untyped-def]
         self.frozen = frozen
+        if np.ndim(frozen.mean()) > 0:
+            raise InputError("thresholds: the frozen distribution has arrays as parameters; give one law, or a mixture")
         lower, upper = (float(end) for end in frozen.support())
         if not (np.isfinite(lower) or lower == -np.inf) or np.isnan(upper) or upper <= lower:
             raise InputError("thresholds: the frozen distribution has no valid support; check its parameters")
-        if upper <= 0.0 or float(frozen.cdf(0.0)) > _BELOW_ZERO:
+        below = float(frozen.cdf(0.0))
+        if upper <= 0.0 or below > _BELOW_ZERO:
             raise InputError(
-                f"thresholds: the distribution has weight {float(frozen.cdf(0.0)):.3g} at or below x = 0; a threshold is a "
-                "positive length, so cut it there, or use origins.gaussian, which does"
+                f"thresholds: the distribution has weight {below:.3g} at or below x = 0; a threshold is a positive "
+                "length, so cut it there, or use origins.gaussian, which does"
             )
         self._support = (max(lower, 0.0), upper)
         mean = float(frozen.mean())
         if not np.isfinite(mean):
-            raise InputError(f"thresholds: the mean is {mean}; with an infinite mean contacts never reach a steady state")
-        self.onset_power = self._fit_onset()
+            raise InputError(
+                f"thresholds: the mean is {mean}; with an infinite mean contacts never reach a steady state"
+            )
+        # a law cut at 0 starts there at a finite density, however small
+        self.onset_power = self._fit_onset() if below == 0.0 else 0.0
 
     def _fit_onset(self) -> float:
-        """Exponent of the cdf at the support's lower end, less one; inf where no power holds."""
+        """Limit of (x - a) P_c / cdf at the support's lower end a, less one; inf where it has none."""
         lower = self._support[0]
-        q = np.array([1e-6, 1e-8, 1e-10])
-        distance = np.log(np.maximum(np.asarray(self.frozen.ppf(q), dtype=float) - lower, 1e-300))
-        slopes = np.diff(np.log(q)) / np.where(np.diff(distance) == 0.0, np.nan, np.diff(distance))
-        if np.isfinite(slopes).all() and abs(slopes[1] - slopes[0]) < 1e-3 * abs(slopes[1]):
-            return float(slopes[1] - 1.0)
-        return np.inf
+        halvings = np.array([30.0, 36.0, 42.0]) if lower == 0.0 else np.array([16.0, 19.0, 22.0])
+        x = lower + (float(self.frozen.median()) - lower) * 2.0**-halvings
+        with np.errstate(all="ignore"):
+            power = (x - lower) * self.frozen.pdf(x) / self.frozen.cdf(x) - 1.0
+        if not np.isfinite(power).all() or abs(power[2] - power[1]) > 1e-3 * (1.0 + abs(power[1])):
+            return np.inf
+        # the rest falls as a power of the distance: one step of Aitken
+        bend = power[2] - 2.0 * power[1] + power[0]
+        limit = power[2] if bend == 0.0 else power[2] - (power[2] - power[1]) ** 2 / bend
+        return float(np.round(limit, 6)) + 0.0
 
     def support(self) -> tuple[float, float]:
         return self._support
 
+    def _ask(self, method: str, x: Array) -> Array:
+        # what overflows on the way is the distribution's own affair: its answer counts
+        with np.errstate(all="ignore"):
+            return getattr(self.frozen, method)(x)
+
     def _pdf(self, x: Array) -> Array:
-        return self.frozen.pdf(x)
+        return self._ask("pdf", x)
 
     def _logpdf(self, x: Array) -> Array:
-        return self.frozen.logpdf(x)
+        return self._ask("logpdf", x)
 
     def _cdf(self, x: Array) -> Array:
-        return self.frozen.cdf(x)
+        return self._ask("cdf", x)
 
     def _sf(self, x: Array) -> Array:
-        return self.frozen.sf(x)
+        return self._ask("sf", x)
 
     def _logsf(self, x: Array) -> Array:
-        return self.frozen.logsf(x)
+        out = self._ask("logsf", x)
+        near = out > -0.5
+        if near.any():
+            out[near] = np.log1p(-self._cdf(x[near]))
+        return out
 
     def _ppf(self, q: Array) -> Array:
-        return np.maximum(self.frozen.ppf(q), self._support[0])
+        return np.maximum(self._ask("ppf", q), self._support[0])
 
     def _isf(self, q: Array) -> Array:
-        return np.maximum(self.frozen.isf(q), self._support[0])
+        return np.maximum(self._ask("isf", q), self._support[0])
 
     def _moment(self, n: int) -> float:
         return float(self.frozen.moment(n))
+
+    def _variance(self) -> float:
+        return float(self.frozen.var())

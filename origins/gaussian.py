@@ -14,9 +14,7 @@ _ROOT_TWO = np.sqrt(2.0)
 _ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
 
-def gaussian(
-    mean: float, std: float, form: Literal["cut", "paper"] = "cut", upper: float | None = None
-) -> Thresholds:
+def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upper: float | None = None) -> Thresholds:
     """Thresholds from the normal law of `mean` and `std`, both lengths (paper, Eq. Q14e).
 
     form = "cut": the normal law conditional on x > 0.

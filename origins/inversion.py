@@ -11,8 +11,9 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 _STEPS = 400
-_SETTLED = 4e-16
-_AGREES = 1e-9
+# Newton squares what is missing: a step from this close is the last, unless it leads far, across a flat piece
+_MISS, _STEP = 1e-9, 1e-8
+_LAST_BIT = 4e-16
 
 
 def invert_hazard(thresholds: "Thresholds", hazard: Array, left: Array, right: Array, guess: Array) -> Array:
@@ -25,7 +26,7 @@ def invert_hazard(thresholds: "Thresholds", hazard: Array, left: Array, right: A
     origin = thresholds.support()[0]
     out = np.array(right, dtype=float)
     goal, low, high = hazard, np.array(left, dtype=float), np.array(right, dtype=float)
-    place = np.flatnonzero(high > low)
+    place: npt.NDArray[np.intp] = np.flatnonzero(high > low)
     goal, low, high = goal[place], low[place], high[place]
     x = np.clip(guess[place], low, high)
     outside = ~((x > low) & (x < high))
@@ -35,7 +36,7 @@ def invert_hazard(thresholds: "Thresholds", hazard: Array, left: Array, right: A
         if not inside.all():
             # nothing lies between the two ends any more: the upper one is the first that reaches the goal
             out[place[~inside]] = high[~inside]
-            place, goal, low, high, x = (a[inside] for a in (place, goal, low, high, x))
+            place, goal, low, high, x = place[inside], goal[inside], low[inside], high[inside], x[inside]
         if not place.size:
             break
         log_survival = thresholds._logsf(x)
@@ -45,11 +46,13 @@ def invert_hazard(thresholds: "Thresholds", hazard: Array, left: Array, right: A
             newton = origin + (x - origin) * np.exp(-miss / slope)
         short = -log_survival < goal
         low, high = np.where(short, x, low), np.where(short, high, x)
-        settled = (np.abs(newton - x) <= _SETTLED * np.abs(x)) & (np.abs(miss) < _AGREES)
-        out[place[settled]] = newton[settled]
+        distance, gap = np.abs(newton - x), np.abs(miss)
+        settled = (gap < _MISS) & (distance < _STEP * x) | (gap < 1e-3) & (distance <= _LAST_BIT * x)
+        out[place[settled]] = np.clip(newton, low, high)[settled]
         bad = ~((newton > low) & (newton < high)) | (step % 4 == 3) & (step > 8)
         x = np.where(bad, between(low, high), newton)
-        place, goal, low, high, x = (a[~settled] for a in (place, goal, low, high, x))
+        rest = ~settled
+        place, goal, low, high, x = place[rest], goal[rest], low[rest], high[rest], x[rest]
     else:
         out[place] = x
     return out

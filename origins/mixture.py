@@ -57,7 +57,9 @@ class Mixture(Thresholds):
         pairs = [(c.atoms[0], w * c.atoms[1]) for c, w in zip(self.components, self.weights, strict=True)]
         positions, place = np.unique(np.concatenate([p for p, _ in pairs]), return_inverse=True)
         shares = np.concatenate([w for _, w in pairs])
-        return positions, np.bincount(place, weights=shares, minlength=positions.size)
+        weights = np.zeros(positions.size)
+        np.add.at(weights, place, shares)
+        return positions, weights
 
     def support(self) -> tuple[float, float]:
         return self._support

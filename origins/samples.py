@@ -109,7 +109,7 @@ class Sampled(Thresholds):
     def breakpoints(self) -> Array:
         return self._knots.copy()
 
-    def _place(self, x: Array) -> tuple[Array, Array, Array]:
+    def _place(self, x: Array) -> tuple[npt.NDArray[np.intp], Array, Array]:
         """Cell, and the fractions of it below and above x."""
         cell = np.clip(np.searchsorted(self._knots, x, side="right") - 1, 0, self._width.size - 1)
         return cell, (x - self._knots[cell]) / self._width[cell], (self._knots[cell + 1] - x) / self._width[cell]

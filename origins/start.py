@@ -98,7 +98,9 @@ class FrozenStart(Start):
         self._frozen = frozen
         self._mean = float(frozen.mean())
         if not np.isfinite(self._mean):
-            raise InputError(f"start: the mean of the distribution is {self._mean}; a start needs a finite mean stretch")
+            raise InputError(
+                f"start: the mean of the distribution is {self._mean}; a start needs a finite mean stretch"
+            )
         lower, upper = (float(end) for end in frozen.support())
         self.breakpoints = np.array([end for end in (lower, upper) if np.isfinite(end)])
         self.span = (
@@ -144,4 +146,8 @@ def as_start(start: object) -> Start:
         return SingleStart(finite("start", start))
     if is_frozen_continuous(start):
         return FrozenStart(start)
-    refuse("start", start, "must be None, a stretch, origins.gaussian_start(mean=0.0, std=0.025) or a frozen distribution")
+    refuse(
+        "start",
+        start,
+        "must be None, a stretch, origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution",
+    )

@@ -156,7 +156,7 @@ class Thresholds:
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
         within = (x > lower) & (x < upper)
-        if within.all() and x.ndim:
+        if x.ndim and x.size and within.all():
             return inner(x)
         # a NaN compares false everywhere and stays what it is
         out = np.where(x >= upper, above, np.where(x < lower, below, np.where(x == lower, at_lower, x)))
@@ -168,7 +168,7 @@ class Thresholds:
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
         within = (x >= lower) & (x <= upper) & np.isfinite(x)
-        if within.all() and x.ndim:
+        if x.ndim and x.size and within.all():
             return inner(x)
         out = np.where(np.isnan(x), x, outside)
         if within.any():
