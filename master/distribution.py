@@ -1,0 +1,84 @@
+"""Q(x;X): how the stretches of the contacts are distributed when the slider stands at X."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.problem import Problem
+from master.renewal import Renewal
+from origins.errors import finite, refuse
+
+Array = npt.NDArray[np.float64]
+
+_SLACK = 1e-12
+
+
+@dataclass(frozen=True)
+class StretchDistribution:
+    """Density of stretches at one X, and the exact single values beside it.
+
+    Attributes
+    ----------
+    delta_positions, delta_weights : arrays of shape (n,)
+        Stretches (lengths) shared by a finite fraction of the contacts, and that fraction.
+    """
+
+    delta_positions: Array
+    delta_weights: Array
+    _problem: Problem
+    _lattice: Renewal | None
+    _at: float
+
+    def density(self, x: npt.ArrayLike) -> Array:
+        """Q(x;X) per length at stretches x (lengths), delta parts left out; same shape as x."""
+        unit = self._problem.unit
+        scaled = np.asarray(x, dtype=float) / unit
+        return ((self._starting(scaled) + self._reborn(scaled)) / unit)[()]
+
+    def _starting(self, x: Array) -> Array:
+        """Contacts that hold since X = 0: Q_ini(x_0) S(max(|x_0|, x)) / S(|x_0|), x_0 = x - X."""
+        contacts, law = self._problem.contacts, self._problem.law
+        if contacts.start.is_single:
+            return np.zeros(x.shape)
+        origin = x - self._at
+        held = law.sf(np.abs(origin))
+        kept = np.where(held > 0.0, law.sf(np.maximum(np.abs(origin), x)) / np.where(held > 0.0, held, 1.0), 0.0)
+        return contacts.start.pdf(origin * self._problem.unit) * self._problem.unit * kept / (1.0 - contacts.cut_weight)
+
+    def _reborn(self, x: Array) -> Array:
+        """Contacts born at X - x: S(x) b(X - x)."""
+        law = self._problem.law
+        birth = self._at - x
+        inside = (x >= 0.0) & (birth >= 0.0)
+        out = np.zeros(x.shape)
+        out[inside] = law.sf(x[inside]) * birth_density(self._problem, self._lattice, birth[inside])
+        return out
+
+
+def birth_density(problem: Problem, lattice: Renewal | None, position: Array) -> Array:
+    """b(X), births per contact and unit X at positions X >= 0, chains of atoms left out."""
+    density = problem.first.density(position)
+    if lattice is not None and position.size:
+        density = density + np.maximum(lattice.read(lattice.births, position), -density)
+    return density
+
+
+def distribution_at(problem: Problem, lattice: Renewal | None, position: float, end: float) -> StretchDistribution:
+    """Q(x;X) at X = position."""
+    position = finite("position", position)
+    if not 0.0 <= position <= end * (1.0 + _SLACK):
+        refuse("position", position, f"must lie between 0 and the end of the path, {end:g}")
+    at = position / problem.unit
+    law, chain = problem.law, problem.chain
+    born = chain.births <= at * (1.0 + _SLACK)
+    positions = np.maximum(at - chain.births[born], 0.0)
+    # a contact whose stretch has reached its threshold is broken: survival past rounding of the sum
+    weights = chain.weights[born] * law.sf(positions * (1.0 + _SLACK))
+    start = problem.contacts.start
+    if start.is_single:
+        origin = start.mean() / problem.unit
+        held = law.sf(np.array(max(abs(origin), (origin + at) * (1.0 + _SLACK)))) / law.sf(np.array(abs(origin)))
+        positions, weights = np.append(positions, origin + at), np.append(weights, held)
+    keep = weights > 0.0
+    return StretchDistribution(positions[keep] * problem.unit, weights[keep], problem, lattice, at)

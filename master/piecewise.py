@@ -1,0 +1,97 @@
+"""Piecewise Legendre series of a function known by its values, refined until its last terms vanish."""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+from numpy.polynomial import legendre
+
+Array = npt.NDArray[np.float64]
+
+_NODES = 16
+_X, _W = legendre.leggauss(_NODES)
+# values at the Gauss nodes -> Legendre coefficients
+_PROJECT = ((np.arange(_NODES) + 0.5)[:, None] * legendre.legvander(_X, _NODES - 1).T) * _W
+_DEPTH = 60
+
+
+class Piecewise:
+    """A function on [edges[0], edges[-1]] as one Legendre series per panel, with its integral from edges[0].
+
+    edges has shape (n + 1,), coefficients shape (16, n).
+    """
+
+    def __init__(self, edges: Array, coefficients: Array) -> None:
+        self.edges = edges
+        self.coefficients = coefficients
+        half = 0.5 * np.diff(edges)
+        order = np.arange(_NODES)
+        scaled = coefficients * half / (2.0 * order + 1.0)[:, None]
+        integral = np.zeros((_NODES + 1, half.size))
+        integral[1:] += scaled
+        integral[: _NODES - 1] -= scaled[1:]
+        # P_k(-1) = (-1)^k: start each panel at what came before it
+        integral[0] -= (integral * np.where(np.arange(_NODES + 1) % 2, -1.0, 1.0)[:, None]).sum(0)
+        whole = integral.sum(0)
+        integral[0] += np.concatenate([[0.0], np.cumsum(whole)[:-1]])
+        self._integral = integral
+        self.total = float(whole.sum())
+
+    def __call__(self, x: Array) -> Array:
+        """Value at x; zero outside the panels."""
+        if not self.coefficients.size:
+            return np.zeros(np.shape(x))
+        inside = (x >= self.edges[0]) & (x <= self.edges[-1])
+        return np.where(inside, self._series(self.coefficients, x), 0.0)
+
+    def integral(self, x: Array) -> Array:
+        """Integral up to x; the whole of it beyond the last panel."""
+        if not self.coefficients.size:
+            return np.zeros(np.shape(x))
+        out = np.where(x >= self.edges[-1], self.total, 0.0)
+        inside = (x > self.edges[0]) & (x < self.edges[-1])
+        out[inside] = self._series(self._integral, x[inside])
+        return out
+
+    def _series(self, coefficients: Array, x: Array) -> Array:
+        panel = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, coefficients.shape[1] - 1)
+        left, right = self.edges[panel], self.edges[panel + 1]
+        t = np.clip((2.0 * x - left - right) / (right - left), -1.0, 1.0)
+        return np.asarray(legendre.legval(t, coefficients[:, panel], tensor=False), dtype=float)
+
+
+def tabulate(function: Callable[[Array], Array], edges: Array, accuracy: float = 1e-16) -> list[Piecewise]:
+    """Series of every row of `function` on the same panels, `edges` bisected until each is resolved.
+
+    function maps positions of shape (n, 16) to values of shape (rows, n, 16). A panel is resolved when its last
+    two Legendre terms, times its width, stay below `accuracy` or below round-off.
+    """
+    left, right = edges[:-1], edges[1:]
+    done_left: list[Array] = []
+    done: list[Array] = []
+    for depth in range(_DEPTH):
+        if not left.size:
+            break
+        width = right - left
+        x = left[:, None] + width[:, None] * (0.5 * (_X + 1.0))
+        coefficients = np.einsum("kj,rnj->krn", _PROJECT, function(x))
+        size = np.abs(coefficients).max(axis=0)
+        tail = np.abs(coefficients[-2:]).max(axis=0)
+        # a position is known to round-off only, so a narrow panel far from 0 cannot be resolved better
+        noise = 4e-15 + 1e-15 * np.abs(left + right) / width
+        open_ = ((tail * width > accuracy) & (tail > noise * size)).any(axis=0)
+        middle = 0.5 * (left + right)
+        open_ &= (middle > left) & (middle < right) & (depth < _DEPTH - 1)
+        done_left.append(left[~open_])
+        done.append(coefficients[:, :, ~open_])
+        left, right = (
+            np.concatenate([left[open_], middle[open_]]),
+            np.concatenate([middle[open_], right[open_]]),
+        )
+    starts = np.concatenate(done_left) if done_left else np.empty(0)
+    if not starts.size:
+        return [Piecewise(edges[:1], np.empty((_NODES, 0)))]
+    order = np.argsort(starts)
+    coefficients = np.concatenate(done, axis=2)[:, :, order]
+    all_edges = np.append(starts[order], edges[-1])
+    return [Piecewise(all_edges, coefficients[:, row]) for row in range(coefficients.shape[1])]

@@ -1,0 +1,22 @@
+"""One scene in units of its mean threshold: the law, the first breaks, the atomic chain."""
+
+from master.atomic import AtomicChain
+from master.first import FirstBreaks
+from master.law import Law
+from origins import Contacts
+
+_BEYOND = 1.7  # lattices reach past the last position, at most by 24 of the coarsest steps
+
+
+class Problem:
+    """What does not depend on the lattice, up to X = `end` and for errors well below `tolerance` (both in
+    units of the mean threshold)."""
+
+    def __init__(self, contacts: Contacts, end: float, tolerance: float) -> None:
+        self.contacts = contacts
+        self.unit = contacts.mean_threshold
+        self.end = end
+        highest = max(contacts.start.span[1] / self.unit, 0.0)
+        self.law = Law(contacts, _BEYOND * end + highest)
+        self.first = FirstBreaks(contacts, self.law, _BEYOND * end, 1e-4 * tolerance)
+        self.chain = AtomicChain(self.law, self.first.atoms, self.first.atom_weights, end)

@@ -1,0 +1,147 @@
+"""Breaks of the second and later generations on one lattice, and on finer ones towards X = 0.
+
+With p the law of thresholds, b_0 the first breaks and r the density of released stretch x P_c(x), all measures:
+
+    b = b_0 + p * b,        J_1(X) = integral_0^X (r * b)
+
+(physics of Sec. III as a renewal equation; F = <x_ini> + X - J_0 - J_1). Within some 32 nodes of X = 0 a lattice
+cannot tell a measure from its eight-node shares; there the answer comes from a lattice sixteen times finer, and so
+on until J_1 is nothing.
+"""
+
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from master.first import FirstBreaks
+from master.lattice import STENCIL, cells, deposit, deposit_atoms, integrate, lagrange
+from master.law import Law
+from master.problem import Problem
+from master.series import convolve, renew
+from origins.quadrature import gauss
+
+Array = npt.NDArray[np.float64]
+
+_NEAR = 40
+_ZOOM = 16
+_MARGIN = 24
+
+
+class Renewal:
+    """Later generations on the nodes 0, h, 2h, ... up to `end` (in units of the mean threshold).
+
+    Attributes
+    ----------
+    step : float
+    released : array
+        J_1 at the nodes, without what the atomic chain releases at its own atoms.
+    """
+
+    def __init__(self, problem: Problem, step: float, end: float) -> None:
+        law, first, chain = problem.law, problem.first, problem.chain
+        size = int(np.ceil(end / step * (1.0 - 1e-12))) + _MARGIN + 1
+        self.step = step
+        self.size = size
+        left, right = cells(law.edges, step, size)
+        nodes, weights = gauss(left, right)
+        mass = weights * law.pdf(nodes)
+        smooth, smooth_released = deposit(left, right, [mass, mass * nodes], step, size)
+        kernel = smooth + deposit_atoms(law.atoms, law.atom_weights, step, size)
+        release = smooth_released + deposit_atoms(law.atoms, law.atom_weights * law.atoms, step, size)
+        left, right = cells(first.density.edges, step, size)
+        nodes, weights = gauss(left, right)
+        (source,) = deposit(left, right, [weights * first.density(nodes)], step, size)
+        flux = np.zeros(size)
+        if chain.births.size:
+            births = deposit_atoms(chain.births, chain.weights, step, size)
+            source = source + convolve(smooth, births, size)
+            flux += convolve(smooth_released, births, size)
+        breaks = renew(source, kernel)
+        flux += convolve(release, breaks, size)
+        self.released = integrate(flux)
+        self._kinks = Kinks(law, first) if law.jumps.size else None
+        if self._kinks is not None:
+            self._kinks_here = integrate(self._kinks.flux(step, size))
+        self._kernel, self._breaks = kernel, breaks
+
+    @cached_property
+    def births(self) -> Array:
+        """Density of later breaks p * b at the nodes, chains of atoms left out."""
+        return convolve(self._kernel, self._breaks, self.size) / self.step
+
+    def released_at(self, x: Array) -> Array:
+        """J_1 at positions x, the kinks of its slope put right."""
+        if self._kinks is None:
+            return self.read(self.released, x)
+        return self.read(self.released - self._kinks_here, x) + self._kinks.released(x)
+
+    def read(self, values: Array, x: Array) -> Array:
+        """Interpolate values at the nodes to positions x by the eight nodes around each."""
+        position = x / self.step
+        cell = np.clip(np.floor(position).astype(np.int64) - (STENCIL // 2 - 1), 0, self.size - STENCIL)
+        return np.einsum("ij,ij->i", lagrange(position - cell), values[cell[:, None] + np.arange(STENCIL)])
+
+
+class Kinks:
+    """What the jumps of P_c and of the first breaks alone would release: two steps folded, known in closed form.
+
+    J_1 has a jump in its second derivative at every sum of two jumps. A lattice smears it over the nodes around;
+    folding the bare steps on the lattice too shows by how much, and the closed form replaces it.
+    """
+
+    def __init__(self, law: Law, first: FirstBreaks) -> None:
+        self._steps = [(law.jumps, law.jump_sizes * law.jumps), (first.jumps, first.jump_sizes)]
+
+    def flux(self, step: float, size: int) -> Array:
+        """The two steps folded on the lattice."""
+        folded = []
+        for positions, heights in self._steps:
+            end = (size - 1) * step
+            edges = np.unique(np.concatenate([positions[positions < end], [end]]))
+            left, right = cells(edges, step, size)
+            order = np.argsort(positions)
+            levels = np.concatenate([[0.0], np.cumsum(heights[order])])
+            level = levels[np.searchsorted(positions[order], 0.5 * (left + right), side="right")]
+            _, weights = gauss(left, right)
+            folded += deposit(left, right, [level[:, None] * weights], step, size)
+        return convolve(folded[0], folded[1], size)
+
+    def released(self, x: Array) -> Array:
+        """Sum over pairs of jumps of height * height * (X - position - position)^2 / 2."""
+        (first, first_heights), (second, second_heights) = self._steps
+        beyond = np.maximum(x[:, None] - np.add.outer(first, second).ravel(), 0.0)
+        return 0.5 * beyond**2 @ np.multiply.outer(first_heights, second_heights).ravel()
+
+
+def later_released(problem: Problem, step: float, x: Array, tiny: float) -> tuple[Array, Renewal]:
+    """J_1 at positions x (sorted) and the lattice of `step` it was read from, away from X = 0.
+
+    Where J_1 stays below `tiny` it is not looked for.
+    """
+    out = np.zeros(x.size)
+    widest = lattice = Renewal(problem, step, problem.end)
+    todo = np.ones(x.size, dtype=bool)
+    while True:
+        near = _NEAR * lattice.step if _weight_below(problem, STENCIL * lattice.step) > tiny else 0.0
+        far = todo & (x > near)
+        out[far] = lattice.released_at(x[far])
+        todo &= ~far
+        if not todo.any() or bound(problem, near) <= tiny:
+            return out + problem.chain.released(x), widest
+        lattice = Renewal(problem, lattice.step / _ZOOM, near)
+
+
+def _weight_below(problem: Problem, x: float) -> float:
+    """Weight of thresholds or of first breaks below x: what a lattice would hold in one-sided stencils."""
+    at = np.array([x])
+    return float(problem.law.cdf(at)[0]) + float(problem.first.density.integral(at)[0])
+
+
+def bound(problem: Problem, x: float) -> float:
+    """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x."""
+    at = np.array([x])
+    again = float(problem.law.cdf(at)[0])
+    chain = problem.chain
+    broken = float(problem.first.density.integral(at)[0]) + float(chain.weights[chain.births <= x].sum())
+    return x * broken * again / (1.0 - again) if again < 0.5 else np.inf

@@ -1,0 +1,49 @@
+"""What `solve` returns, and Q(x;X) read from it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from master.distribution import StretchDistribution, distribution_at
+from master.problem import Problem
+from master.renewal import Renewal
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """F(X) of the master equation with the error it is good to.
+
+    Attributes
+    ----------
+    path : array of shape (n,)
+        Slider positions X (lengths).
+    force : array of shape (n,)
+        F/(N_c <k>), the mean stretch of the contacts (a length).
+    force_error : float
+        Bound on the largest error of `force` over the path, in units of the mean threshold.
+    holding : array of shape (n,)
+        Fraction of contacts that hold: 1, as broken contacts re-form at once.
+    run_time : float
+        Seconds that the solution took.
+    success : bool
+        Whether force_error is at or below the tolerance asked for.
+    message : str
+        In words: what was reached, or why not; what was cut off from the start.
+    """
+
+    path: Array
+    force: Array
+    force_error: float
+    holding: Array
+    run_time: float
+    success: bool
+    message: str
+    _problem: Problem = field(repr=False)
+    _lattice: Renewal | None = field(repr=False)
+
+    def distribution(self, position: float) -> StretchDistribution:
+        """Q(x;X) at X = position, between 0 and the path's end; InputError elsewhere."""
+        return distribution_at(self._problem, self._lattice, position, float(self.path[-1]))
