@@ -29,6 +29,15 @@ SCENE: dict[str, Any] = {
 }
 
 # a call of every kind that works
+MATERIAL = {"contact_modulus": 1e11, "local_friction": 0.1, "shear_modulus": 4e10}
+SURFACE = {
+    "kind": "self-affine",
+    "shape": [64, 64],
+    "pixel_size": 1e-8,
+    "hurst": 0.8,
+    "rms_slope": 0.1,
+    "seed": 1,
+}
 LAWS: dict[str, dict[str, Any]] = {
     "identical": {"value": 1.5},
     "gaussian": {"mean": 1.0, "std": 0.05},
@@ -44,6 +53,8 @@ LAWS: dict[str, dict[str, Any]] = {
     "gw-plastic": {"B": 1.251},
     "persson": {"centre": 1.0, "width": 0.5},
     "lubricated": {"width": 0.7},
+    "from-samples": {"x_s": [0.9, 1.0, 1.1, 1.3]},
+    "from-topography": {"model": "gw", "law": "amontons", "pressure": 1e6, "surface": SURFACE, "material": MATERIAL},
 }
 
 
@@ -86,7 +97,7 @@ def test_every_kind_of_thresholds_has_an_example() -> None:
     assert set(LAWS) == set(laws.THRESHOLDS)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in LAWS if kind != "mixture"])
+@pytest.mark.parametrize("kind", [kind for kind in LAWS if kind not in ("mixture", "from-topography")])
 def test_kind_is_the_function_of_that_name(kind: str) -> None:
     built = toolkit.load_scene(with_law({"kind": kind, **LAWS[kind]})).contacts.thresholds
     direct = getattr(origins, kind.replace("-", "_"))(**LAWS[kind])
@@ -100,6 +111,83 @@ def test_mixture_builds_its_components() -> None:
     direct = origins.mixture([origins.gaussian(1.0, 0.1), origins.rectangular(2.0, 3.0)], [0.25, 0.75])
     x = np.linspace(0.01, 3.5, 50)
     assert np.array_equal(built.sf(x), direct.sf(x))
+
+
+def test_generated_surface_gives_its_thresholds() -> None:
+    built = toolkit.load_scene(with_law({"kind": "from-topography", **LAWS["from-topography"]})).contacts.thresholds
+    direct = origins.from_topography(
+        origins.self_affine_surface((64, 64), 1e-8, hurst=0.8, rms_slope=0.1, seed=1),
+        1e-8,
+        model="gw",
+        law="amontons",
+        material=origins.Material(**MATERIAL),
+        pressure=1e6,
+        detrend="centre",
+        periodic=True,
+    )
+    x = direct.mean() * np.linspace(0.01, 3.0, 50)
+    assert np.array_equal(built.sf(x), direct.sf(x))
+
+
+@pytest.mark.parametrize(
+    ("file", "more"),
+    [
+        ("afm-10um.di", {}),
+        ("confocal-88um.al3d", {"step": 2}),
+        ("matrix-28um.txt", {"model": "persson", "patch_area": 1e-12, "detrend": "tilt"}),
+    ],
+)
+def test_scan_is_found_from_the_scene_file(file: str, more: dict[str, Any], tmp_path: Path) -> None:
+    data = Path(__file__).parents[2] / "shared" / "data"
+    if not data.is_dir():
+        pytest.skip("needs the measured surfaces")
+    surface_topography = pytest.importorskip("SurfaceTopography")
+    (tmp_path / file).symlink_to(data / file)
+    law = {"kind": "from-topography", **LAWS["from-topography"], **more, "surface": {"kind": "scan", "file": file}}
+    (tmp_path / "scan.toml").write_text(to_toml(with_law(law)))
+    built = toolkit.load_scene(tmp_path / "scan.toml").contacts.thresholds
+    scan = surface_topography.open_topography(str(data / file)).topography(channel_index=0)
+    keywords = {"model": "gw", "law": "amontons", "pressure": 1e6, "material": origins.Material(**MATERIAL), **more}
+    direct = origins.from_topography(scan, **keywords)
+    assert built.mean() == direct.mean() and built.moment(2) == direct.moment(2)
+
+
+@pytest.mark.parametrize(
+    ("scan", "message"),
+    [
+        ({"file": "none.di"}, "surface.file = 'none.di': no such file in "),
+        ({"file": 3}, "surface.file = 3: no such file in "),
+        ({"file": "text.di"}, "surface.file = 'text.di': cannot be read as a scan: "),
+        ({"file": "bare.txt"}, "surface.file = 'bare.txt': cannot be read as a scan: `physical_sizes` could not be"),
+        ({"file": "bare.txt", "channel": 1}, "surface.channel = 1: the file has 1 channel"),
+        ({"file": "bare.txt", "channel": -1}, "surface.channel = -1: must be a whole number"),
+        ({"file": "bare.txt", "physical_sizes": 1.0}, "surface.physical_sizes = 1.0: must be a pair"),
+        ({"file": "bare.txt", "physical_sizes": [1e-6, 1e-6]}, ": heights.unit = None: lengths need one unit"),
+        ({"file": "bare.txt", "physical_sizes": [1.0, 1.0], "unit": "furlong"}, ": heights.unit = 'furlong'"),
+        ({"file": "bare.txt", "folder": "/"}, "surface.folder = '/': unknown key; scan takes file,"),
+    ],
+)
+def test_scan_that_is_no_surface_is_refused(scan: dict[str, Any], message: str, tmp_path: Path) -> None:
+    pytest.importorskip("SurfaceTopography")
+    (tmp_path / "text.di").write_text("no scan at all")
+    np.savetxt(tmp_path / "bare.txt", np.random.default_rng(1).random((8, 8)))
+    law = {"kind": "from-topography", **LAWS["from-topography"], "surface": {"kind": "scan", **scan}}
+    (tmp_path / "scan.toml").write_text(to_toml(with_law(law)))
+    with pytest.raises(InputError) as caught:
+        toolkit.load_scene(tmp_path / "scan.toml")
+    assert str(caught.value).removeprefix("contacts.thresholds").removeprefix(".").startswith(message)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("table", ["surface", "material"])
+def test_mistake_inside_a_table_is_named_by_its_place(table: str) -> None:
+    base = {"surface": SURFACE, "material": MATERIAL}[table]
+    for key in base:
+        for value in ("text", math.nan, -1.0, [], {"a": 1}, 10**400):
+            law = {"kind": "from-topography", **LAWS["from-topography"], table: {**base, key: value}}
+            with pytest.raises(InputError) as caught:
+                toolkit.load_scene(with_law(law))
+            assert str(caught.value).startswith(f"contacts.thresholds.{table}.{key}"), (key, value)
 
 
 def test_start_from_one_stretch() -> None:

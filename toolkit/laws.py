@@ -5,9 +5,10 @@ A kind is one entry here. Its keys are the function's own parameters, so a scene
 
 import inspect
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from origins.errors import InputError, finite, refuse
@@ -21,6 +22,8 @@ THRESHOLDS = {
     "gw-plastic": "origins:gw_plastic",
     "persson": "origins:persson",
     "lubricated": "origins:lubricated",
+    "from-samples": "origins:from_samples",
+    "from-topography": "toolkit.surfaces:from_topography",
 }
 
 START = {
@@ -34,10 +37,11 @@ def identical_start(value: float) -> float:
     return finite("value", value)
 
 
-def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str) -> Any:
+def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path) -> Any:
     """What the table's kind makes of the table's other keys.
 
-    Tables with a kind of their own inside lists, such as the components of a mixture, are built first.
+    Tables with a kind of their own inside lists, such as the components of a mixture, are built first. A function
+    with a parameter `folder` is given `folder`, from where the scene's file names count.
     Raises InputError with the path of the bad key, counted from `where`.
     """
     kind = table.get("kind")
@@ -45,33 +49,47 @@ def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str) -> Any
         raise InputError(f"{where}.kind: is missing; must be one of {', '.join(kinds)}")
     if not isinstance(kind, str) or kind not in kinds:
         refuse(f"{where}.kind", kind, f"must be one of {', '.join(kinds)}")
-    function = _function(kinds[kind])
-    parameters = inspect.signature(function).parameters
+    module, name = kinds[kind].split(":")
+    function = getattr(import_module(module), name)
     arguments = {key: value for key, value in table.items() if key != "kind"}
     for key, value in arguments.items():
+        if isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+            items = enumerate(value)
+            arguments[key] = [build(kinds, item, f"{where}.{key}[{index}]", folder) for index, item in items]
+    return call(function, arguments, where, kind, folder=folder)
+
+
+def call(
+    function: Callable[..., Any], arguments: Mapping[str, Any], where: str, title: str = "it", **given: object
+) -> Any:
+    """function(**arguments), whose keys come from the table `where` of a scene.
+
+    Of `given`, which is not for a scene to say, the function gets what it has a parameter for.
+    """
+    parameters = dict(inspect.signature(function).parameters)
+    given = {key: value for key, value in given.items() if parameters.pop(key, None) is not None}
+    for key, value in arguments.items():
         if key not in parameters:
-            refuse(f"{where}.{key}", value, f"unknown key; {kind} takes {', '.join(parameters)}")
+            refuse(f"{where}.{key}", value, f"unknown key; {title} takes {', '.join(parameters)}")
     for key, parameter in parameters.items():
         if parameter.default is parameter.empty and key not in arguments:
-            raise InputError(f"{where}.{key}: is missing; {kind} takes {', '.join(parameters)}")
-    for key, value in arguments.items():
-        if isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
-            arguments[key] = [build(kinds, item, f"{where}.{key}[{index}]") for index, item in enumerate(value)]
-    with inside(where):
-        return function(**arguments)
+            raise InputError(f"{where}.{key}: is missing; {title} takes {', '.join(parameters)}")
+    with inside(where, parameters):
+        return function(**arguments, **given)
+
+
+def as_table(name: str, value: object) -> Mapping[str, Any]:
+    """`value` if it is a table, else InputError."""
+    if not isinstance(value, Mapping):
+        refuse(name, value, "must be a table")
+    return value
 
 
 @contextmanager
-def inside(where: str) -> Iterator[None]:
-    """Put `where` before the name of the bad value in any InputError raised within."""
+def inside(where: str, names: Container[str]) -> Iterator[None]:
+    """Put `where` before any InputError raised within, as a path where it begins with one of `names`."""
     try:
         yield
     except InputError as error:
-        named = re.match(r"\w+(\[\d+\])?( = |: )", str(error))
-        raise InputError(f"{where}{'.' if named else ': '}{error}") from error
-
-
-def _function(address: str) -> Callable[..., Any]:
-    module, name = address.split(":")
-    found: Callable[..., Any] = getattr(import_module(module), name)
-    return found
+        named = re.match(r"(\w+)[\w.\[\]]*( = |: )", str(error))
+        raise InputError(f"{where}{'.' if named and named[1] in names else ': '}{error}") from error

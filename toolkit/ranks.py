@@ -1,10 +1,12 @@
 """Ranks at work together: their communicator, what one does for all, and one end for all of them."""
 
+import os
 import sys
 import time
 import traceback
+import warnings
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from origins.errors import InputError
 from toolkit.launch import Launch
@@ -22,7 +24,10 @@ def communicator(launch: Launch) -> Any:
     if launch.size == 1:
         return None
     try:
-        from mpi4py import MPI
+        with warnings.catch_warnings():
+            # that a launcher of another MPI was used is said below, in one line
+            warnings.simplefilter("ignore", RuntimeWarning)
+            from mpi4py import MPI
     except (ImportError, RuntimeError) as error:
         raise InputError(
             f"mpirun: started {launch.size} ranks, but mpi4py cannot be imported ({error}); install "
@@ -76,14 +81,18 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
         if not alike or comm.Get_rank() == 0:
             _say(error)
         if not alike:
-            comm.Abort(2)
+            _abort(comm, 2)
         return 2
     except BaseException:
         # an exception that leaves one rank only would leave the others waiting for ever
         traceback.print_exc()
-        sys.stderr.flush()
-        comm.Abort(1)
-        raise
+        _abort(comm, 1)
+
+
+def _abort(comm: Any, status: int) -> NoReturn:
+    sys.stderr.flush()
+    comm.Abort(status)
+    os._exit(status)  # some launchers take their time
 
 
 def _say(error: InputError) -> None:

@@ -46,14 +46,14 @@ def run(
 def _solve(scene: Scene, asked: MasterTable) -> Solved:
     import master
 
-    with laws.inside("master"):
+    with laws.inside("master", MasterTable.__struct_fields__):
         return master.solve(scene.contacts, scene.path, tolerance=asked.tolerance)
 
 
 def _simulate(scene: Scene, asked: EqTable, comm: Any, progress: Callable[[int, int], None] | None) -> Simulated:
     import eq_model
 
-    with laws.inside("eq"):
+    with laws.inside("eq", EqTable.__struct_fields__):
         return eq_model.simulate(
             scene.contacts,
             scene.path,

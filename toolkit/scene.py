@@ -83,7 +83,7 @@ def load_scene(scene: "Scene | Mapping[str, Any] | str | PathLike[str]") -> Scen
         return scene
     if isinstance(scene, Mapping):
         text = to_toml(scene)
-        return _checked("scene", text, tomllib.loads(text))
+        return _checked("scene", text, tomllib.loads(text), Path())
     file = _find(scene)
     try:
         text = file.read_text(encoding="utf-8")
@@ -92,7 +92,7 @@ def load_scene(scene: "Scene | Mapping[str, Any] | str | PathLike[str]") -> Scen
         raise InputError(f"scene = {str(scene)!r}: cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"scene = {str(scene)!r}: is not TOML: {error}") from error
-    return _checked(file.stem, text, tables)
+    return _checked(file.stem, text, tables, file.parent)
 
 
 def _find(scene: object) -> Path:
@@ -106,7 +106,7 @@ def _find(scene: object) -> Path:
     return file
 
 
-def _checked(name: str, text: str, tables: Mapping[str, Any]) -> Scene:
+def _checked(name: str, text: str, tables: Mapping[str, Any], folder: Path) -> Scene:
     table = read_table(tables)
     if table.master is None and table.eq is None:
         raise InputError("scene: has neither [master] nor [eq], so nothing would be computed; add one of them")
@@ -118,10 +118,10 @@ def _checked(name: str, text: str, tables: Mapping[str, Any]) -> Scene:
         whole("eq.contacts", table.eq.contacts, least=1)
         whole("eq.replicas", table.eq.replicas, least=1)
         whole("eq.seed", table.eq.seed, least=0)
-    thresholds = laws.build(laws.THRESHOLDS, table.contacts.thresholds, "contacts.thresholds")
+    thresholds = laws.build(laws.THRESHOLDS, table.contacts.thresholds, "contacts.thresholds", folder)
     start = table.contacts.start
-    start_law = None if start is None else laws.build(laws.START, start, "contacts.start")
-    with laws.inside("contacts"):
+    start_law = None if start is None else laws.build(laws.START, start, "contacts.start", folder)
+    with laws.inside("contacts", ContactsTable.__struct_fields__):
         contacts = Contacts(thresholds=thresholds, start=start_law)
     return Scene(name, table.title, text, contacts, np.linspace(0.0, to, points), table.master, table.eq)
 

@@ -1,0 +1,71 @@
+"""What a scene does not name is not imported."""
+
+import json
+
+import pytest
+
+from toolkit.scene import shipped_scenes
+
+HEAVY = ["numba", "ase", "mpi4py", "matplotlib", "SurfaceTopography", "scipy.stats", "tqdm", "h5py"]
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_master_alone_needs_no_heavy_package(name: str, python) -> None:
+    done = python(
+        """
+import json, sys, tomllib
+import toolkit
+from toolkit.scene import SHIPPED
+tables = tomllib.loads((SHIPPED / f"{sys.argv[1]}.toml").read_text())
+del tables["eq"]
+result = toolkit.run(tables)
+print(json.dumps({"force": result.master.force[-1], "modules": sorted(sys.modules)}))
+""",
+        name,
+    )
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert 0.0 < told["force"] < 2.0
+    assert not set(HEAVY) & set(told["modules"])
+
+
+@pytest.mark.parametrize("room", ["origins", "master", "eq_model", "toolkit"])
+def test_importing_a_room_imports_no_heavy_package(room: str, python) -> None:
+    done = python(f"import sys, {room}; print(*sorted(sys.modules))")
+    assert done.returncode == 0, done.stderr
+    assert not set(HEAVY) & set(done.stdout.split())
+
+
+@pytest.mark.parametrize("words", ["--help", "--version", "run --help"])
+def test_help_imports_no_package_at_all(words: str, python) -> None:
+    done = python(
+        """
+import sys
+from toolkit.command import main
+try:
+    main(sys.argv[1:])
+except SystemExit as end:
+    print(*sorted(sys.modules))
+    sys.exit(end.code)
+""",
+        *words.split(),
+    )
+    assert done.returncode == 0, done.stderr
+    assert "mesofriction" in done.stdout
+    modules = done.stdout.splitlines()[-1].split()
+    assert not {*HEAVY, "numpy", "scipy", "msgspec", "origins"} & set(modules)
+
+
+def test_rooms_keep_their_arrows(python) -> None:
+    rooms = {"origins", "master", "eq_model", "toolkit"}
+    for room, allowed in {"origins": set(), "master": {"origins"}, "eq_model": {"origins"}}.items():
+        done = python(
+            f"""
+import importlib, pkgutil, sys, {room}
+for module in pkgutil.walk_packages({room}.__path__, "{room}."):
+    importlib.import_module(module.name)
+print(*sorted(sys.modules))
+"""
+        )
+        assert done.returncode == 0, done.stderr
+        assert rooms & set(done.stdout.split()) <= {room, *allowed}

@@ -1,0 +1,114 @@
+"""Rough surfaces in scenes: a scan from a file, or a generated surface, and the thresholds it gives."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import origins
+from origins.errors import InputError, positive, refuse, whole
+from toolkit import laws
+
+SURFACES = {
+    "scan": "toolkit.surfaces:open_scan",
+    "self-affine": "toolkit.surfaces:generate",
+}
+
+
+def from_topography(
+    folder: Path,
+    surface: Mapping[str, Any],
+    material: Mapping[str, Any],
+    model: str,
+    law: str,
+    pressure: float,
+    patch_area: float | None = None,
+    height_law: str = "gaussian",
+    detrend: str | None = None,
+    step: int = 1,
+) -> origins.Thresholds:
+    """Thresholds in metres of the surface that the tables describe; see origins.from_topography.
+
+    `surface` has a kind of SURFACES, `material` the fields of origins.Material; `detrend` is "curvature" for a scan and
+    "centre" for a generated surface, which is periodic. Raises InputError.
+    """
+    constants = laws.call(origins.Material, laws.as_table("material", material), "material")
+    kind = laws.as_table("surface", surface).get("kind")
+    heights = laws.build(SURFACES, surface, "surface", folder)
+    periodic = kind == "self-affine"
+    return origins.from_topography(
+        *heights,
+        model=model,
+        law=law,
+        material=constants,
+        pressure=pressure,
+        patch_area=patch_area,
+        height_law=height_law,
+        detrend=detrend if detrend is not None else "centre" if periodic else "curvature",
+        periodic=periodic,
+        step=step,
+    )
+
+
+def open_scan(
+    folder: Path,
+    file: str,
+    channel: int = 0,
+    physical_sizes: object = None,
+    unit: str | None = None,
+    height_scale_factor: float | None = None,
+) -> tuple[Any]:
+    """A scan in any format that SurfaceTopography reads; `file` is relative to the scene's folder.
+
+    `physical_sizes`, `unit` and `height_scale_factor` are for files that hold none. Raises InputError where the file is
+    missing, is no scan, or contradicts them.
+    """
+    if not isinstance(file, str) or not (folder / file).is_file():
+        refuse("file", file, f"no such file in {folder}")
+    try:
+        from SurfaceTopography import open_topography
+        from SurfaceTopography.Exceptions import ReadFileError
+    except ImportError as error:
+        raise InputError(f"file = {file!r}: needs SurfaceTopography; install mesofriction[topography]") from error
+    channel = whole("channel", channel, least=0)
+    sizes = None if physical_sizes is None else _pair("physical_sizes", physical_sizes)
+    given = {"physical_sizes": sizes, "unit": unit, "height_scale_factor": height_scale_factor}
+    try:
+        with open_topography(str(folder / file)) as reader:
+            if channel >= len(reader.channels):
+                refuse("channel", channel, f"the file has {len(reader.channels)} channels, counted from 0")
+            known = {key: value for key, value in given.items() if value is not None}
+            return (reader.topography(channel_index=channel, **known),)
+    except InputError:
+        raise
+    except (ReadFileError, ValueError) as error:
+        raise InputError(f"file = {file!r}: cannot be read as a scan: {str(error).splitlines()[0]}") from error
+
+
+def _pair(name: str, value: object) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2:
+        refuse(name, value, "must be a pair of lengths, such as [1.0, 1.0]")
+    return positive(f"{name}[0]", value[0]), positive(f"{name}[1]", value[1])
+
+
+def generate(
+    shape: Any,
+    pixel_size: Any,
+    hurst: float,
+    rms_slope: float,
+    seed: int,
+    long_cutoff: float | None = None,
+    short_cutoff: float | None = None,
+) -> tuple[np.ndarray, Any]:
+    """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
+    heights = origins.self_affine_surface(
+        tuple(shape) if isinstance(shape, list) else shape,
+        pixel_size,
+        hurst=hurst,
+        rms_slope=rms_slope,
+        seed=seed,
+        long_cutoff=long_cutoff,
+        short_cutoff=short_cutoff,
+    )
+    return heights, pixel_size
