@@ -20,17 +20,7 @@ Record = TypeVar("Record", SolvedRecord, SimulatedRecord, ThresholdCurve)
 
 RESULT, SUMMARY, PICTURE = "result.h5", "summary.json", "picture.png"
 
-_LENGTH = "length unit of the thresholds"
-_UNITS = {
-    "path": _LENGTH,
-    "force": _LENGTH,
-    "force_standard_error": _LENGTH,
-    "x": _LENGTH,
-    "density": f"1 / {_LENGTH}",
-    "atoms": _LENGTH,
-    "run_time": "s",
-    "compile_time": "s",
-}
+_LENGTHS = ("path", "force", "force_standard_error", "x", "atoms")
 
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
@@ -81,6 +71,7 @@ def summary(result: Result) -> dict[str, Any]:
         "name": result.name,
         "title": result.title,
         "version": result.version,
+        "unit": result.thresholds.unit,
         "mean_threshold": result.mean_threshold,
         "success": result.success,
     }
@@ -132,21 +123,23 @@ def _write_result(result: Result, path: Path) -> None:
             version=result.version,
             mean_threshold=result.mean_threshold,
         )
-        _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve)
+        unit = result.thresholds.unit
+        _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
         if result.master is not None:
-            _write(store.create_group("master"), result.master, SolvedRecord)
+            _write(store.create_group("master"), result.master, SolvedRecord, unit)
         if result.eq is not None and result.asked.eq is not None:
             store.attrs["seed"] = result.asked.eq.seed
-            _write(store.create_group("eq"), result.eq, SimulatedRecord)
+            _write(store.create_group("eq"), result.eq, SimulatedRecord, unit)
 
 
-def _write(group: "h5py.Group", answer: object, record: type[Record]) -> None:
+def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str) -> None:
     """The fields of `record`, as found on `answer`: arrays as data sets, the rest as attributes."""
+    units = {"density": f"1 / {unit}", **dict.fromkeys(_LENGTHS, unit)}
     for field in fields(record):
         value = getattr(answer, field.name)
         if isinstance(value, np.ndarray):
             group[field.name] = value
-            group[field.name].attrs["units"] = _UNITS.get(field.name, "1")
+            group[field.name].attrs["units"] = units.get(field.name, "1")
         else:
             group.attrs[field.name] = value
 

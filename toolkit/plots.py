@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toolkit.results import Result, ThresholdCurve
+from toolkit.results import OWN_UNIT, Result, ThresholdCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +43,9 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
             color=_INK["eq"],
             label="EQ ensemble, ±1 standard error",
         )
-    axes.set(xlabel="slider position $X$", ylabel=r"force $F/(N_c\langle k\rangle)$", title=result.title or result.name)
+    unit = _unit(result.thresholds)
+    axes.set(xlabel=f"slider position $X${unit}", ylabel=rf"force $F/(N_c\langle k\rangle)${unit}")
+    axes.set_title(result.title or result.name)
     axes.legend()
     return axes
 
@@ -57,28 +59,38 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     if curve.atoms.size:
         axes.vlines(curve.atoms, 0.0, curve.atom_weights, color=_INK["thresholds"], lw=2, label="weight at one value")
         axes.legend()
-    axes.set(xlabel="threshold $x$", ylabel="$P_c(x)$", title="thresholds", xlim=_reach(curve), ylim=(0, None))
+    axes.set(title="thresholds", xlabel=f"threshold $x${_unit(curve)}", ylabel="$P_c(x)$")
+    axes.set(xlim=_reach(curve), ylim=(0, None))
     return axes
 
 
 def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     """S(x), the probability that a threshold exceeds x."""
     axes.plot(curve.x, curve.survival, color=_INK["thresholds"], lw=1.2)
-    axes.set(xlabel="threshold $x$", ylabel="$S(x)$", title="survival", xlim=_reach(curve), ylim=(0, 1.05))
+    axes.set(title="survival", xlabel=f"threshold $x${_unit(curve)}", ylabel="$S(x)$")
+    axes.set(xlim=_reach(curve), ylim=(0, 1.05))
     return axes
 
 
 def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
-    """P_c(x)/S(x), the rate of breaking per length at stretch x, where S > 0."""
-    shown = (curve.survival > 0.0) & np.isfinite(curve.density)
+    """P_c(x)/S(x), the rate of breaking per length at stretch x, up to where one contact in a thousand holds."""
+    shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
     axes.plot(curve.x[shown], curve.density[shown] / curve.survival[shown], color=_INK["thresholds"], lw=1.2)
-    axes.set(xlabel="stretch $x$", ylabel="$P_c(x)/S(x)$", title="hazard", xlim=_reach(curve), ylim=(0, None))
+    axes.set(title="hazard", xlabel=f"stretch $x${_unit(curve)}", ylabel="$P_c(x)/S(x)$")
+    axes.set(xlim=_reach(curve), ylim=(0, None))
     return axes
 
 
+def _unit(curve: ThresholdCurve) -> str:
+    return "" if curve.unit == OWN_UNIT else f" ({curve.unit})"
+
+
 def _reach(curve: ThresholdCurve) -> tuple[float, float]:
-    """From 0 to a little beyond all but a thousandth of the thresholds."""
-    return 0.0, 1.1 * float(curve.x[curve.survival > 1e-3].max())
+    """A little beyond all but a thousandth of the thresholds, from 0 unless they all lie far from it."""
+    first = float(curve.x[curve.survival < 1.0 - 1e-3].min())
+    last = float(curve.x[curve.survival > 1e-3].max())
+    margin = 0.15 * (last - first) or 0.1 * last
+    return (first - margin if first > 0.5 * last else 0.0), last + margin
 
 
 def save_picture(result: Result, path: Path) -> None:

@@ -16,6 +16,8 @@ from toolkit.scene import SceneTable, read_table
 
 Array = npt.NDArray[np.float64]
 
+OWN_UNIT = "length unit of the thresholds"
+
 
 class Curve(Protocol):
     """A force over a path: `path`, `force` (n,) lengths, `holding` (n,) the fraction of contacts that hold."""
@@ -83,13 +85,17 @@ class SimulatedRecord:
 
 @dataclass(frozen=True)
 class ThresholdCurve:
-    """P_c(x) sampled for a picture: `x`, `density`, `survival` of shape (m,), and the law's exact single values."""
+    """P_c(x) sampled for a picture: `x`, `density`, `survival` of shape (m,), and the law's exact single values.
+
+    `unit` is that of every length of the run: "m" where the law comes from a surface, else the scene's own.
+    """
 
     x: Array
     density: Array
     survival: Array
     atoms: Array
     atom_weights: Array
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -125,4 +131,5 @@ def sample_curve(thresholds: Thresholds, points: int = 400) -> ThresholdCurve:
     jumps = thresholds.breakpoints[thresholds.breakpoints <= upper]
     even = np.linspace(0.0, 1.05 * upper, points)
     x = np.unique(np.concatenate([quantiles, even, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
-    return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights)
+    unit = "m" if thresholds.interface is not None else OWN_UNIT
+    return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights, unit)

@@ -1,7 +1,11 @@
 """mesofriction thresholds SCENE: P_c, its survival and hazard as a picture, its moments as a table."""
 
 import argparse
-from typing import Any
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from origins import Thresholds
 
 ALL_RANKS = False
 
@@ -40,14 +44,14 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     return 0
 
 
-def table(thresholds: Any) -> dict[str, float]:
-    """Moments, quantiles and onset of a law; lengths in the scene's unit.
+def table(thresholds: "Thresholds") -> dict[str, float]:
+    """Moments, quantiles and onset of a law; lengths in the scene's unit; of a surface also the interface, in SI units.
 
     The kinetic force per N_c<k> is <x_s^2>/(2<x_s>): the mean stretch of a contact in steady sliding.
     """
     mean, second = thresholds.mean(), thresholds.moment(2)
     lower, upper = thresholds.support()
-    return {
+    numbers = {
         "mean": mean,
         "standard_deviation": thresholds.std(),
         "second_moment": second,
@@ -60,3 +64,7 @@ def table(thresholds: Any) -> dict[str, float]:
         "onset_power": thresholds.onset_power,
         "kinetic_force": second / (2.0 * mean),
     }
+    if thresholds.interface is not None:
+        values = {field.name: getattr(thresholds.interface, field.name) for field in fields(thresholds.interface)}
+        numbers |= {name: value for name, value in values.items() if isinstance(value, float)}
+    return numbers

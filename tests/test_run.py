@@ -1,0 +1,218 @@
+"""Running a scene: the solvers' own numbers, kept whole in a folder and read back."""
+
+import json
+import os
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+import eq_model
+import master
+import toolkit
+from origins.errors import InputError
+from toolkit.files import summary
+from toolkit.folders import check_folder, write_folder
+from toolkit.plots import plot_density
+from toolkit.results import OWN_UNIT, sample_curve
+from toolkit.scene import SHIPPED, shipped_scenes
+
+SURFACE = {"kind": "self-affine", "shape": [64, 64], "pixel_size": 1e-8, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
+
+
+def small(name: str, contacts: int = 400, replicas: int = 4) -> dict[str, Any]:
+    """A shipped scene with an ensemble small enough for a test."""
+    tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
+    tables["eq"] |= {"contacts": contacts, "replicas": replicas}
+    return tables
+
+
+@pytest.fixture(scope="module")
+def result() -> toolkit.results.Result:  # type: ignore[name-defined]
+    return toolkit.run(small("gaussian"))
+
+
+def test_numbers_are_the_solvers_own(result: Any) -> None:
+    scene = toolkit.load_scene("gaussian")
+    solved = master.solve(scene.contacts, scene.path, tolerance=1e-8)
+    simulated = eq_model.simulate(scene.contacts, scene.path, n_contacts=400, n_replicas=4, seed=1)
+    assert np.array_equal(result.master.force, solved.force)
+    assert np.array_equal(result.eq.force, simulated.force)
+    assert np.array_equal(result.eq.force_standard_error, simulated.force_standard_error)
+    assert result.eq.breaks == simulated.breaks
+    assert result.mean_threshold == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
+    done = toolkit.run(small(name))
+    assert done.success, done.master
+    assert done.master is not None and done.eq is not None
+    assert done.master.force_error <= 1e-8
+    deviation = np.abs(done.eq.force - done.master.force)
+    allowed = 6.0 * done.eq.force_standard_error + 1e-8 * done.mean_threshold
+    # 1,600 contacts: a standard error from few of them may itself be off where hardly any has broken
+    assert (deviation <= np.maximum(allowed, 6.0 / np.sqrt(1600.0) * 0.01)).all()
+    assert np.ptp(done.master.force) > 0.1
+
+
+def test_only_named_solvers_run() -> None:
+    tables = small("gaussian")
+    lone = toolkit.run({key: value for key, value in tables.items() if key != "eq"})
+    assert lone.eq is None and lone.master is not None and "eq" not in summary(lone)
+    lone = toolkit.run({key: value for key, value in tables.items() if key != "master"})
+    assert lone.master is None and lone.eq is not None and lone.success and "master" not in summary(lone)
+
+
+def test_what_is_saved_is_what_is_loaded(result: Any, tmp_path: Path) -> None:
+    toolkit.save(result, tmp_path / "out")
+    assert sorted(os.listdir(tmp_path / "out")) == ["picture.png", "result.h5", "summary.json"]
+    back = toolkit.load(tmp_path / "out")
+    assert (back.name, back.title, back.text, back.version) == (
+        result.name,
+        result.title,
+        result.text,
+        toolkit.__version__,
+    )
+    for name in ("path", "force", "holding"):
+        assert np.array_equal(getattr(back.master, name), getattr(result.master, name))
+        assert np.array_equal(getattr(back.eq, name), getattr(result.eq, name))
+    assert np.array_equal(back.eq.force_standard_error, result.eq.force_standard_error)
+    assert np.array_equal(back.thresholds.density, result.thresholds.density)
+    assert back.master.force_error == result.master.force_error and back.master.success is True
+    assert back.eq.breaks == result.eq.breaks and sum(back.eq.breaks_per_rank) == result.eq.breaks
+    assert summary(back) == summary(result) == json.loads((tmp_path / "out" / "summary.json").read_text())
+    again = toolkit.run(toolkit.load_scene(tomllib.loads(back.text)))
+    assert np.array_equal(again.eq.force, result.eq.force)
+
+
+def test_arrays_have_units_and_the_scene_goes_with_them(result: Any, tmp_path: Path) -> None:
+    toolkit.save(result, tmp_path)
+    with h5py.File(tmp_path / "result.h5") as store:
+        assert tomllib.loads(store.attrs["scene"])["eq"]["contacts"] == 400
+        assert store.attrs["seed"] == 1 and store.attrs["version"] == toolkit.__version__
+        assert store["master/force"].attrs["units"] == OWN_UNIT
+        assert store["thresholds/density"].attrs["units"] == f"1 / {OWN_UNIT}"
+        assert store["eq/holding"].attrs["units"] == "1"
+        arrays: list[Any] = []
+        store.visititems(lambda _, item: arrays.append(item) if isinstance(item, h5py.Dataset) else None)
+        assert len(arrays) == 12 and all("units" in array.attrs for array in arrays)
+
+
+def test_lengths_of_a_surface_are_metres(tmp_path: Path) -> None:
+    law = {
+        "kind": "from-topography",
+        "model": "gw",
+        "law": "amontons",
+        "pressure": 1e6,
+        "surface": SURFACE,
+        "material": {"contact_modulus": 1e11, "local_friction": 0.1, "shear_modulus": 4e10},
+    }
+    mean = toolkit.load_scene({"contacts": {"thresholds": law}, "drive": {"to": 1.0, "points": 2}, "master": {}})
+    scene = {
+        "contacts": {"thresholds": law},
+        "drive": {"to": 5.0 * mean.contacts.mean_threshold, "points": 51},
+        "master": {},
+    }
+    done = toolkit.run(scene)
+    assert done.success and done.mean_threshold < 1e-6
+    toolkit.save(done, tmp_path)
+    with h5py.File(tmp_path / "result.h5") as store:
+        assert store["master/force"].attrs["units"] == "m"
+        assert store["thresholds/density"].attrs["units"] == "1 / m"
+
+
+def test_picture_shows_where_the_thresholds_lie() -> None:
+    from matplotlib.figure import Figure
+
+    for name, first, last in (("one-peak", 0.99, 1.01), ("gaussian", 0.7, 1.3), ("rectangular", 0.0, 2.0)):
+        axes = Figure().subplots()
+        plot_density(axes, sample_curve(toolkit.load_scene(name).contacts.thresholds))
+        low, high = axes.get_xlim()
+        assert first <= low < high <= last and axes.get_xlabel() == "threshold $x$"
+
+
+def test_saving_again_replaces_its_own_files_only(result: Any, tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "summary.json").write_text("old")
+    toolkit.save(result, tmp_path)
+    assert sorted(os.listdir(tmp_path)) == ["notes.txt", "picture.png", "result.h5", "summary.json"]
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    assert json.loads((tmp_path / "summary.json").read_text())["title"] == result.title
+
+
+def broken(path: Path) -> None:
+    path.write_text("half")
+    raise ZeroDivisionError
+
+
+@pytest.mark.parametrize("folder", ["out", "deep/er/out"])
+def test_failing_half_way_leaves_nothing_behind(tmp_path: Path, folder: str) -> None:
+    with pytest.raises(ZeroDivisionError):
+        write_folder(tmp_path / folder, {"a": lambda path: path.touch(), "b": broken})
+    assert os.listdir(tmp_path) == []
+
+
+def test_failing_half_way_keeps_the_old_files(tmp_path: Path) -> None:
+    (tmp_path / "a").write_text("old")
+    with pytest.raises(ZeroDivisionError):
+        write_folder(tmp_path, {"a": lambda path: path.write_text("new") and None, "b": broken})
+    assert os.listdir(tmp_path) == ["a"] and (tmp_path / "a").read_text() == "old"
+
+
+def test_folders_on_the_way_are_made(tmp_path: Path) -> None:
+    write_folder(tmp_path / "deep/er/out", {"a": lambda path: path.touch()})
+    assert os.listdir(tmp_path) == ["deep"] and os.listdir(tmp_path / "deep/er/out") == ["a"]
+
+
+def test_full_disk_is_one_line(tmp_path: Path) -> None:
+    def full(path: Path) -> None:
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(InputError, match=r"^out = .*: cannot be written: No space left on device$"):
+        write_folder(tmp_path / "out", {"a": full})
+    assert os.listdir(tmp_path) == []
+
+
+def test_path_below_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for folder in (tmp_path / "file", tmp_path / "file/below/it"):
+        with pytest.raises(InputError, match=r"^out = .*file is a file, not a folder"):
+            check_folder(folder)
+
+
+def test_no_result_to_load_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"^folder = .*holds no result\.h5"):
+        toolkit.load(tmp_path)
+    (tmp_path / "result.h5").write_text("not HDF5")
+    with pytest.raises(InputError, match=r"^folder = .*its result\.h5 is not one of mesofriction"):
+        toolkit.load(tmp_path)
+
+
+def test_plot_draws_on_the_axes_given(result: Any) -> None:
+    from matplotlib.figure import Figure
+
+    axes = Figure().subplots(1, 2)
+    assert toolkit.plot(result, axes) is axes
+    line = axes[0].get_lines()[0]
+    assert np.array_equal(line.get_ydata(), result.master.force)
+    (bars,) = axes[0].containers
+    shown = np.isin(result.eq.path, bars.lines[0].get_xdata())
+    assert shown.sum() > 20
+    assert np.array_equal(bars.lines[0].get_ydata(), result.eq.force[shown])
+    heights = np.array([segment[:, 1] for segment in bars.lines[2][0].get_segments()])
+    assert np.allclose(np.diff(heights, axis=1)[:, 0], 2.0 * result.eq.force_standard_error[shown])
+
+
+@pytest.mark.parametrize(
+    "law",
+    [{"kind": "identical", "value": 1.0}, {"kind": "rectangular", "lower": 0.5, "upper": 1.5}],
+    ids=["identical", "rectangular"],
+)
+def test_picture_of_every_sort_of_law_is_drawn(law: dict[str, Any], tmp_path: Path) -> None:
+    scene = {"contacts": {"thresholds": law}, "drive": {"to": 2.0, "points": 21}, "master": {}}
+    toolkit.save(toolkit.run(scene), tmp_path)
+    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
