@@ -125,6 +125,13 @@ def test_lengths_of_a_surface_are_metres(tmp_path: Path) -> None:
         assert store["thresholds/density"].attrs["units"] == "1 / m"
 
 
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_curve_of_a_picture_misses_no_peak(name: str) -> None:
+    curve = sample_curve(toolkit.load_scene(name).contacts.thresholds)
+    assert np.trapezoid(curve.density, curve.x) == pytest.approx(1.0, abs=2e-3)
+    assert curve.survival[0] == 1.0 and (np.diff(curve.survival) <= 0.0).all()
+
+
 def test_picture_shows_where_the_thresholds_lie() -> None:
     from matplotlib.figure import Figure
 

@@ -11,12 +11,14 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from origins.quadrature import panel_edges
 from origins.thresholds import Thresholds
 from toolkit.scene import SceneTable, read_table
 
 Array = npt.NDArray[np.float64]
 
 OWN_UNIT = "length unit of the thresholds"
+_PER_PANEL = 24
 
 
 class Curve(Protocol):
@@ -122,14 +124,15 @@ class Result:
         return self.master is None or self.master.success
 
 
-def sample_curve(thresholds: Thresholds, points: int = 400) -> ThresholdCurve:
-    """P_c(x) where its weight lies: quantiles down to 1e-6 on either side, an even grid, both sides of each jump."""
+def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
+    """P_c(x) on points close enough together for a picture of every peak and gap, and on both sides of each jump."""
     atoms, weights = thresholds.atoms
-    tail = np.geomspace(1e-6, 0.5, points // 2)
-    quantiles = np.concatenate([np.atleast_1d(thresholds.ppf(tail)), np.atleast_1d(thresholds.isf(tail))])
-    upper = quantiles.max()
-    jumps = thresholds.breakpoints[thresholds.breakpoints <= upper]
-    even = np.linspace(0.0, 1.05 * upper, points)
-    x = np.unique(np.concatenate([quantiles, even, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
+    tail = np.geomspace(1e-6, 0.5, 100)
+    quantiles = np.concatenate([thresholds.ppf(tail), thresholds.isf(tail)])
+    upper = 1.05 * quantiles.max()
+    edges = np.unique(np.concatenate([[0.0], panel_edges(thresholds, upper), thresholds.breakpoints, [upper]]))
+    within = np.linspace(edges[:-1], edges[1:], _PER_PANEL).ravel()
+    jumps = thresholds.breakpoints
+    x = np.unique(np.concatenate([quantiles, within, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
     unit = "m" if thresholds.interface is not None else OWN_UNIT
     return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights, unit)
