@@ -1,0 +1,119 @@
+"""The paper's explicit scheme: the exact Gaussian answer, order of convergence, numbers kept, and `solve` beside it."""
+
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+import master
+import origins
+from master.explicit import MOST_NODES, explicit
+
+PATH = np.linspace(0.0, 5.0, 501)
+STEPS = (0.01, 0.005, 0.0025)
+
+
+def gaussian_force(x, mean=1.0, std=0.05, start_std=0.025):
+    """Closed form for Gaussian thresholds and a Gaussian start about 0, weight below 0 neglected."""
+    n = np.arange(1, 40)[:, None]
+    width = np.sqrt(n * std**2 + start_std**2)
+    z = (x - n * mean) / width
+    density = np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi)
+    return x - (mean * ndtr(z) - std**2 / width * density).sum(axis=0)
+
+
+@pytest.fixture(scope="module")
+def gaussian_scene():
+    return origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
+
+
+@pytest.mark.parametrize(("breaking", "at_finest"), [("survival", 0.01179), ("printed", 0.01401)])
+def test_gaussian_scene_converges_at_first_order(gaussian_scene, breaking, at_finest):
+    exact = gaussian_force(PATH)
+    errors = {step: np.abs(explicit(gaussian_scene, PATH, step, breaking).force - exact).max() for step in STEPS}
+    order = np.polyfit(np.log(list(errors)), np.log(list(errors.values())), 1)[0]
+    assert abs(order - 1.0) < 0.2
+    assert errors[STEPS[-1]] == pytest.approx(at_finest, rel=0.005)
+
+
+@pytest.mark.parametrize("breaking", ["survival", "printed"])
+@pytest.mark.parametrize(
+    "start", [None, 0.31, origins.gaussian_start(0.1, 0.025)], ids=["relaxed", "single", "gaussian"]
+)
+@pytest.mark.parametrize(
+    "thresholds",
+    [origins.rectangular(0.5, 1.5), origins.gw_elastic(1.0), origins.persson(1.0, 0.5)],
+    ids=["rectangular", "gw_elastic", "persson"],
+)
+def test_agrees_with_solve_to_its_own_first_order_error(thresholds, start, breaking):
+    contacts = origins.Contacts(thresholds, start)
+    reference = master.solve(contacts, PATH, 1e-8).force
+    coarse, fine = (explicit(contacts, PATH, step, breaking).force for step in (0.01, 0.005))
+    # errors linear in the step: the finer one is off by what halving changed, and extrapolation takes that away
+    own_error = np.abs(coarse - fine).max()
+    assert np.abs(fine - reference).max() < 1.1 * own_error
+    assert np.abs(2.0 * fine - coarse - reference).max() < 0.1 * own_error
+
+
+@pytest.mark.parametrize("breaking", ["survival", "printed"])
+def test_contacts_are_kept_to_round_off(breaking):
+    path = np.linspace(0.0, 20.0, 37)
+    for thresholds in (origins.rectangular(0.0, 1.0), origins.lubricated(1.0), origins.gw_plastic(1.0)):
+        contacts = origins.Contacts(thresholds, origins.gaussian_start(0.0, 0.1))
+        assert np.abs(explicit(contacts, path, 0.01, breaking).holding - 1.0).max() < 1e-13
+
+
+def test_identical_thresholds_on_the_grid_stay_an_exact_sawtooth():
+    path = 0.125 * np.arange(0, 400) + 0.0625
+    force = explicit(origins.Contacts(origins.identical(1.0)), path, 0.0625).force
+    assert np.abs(force - path % 1.0).max() < 1e-13
+
+
+def test_a_start_below_zero_is_a_relaxed_start_that_comes_later():
+    # Q(x;X) does not know that thresholds of contacts from -0.5 exceed 0.5
+    thresholds = origins.rectangular(0.0, 2.0)
+    relaxed = explicit(origins.Contacts(thresholds), PATH, 0.01).force
+    below = explicit(origins.Contacts(thresholds, -0.5), PATH + 0.5, 0.01).force
+    assert np.abs(below - relaxed).max() < 1e-13
+    assert explicit(origins.Contacts(thresholds, -0.5), [0.0, 0.25], 0.01).force == pytest.approx([-0.5, -0.25])
+
+
+def test_the_mean_of_a_start_off_the_grid_stays():
+    for start, allowed in ((0.3333, 1e-15), (origins.gaussian_start(0.3333, 0.05), 1e-14)):
+        contacts = origins.Contacts(origins.gaussian(1.0, 0.05), start)
+        assert abs(explicit(contacts, [0.0], 0.01).force[0] - contacts.start.mean()) < allowed
+
+
+def test_irregular_path_is_read_between_steps():
+    contacts = origins.Contacts(origins.gw_plastic(1.0), 0.2)
+    grid = explicit(contacts, 0.01 * np.arange(301), 0.01).force
+    path = np.array([0.0, 0.013, 0.5, 0.5, 1.2345, 3.0])
+    assert np.abs(explicit(contacts, path, 0.01).force - np.interp(path, 0.01 * np.arange(301), grid)).max() < 1e-13
+
+
+def test_lengths_only_set_the_scale():
+    path = np.linspace(0.0, 4.0, 50)
+    force = explicit(origins.Contacts(origins.gaussian(1.0, 0.1), 0.25), path, 0.01).force
+    for scale in (1e-9, 1e9):
+        contacts = origins.Contacts(origins.gaussian(scale, 0.1 * scale), 0.25 * scale)
+        assert np.abs(explicit(contacts, scale * path, 0.01 * scale).force / scale - force).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("path", "step", "breaking", "words"),
+    [
+        ([0.0, 1.0], 0.0, "survival", "step = 0.0: must be above zero"),
+        ([0.0, 1.0], float("nan"), "survival", "step = nan: must be finite"),
+        ([0.0, 1.0], 1.0 / (2 * MOST_NODES), "survival", "write step="),
+        ([1.0, 0.0], 0.1, "survival", "must not turn round"),
+        ([0.0, 1.0], 0.1, "exact", 'must be "survival" or "printed"'),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(path, step, breaking, words):
+    with pytest.raises(origins.InputError) as caught:
+        explicit(origins.Contacts(origins.gaussian(1.0, 0.1)), path, step, breaking)
+    assert words in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_printed_fraction_is_refused_for_exact_single_values():
+    with pytest.raises(origins.InputError, match='write "survival"'):
+        explicit(origins.Contacts(origins.identical(1.0)), [0.0, 1.0], 0.1, "printed")
