@@ -105,17 +105,17 @@ class Mixture(Thresholds):
 
     def _ppf(self, q: Array) -> Array:
         own = np.stack([c.ppf(q) for c in self.components])
-        # at x a component alone holds weight * cdf <= q, so x is at most its quantile of q / weight, where there is one
-        scaled = np.stack([c.ppf(np.minimum(q / w, 1.0)) for c, w in zip(self.components, self.weights, strict=True)])
-        scaled = np.where(q < self.weights[:, None], scaled, np.inf)
-        left, right = own.min(axis=0), np.minimum(own.max(axis=0), scaled.min(axis=0))
+        left, right = own.min(axis=0), own.max(axis=0)
+        # a component alone holds weight * cdf <= q at the quantile, which bounds it from above
+        for c, w in zip(self.components, self.weights, strict=True):
+            right = np.where(q < w, np.minimum(right, c.ppf(np.minimum(q / w, 1.0))), right)
         return self._solve(q, -np.log1p(-q), left, right, right, 1)
 
     def _isf(self, q: Array) -> Array:
         own = np.stack([c.isf(q) for c in self.components])
-        scaled = np.stack([c.isf(np.minimum(q / w, 1.0)) for c, w in zip(self.components, self.weights, strict=True)])
-        scaled = np.where(q < self.weights[:, None], scaled, 0.0)
-        left, right = np.maximum(own.min(axis=0), scaled.max(axis=0)), own.max(axis=0)
+        left, right = own.min(axis=0), own.max(axis=0)
+        for c, w in zip(self.components, self.weights, strict=True):
+            left = np.where(q < w, np.maximum(left, c.isf(np.minimum(q / w, 1.0))), left)
         return self._solve(q, -np.log(q), left, right, left, 2)
 
     def _solve(self, q: Array, hazard: Array, left: Array, right: Array, guess: Array, column: int) -> Array:
