@@ -47,9 +47,15 @@ class ChordGaussian(Thresholds):
         low, high = self._ends
         anchor = np.where(x - low < high - x, low, high)
         with np.errstate(over="ignore", divide="ignore"):
-            chord = np.exp(self._log_ratio(self.upper, x)) - np.exp(self._log_ratio(0.0, x))
-            share = -np.expm1(self._log_ratio(anchor, x)) - chord * (x - anchor) / self.upper
+            share = -np.expm1(self._log_ratio(anchor, x)) - self._rise(x) * (x - anchor) / self.upper
             return -0.5 * ((x - self.parent_mean) / self.parent_std) ** 2 + np.log(np.maximum(share, 0.0))
+
+    def _rise(self, x: Array) -> Array:
+        """[G(upper) - G(0)] / G(x)."""
+        rise = self._log_ratio(self.upper, np.zeros(()))
+        if rise < 0.0:
+            return np.exp(self._log_ratio(0.0, x)) * np.expm1(rise)
+        return -np.exp(self._log_ratio(self.upper, x)) * np.expm1(-rise)
 
     def _log_ratio(self, at: Array | float, x: Array) -> Array:
         """log of G(at) / G(x)."""
