@@ -50,6 +50,11 @@ class FirstBreaks:
         self._order = np.argsort(self.atoms, kind="stable")
         self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
 
+    @property
+    def error(self) -> float:
+        """Error of `released`, and of the later breaks that follow from `density`, as the tables tell."""
+        return self._released.error + (1.0 + self.end) * self.density.total_error
+
     def released(self, x: Array) -> Array:
         """J_0: stretch released per contact by first breaks up to X = x; a break at x itself counts."""
         count = np.searchsorted(self.atoms[self._order], x * (1.0 + 1e-13), side="right")
@@ -95,22 +100,22 @@ class FirstBreaks:
             survival = law.sf(np.abs(x))
             return np.where(survival > 0.0, density / np.where(survival > 0.0, survival, 1.0), 0.0)
 
-        def plain(x: Array) -> Array:
-            return (start.pdf(x * unit) * unit / kept)[None]
+        def both(x: Array) -> Array:
+            return np.stack([start.pdf(x * unit) * (unit / kept), weighted(x)])
 
-        seeds = np.concatenate([np.linspace(low, high, 5), inner, [0.0] if low < 0.0 < high else []])
-        (table,) = tabulate(plain, np.unique(seeds), 1e-13)
-        mass = table.total
-        self.mean_start = contacts.start.mean() / unit if contacts.cut_weight == 0.0 else _mean(table) / mass
-        start_edges = np.unique(np.concatenate([table.edges, law.atoms, -law.atoms]))
-        start_edges = start_edges[(start_edges >= low) & (start_edges <= high)]
+        # 1/S(|x|) has a cusp at 0 and kinks at the law's own: panels follow it as well as the start
+        marks = np.concatenate([law.breakpoints, law.atoms])
+        seeds = np.concatenate([np.linspace(low, high, 5), inner, marks, -marks, [0.0]])
+        table, _ = tabulate(both, np.unique(seeds[(seeds >= low) & (seeds <= high)]), 1e-13)
+        self.mean_start = contacts.start.mean() / unit if contacts.cut_weight == 0.0 else _mean(table) / table.total
+        start_edges = table.edges
 
         self.atoms, self.atom_weights, self.atom_released = np.empty(0), np.empty(0), np.empty(0)
         marks = np.sort(np.concatenate([law.edges, law.atoms]))
         ends = np.concatenate([marks[[0, -1]], law.breakpoints, law.atoms])
         middle = np.clip(self.mean_start, low, high)
         seeds = np.concatenate(
-            [_thin(marks, 0.5 * (high - low)) - middle, *(ends - point for point in (low, high, *inner)), [0.0]]
+            [_thin(marks, 0.5 * (high - low)) - middle, *(ends - point for point in (low, high, *inner)), -2.0 * inner, [0.0, -2.0 * low]]
         )
         edges = _clip(np.unique(seeds), 0.0, min(self.end, marks.max() - low))
 

@@ -19,9 +19,20 @@ class Piecewise:
     """A function on [edges[0], edges[-1]] as one Legendre series per panel, with its integral from edges[0].
 
     edges has shape (n + 1,), coefficients shape (16, n).
+
+    Attributes
+    ----------
+    total : float
+        Integral over all panels.
+    error, total_error : float
+        Estimates of the error of the integral up to some point, and of `total`: the last terms kept integrate to
+        nothing over a whole panel, so but for a small part they do not add up.
     """
 
     def __init__(self, edges: Array, coefficients: Array) -> None:
+        tails = np.abs(coefficients[-2:]).max(axis=0, initial=0.0) * np.diff(edges)
+        self.total_error = 0.2 * float(tails.sum())
+        self.error = float(tails.max(initial=0.0)) + self.total_error
         self.edges = edges
         self.coefficients = coefficients
         half = 0.5 * np.diff(edges)

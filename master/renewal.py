@@ -4,7 +4,7 @@ With p the law of thresholds, b_0 the first breaks and r the density of released
 
     b = b_0 + p * b,        J_1(X) = integral_0^X (r * b)
 
-(physics of Sec. III as a renewal equation; F = <x_ini> + X - J_0 - J_1). Within some 32 nodes of X = 0 a lattice
+(physics of Sec. III as a renewal equation; F = <x_ini> + X - J_0 - J_1). Within some 50 nodes of X = 0 a lattice
 cannot tell a measure from its eight-node shares; there the answer comes from a lattice sixteen times finer, and so
 on until J_1 is nothing.
 """
@@ -23,7 +23,7 @@ from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 
-_NEAR = 40
+_NEAR = 56
 _ZOOM = 16
 _MARGIN = 24
 
@@ -114,22 +114,48 @@ class Kinks:
         return 0.5 * beyond**2 @ np.multiply.outer(first_heights, second_heights).ravel()
 
 
-def later_released(problem: Problem, step: float, x: Array, tiny: float) -> tuple[Array, Renewal]:
-    """J_1 at positions x (sorted) and the lattice of `step` it was read from, away from X = 0.
+class LaterReleased:
+    """J_1(X) at any X up to the path's end, from a lattice of `step` and finer ones towards X = 0.
 
-    Where J_1 stays below `tiny` it is not looked for.
+    Attributes
+    ----------
+    lattice : Renewal
+        The widest of them.
+    left_out : float
+        Bound on J_1 at those of the sorted positions x where it stays below `tiny` and was not looked for.
     """
-    out = np.zeros(x.size)
-    widest = lattice = Renewal(problem, step, problem.end)
-    todo = np.ones(x.size, dtype=bool)
-    while True:
-        near = _NEAR * lattice.step if _weight_below(problem, STENCIL * lattice.step) > tiny else 0.0
-        far = todo & (x > near)
-        out[far] = lattice.released_at(x[far])
-        todo &= ~far
-        if not todo.any() or bound(problem, near) <= tiny:
-            return out + problem.chain.released(x), widest
-        lattice = Renewal(problem, lattice.step / _ZOOM, near)
+
+    def __init__(self, problem: Problem, step: float, x: Array, tiny: float) -> None:
+        self._problem = problem
+        self.lattice = Renewal(problem, step, problem.end)
+        self._pieces: list[tuple[float, Renewal]] = []
+        lattice = self.lattice
+        while True:
+            near = _NEAR * lattice.step if _weight_below(problem, STENCIL * lattice.step) > tiny else 0.0
+            self._pieces.append((near, lattice))
+            left = x[(x > 0.0) & (x <= near)]
+            self.left_out = bound(problem, float(left[-1])) if left.size else 0.0
+            if self.left_out <= tiny:
+                break
+            lattice = Renewal(problem, lattice.step / _ZOOM, near)
+
+    def step_at(self, x: Array) -> Array:
+        """Step of the lattice that answers at each x."""
+        out = np.zeros(x.size)
+        for near, lattice in reversed(self._pieces):
+            out[x > near] = lattice.step
+        return out
+
+    def __call__(self, x: Array) -> Array:
+        """J_1 at positions x, releases by the atomic chain included."""
+        out = self._problem.chain.released(x)
+        above = np.inf
+        for near, lattice in self._pieces:
+            here = (x > near) & (x <= above)
+            if here.any():
+                out[here] += lattice.released_at(x[here])
+            above = near
+        return out
 
 
 def _weight_below(problem: Problem, x: float) -> float:

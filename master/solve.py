@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.problem import Problem
-from master.renewal import Renewal, bound, later_released
+from master.renewal import LaterReleased, Renewal, bound
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import positive
@@ -16,6 +16,7 @@ Array = npt.NDArray[np.float64]
 ROUND_OFF = 1e-13
 MOST_NODES = 2**20
 _FEWEST_NODES = 64
+_BESIDE = np.append(0.9 * np.arange(-7.0, 8.0, 2.0), 0.0)
 
 
 def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> Solution:
@@ -70,7 +71,7 @@ def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> S
 def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float, Renewal | None, str]:
     """J_1 at x, its error estimate, the finest lattice and the reason for stopping short."""
     end = float(x[-1])
-    floor = ROUND_OFF * (1.0 + end)
+    floor = ROUND_OFF * (1.0 + end) + problem.first.error
     if not problem.chain.complete:
         message = "the atoms of the thresholds have too many distinct sums within the path; shorten it"
         return problem.chain.released(x), np.inf, None, message
@@ -80,21 +81,35 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
         message = f"round-off allows {floor:.1e}, above the tolerance {tolerance:.1e}"
         return problem.chain.released(x), floor, None, message
     step = first_step(problem, end, tolerance)
+    rough = bool((problem.law.breakpoints > 0.0).any())
     previous, difference, before = None, np.inf, np.inf
     while True:
-        later, lattice = later_released(problem, step, x, tiny)
+        later = LaterReleased(problem, step, x, tiny)
         if previous is not None:
-            before, difference = difference, float(np.abs(later - previous).max())
-            error = estimate(difference, before) + floor
-            if np.isfinite(before) and error <= tolerance:
-                return later, error, lattice, ""
-            if np.isfinite(before) and difference <= floor:
-                return later, error, lattice, f"round-off allows {error:.1e}, above the tolerance {tolerance:.1e}"
+            at = _around(x, 2.0 * step) if rough else x
+            change = np.abs(later(at) - previous(at))
+            # towards X = 0 a coarser lattice hands over to finer ones earlier: there the change is the error itself
+            finer = later.step_at(at) < previous.step_at(at)
+            before, difference = difference, float(change[finer].max(initial=0.0))
+            error = max(estimate(difference, before, rough), 1.5 * float(change[~finer].max(initial=0.0)))
+            error += later.left_out + floor
+            enough = np.isfinite(before)
+            if enough and error <= tolerance:
+                return later(x), error, later.lattice, ""
+            if enough and change.max() <= floor:
+                message = f"round-off allows {error:.1e}, above the tolerance {tolerance:.1e}"
+                return later(x), error, later.lattice, message
             if end / step > MOST_NODES / 2:
-                reason = f"error estimate {error:.1e} on {lattice.size} nodes, above the tolerance {tolerance:.1e}; "
-                return later, error, lattice, reason + "shorten the path or loosen the tolerance"
+                message = f"error estimate {error:.1e} on {later.lattice.size} nodes, above the tolerance {tolerance:.1e}"
+                return later(x), error, later.lattice, message + "; shorten the path or loosen the tolerance"
         previous = later
         step *= 0.5
+
+
+def _around(x: Array, step: float) -> Array:
+    """The positions x and some nodes to either side: beside jumps, errors depend on where between nodes a point falls."""
+    near = (x[:, None] + step * _BESIDE).ravel()
+    return np.unique(near[(near > 0.0) & (near <= x[-1])])
 
 
 def first_step(problem: Problem, end: float, tolerance: float) -> float:
@@ -109,13 +124,14 @@ def first_step(problem: Problem, end: float, tolerance: float) -> float:
     return step
 
 
-def estimate(difference: float, before: float) -> float:
+def estimate(difference: float, before: float, rough: bool) -> float:
     """Error of the last of three lattices from the two differences between them.
 
     With errors that fall by r from each lattice to the next, the last error is r/(1-r) of the last difference. The
-    ratio seen is taken with a margin of 4, and never believed below 1/16.
+    ratio seen is taken with a margin of 4; one below 1/128 (beside jumps, where convergence is slower, 1/16) may be
+    luck and counts as that.
     """
     if difference == 0.0:
         return 0.0
     ratio = difference / before if before > 0.0 else 1.0
-    return difference * min(1.0, max(4.0 * ratio, 0.0625)) if ratio < 0.5 else 2.0 * difference
+    return difference * max(4.0 * ratio if ratio < 0.25 else 2.0, 0.25 if rough else 0.03125)
