@@ -7,6 +7,7 @@ from origins.frozen import as_thresholds
 from origins.start import as_start
 
 _CUT_LIMIT = 1e-6
+_LEAST_SURVIVAL = 1e-300
 
 
 class Contacts:
@@ -39,17 +40,21 @@ class Contacts:
                 f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach "
                 "a steady state"
             )
-        self.cut_weight = self._weight_beyond()
+        self.cut_weight, reach = self._weight_beyond()
         if self.cut_weight > _CUT_LIMIT:
             raise InputError(
-                f"start: a weight of {self.cut_weight:.3g} lies beyond every threshold, at |x| >= "
-                f"{self.thresholds.support()[1]:.6g}; start from stretches below it"
+                f"start: a weight of {self.cut_weight:.3g} lies beyond every threshold, at |x| >= {reach:.6g}; start "
+                "from stretches below it"
             )
 
-    def _weight_beyond(self) -> float:
+    def _weight_beyond(self) -> tuple[float, float]:
+        """Starting weight where no threshold is left, or fewer than floating point can tell; and where that begins."""
         upper = self.thresholds.support()[1]
+        furthest = max(abs(end) for end in self.start.span)
+        if float(self.thresholds.sf(furthest)) > 0.0:
+            return 0.0, upper
         if not np.isfinite(upper):
-            return 0.0
+            upper = float(self.thresholds.isf(_LEAST_SURVIVAL))
         if self.start.is_single:
-            return float(abs(self.start.mean()) >= upper)
-        return float(self.start.cdf(-upper) + self.start.sf(upper))
+            return 1.0, upper
+        return float(self.start.cdf(-upper) + self.start.sf(upper)), upper

@@ -31,13 +31,24 @@ def is_frozen_continuous(law: object) -> bool:
     return all(callable(getattr(law, name, None)) for name in methods)
 
 
+def check_single(name: str, frozen) -> None:  # type: ignore[no-untyped-def]
+    """Refuse a distribution whose parameters are missing or are arrays."""
+    try:
+        dimensions = np.ndim(frozen.mean())
+    except TypeError as error:
+        raise InputError(
+            f"{name}: the distribution lacks its parameters; freeze it, as in scipy.stats.gamma(3.0)"
+        ) from error
+    if dimensions > 0:
+        raise InputError(f"{name}: the distribution has arrays as parameters; give one law")
+
+
 class FrozenThresholds(Thresholds):
     """Delegates to the frozen distribution; its support's ends are the only breakpoints known."""
 
     def __init__(self, frozen) -> None:  # type: ignore[no-untyped-def]
         self.frozen = frozen
-        if np.ndim(frozen.mean()) > 0:
-            raise InputError("thresholds: the frozen distribution has arrays as parameters; give one law, or a mixture")
+        check_single("thresholds", frozen)
         lower, upper = (float(end) for end in frozen.support())
         if not (np.isfinite(lower) or lower == -np.inf) or np.isnan(upper) or upper <= lower:
             raise InputError("thresholds: the frozen distribution has no valid support; check its parameters")

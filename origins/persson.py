@@ -53,7 +53,7 @@ class Persson(Thresholds):
     def _series(self, f: Array) -> Array:
         """Integral of cosh(2 a f s) exp(-(a s)^2) over s in (0, 1), for a < 1/2 and 4 a f < 1."""
         s = self._a * _NODES
-        return (np.cosh(2.0 * f[..., None] * s) * np.exp(-s * s)) @ _WEIGHTS
+        return (np.cosh(2.0 * f[..., None] * s) * (np.exp(-s * s) * _WEIGHTS)).sum(-1)
 
     def _tail(self, x: Array) -> tuple[Array, Array]:
         """S as factor times exp(-power), without cancellation for any a; for x where S is not near 1."""
@@ -84,7 +84,7 @@ class Persson(Thresholds):
         if onset.any():
             t = f[onset][..., None] * _NODES
             shape = t * np.exp(-t * t) * (exprel(4.0 * a * t) * np.exp(-2.0 * a * t))
-            out[onset] = 2.0 * self._kappa * np.exp(-a * a) * f[onset] * (shape @ _WEIGHTS)
+            out[onset] = 2.0 * self._kappa * np.exp(-a * a) * f[onset] * (shape * _WEIGHTS).sum(-1)
         rising = ~onset & (away < 0.0)
         if rising.any():
             out[rising] = 0.5 * (erfc(-away[rising]) - 2.0 * erfc(a) + erfc(f[rising] + a)) / erf(a)
