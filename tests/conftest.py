@@ -33,7 +33,7 @@ def python(tmp_path: Path) -> Runner:
             env=clean_environment(**environment),
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=60,
         )
 
     return run
@@ -56,7 +56,7 @@ def mpirun(tmp_path: Path) -> Runner:
             env=environment,
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=60,
             stdin=subprocess.DEVNULL,
         )
 

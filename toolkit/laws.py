@@ -5,7 +5,7 @@ A kind is one entry here. Its keys are the function's own parameters, so a scene
 
 import inspect
 import re
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -74,7 +74,7 @@ def call(
     for key, parameter in parameters.items():
         if parameter.default is parameter.empty and key not in arguments:
             raise InputError(f"{where}.{key}: is missing; {title} takes {', '.join(parameters)}")
-    with inside(where, parameters):
+    with inside(where, {name: name for name in parameters}):
         return function(**arguments, **given)
 
 
@@ -86,10 +86,12 @@ def as_table(name: str, value: object) -> Mapping[str, Any]:
 
 
 @contextmanager
-def inside(where: str, names: Container[str]) -> Iterator[None]:
-    """Put `where` before any InputError raised within, as a path where it begins with one of `names`."""
+def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
+    """Put `where` before any InputError raised within; where it begins with an argument, by the scene's key for it."""
     try:
         yield
     except InputError as error:
-        named = re.match(r"(\w+)[\w.\[\]]*( = |: )", str(error))
-        raise InputError(f"{where}{'.' if named and named[1] in names else ': '}{error}") from error
+        found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", str(error))
+        if found and found[1] in keys:
+            raise InputError(f"{where}.{keys[found[1]]}{found[2]}") from error
+        raise InputError(f"{where}: {error}") from error

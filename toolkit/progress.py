@@ -19,7 +19,7 @@ class Progress:
                 return
             from tqdm import tqdm
 
-            self._bar = tqdm(total=total, unit="block", leave=False)
+            self._bar = tqdm(total=total, initial=done, unit=" contacts", unit_scale=True, leave=False)
         self._bar.update(done - self._bar.n)
         if done >= total:
             self._bar.close()

@@ -24,7 +24,7 @@ def run(
         The ensemble's work is shared among its ranks, all of which must call; None: this process alone.
         Every rank gets the whole result.
     progress : callable, optional
-        Called as progress(done, total) with the ensemble's blocks.
+        Called as progress(done, total) after each block of the ensemble, with this rank's contacts.
 
     Raises InputError for a scene that cannot be run.
     """
@@ -46,15 +46,15 @@ def run(
 def _solve(scene: Scene, asked: MasterTable) -> Solved:
     import master
 
-    with laws.inside("master", MasterTable.__struct_fields__):
+    with laws.inside("master", {"tolerance": "tolerance"}):
         return master.solve(scene.contacts, scene.path, tolerance=asked.tolerance)
 
 
 def _simulate(scene: Scene, asked: EqTable, comm: Any, progress: Callable[[int, int], None] | None) -> Simulated:
     import eq_model
 
-    with laws.inside("eq", EqTable.__struct_fields__):
-        return eq_model.simulate(
+    with laws.inside("eq", {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}):
+        ensemble = eq_model.Ensemble(
             scene.contacts,
             scene.path,
             n_contacts=asked.contacts,
@@ -62,3 +62,7 @@ def _simulate(scene: Scene, asked: EqTable, comm: Any, progress: Callable[[int, 
             seed=asked.seed,
             comm=comm,
         )
+        for done, total in ensemble:
+            if progress is not None:
+                progress(done, total)
+        return ensemble.result()

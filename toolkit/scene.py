@@ -121,7 +121,7 @@ def _checked(name: str, text: str, tables: Mapping[str, Any], folder: Path) -> S
     thresholds = laws.build(laws.THRESHOLDS, table.contacts.thresholds, "contacts.thresholds", folder)
     start = table.contacts.start
     start_law = None if start is None else laws.build(laws.START, start, "contacts.start", folder)
-    with laws.inside("contacts", ContactsTable.__struct_fields__):
+    with laws.inside("contacts", {"thresholds": "thresholds", "start": "start"}):
         contacts = Contacts(thresholds=thresholds, start=start_law)
     return Scene(name, table.title, text, contacts, np.linspace(0.0, to, points), table.master, table.eq)
 

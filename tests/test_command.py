@@ -1,0 +1,187 @@
+"""The command: what it prints, writes and returns, for good input, bad input and its own bugs."""
+
+import json
+import os
+import tomllib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import master
+import toolkit
+from toolkit.command import COMMANDS, main
+from toolkit.scene import SHIPPED, shipped_scenes
+from toolkit.toml import to_toml
+
+SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
+MASTER_ONLY: dict[str, Any] = {
+    "title": "one solver",
+    "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.05}},
+    "drive": {"to": 2.0, "points": 21},
+    "master": {},
+}
+
+
+@pytest.fixture
+def write_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    """write_scene(tables) puts scene.toml into an empty folder, which is made the current one."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(tables: dict[str, Any], text: str = "") -> str:
+        Path("mine.toml").write_text(text or to_toml(tables))
+        return "mine.toml"
+
+    return write
+
+
+def test_run_prints_a_line_per_solver_and_writes(write_scene, capsys) -> None:
+    scene = write_scene({**MASTER_ONLY, "eq": {"contacts": 200, "replicas": 3, "seed": 7}})
+    assert main(["run", scene]) == 0
+    title, solved, simulated, where = capsys.readouterr().out.splitlines()
+    written = json.loads(Path("mine-output/summary.json").read_text())
+    assert title == "one solver" and where == "written to mine-output"
+    assert solved.startswith(f"master  error {written['master']['force_error']:.1e} of <x_s>  run time")
+    assert simulated.startswith(f"eq      error {written['eq']['largest_standard_error']:.1e} of <x_s>")
+    assert f"{written['eq']['breaks']:,} breaks on 1 rank" in simulated
+    assert sorted(os.listdir("mine-output")) == ["picture.png", "result.h5", "summary.json"]
+    assert toolkit.load("mine-output").text == Path(scene).read_text()
+
+
+def test_out_names_the_folder(write_scene) -> None:
+    assert main(["run", write_scene(MASTER_ONLY), "--out", "deep/er"]) == 0
+    assert sorted(os.listdir(".")) == ["deep", "mine.toml"]
+    assert toolkit.load("deep/er").eq is None
+
+
+def test_tolerance_missed_is_said_and_written(write_scene, capsys, monkeypatch) -> None:
+    real = master.solve
+
+    def missed(*arguments: Any, **named: Any) -> Any:
+        return replace(real(*arguments, **named), success=False, message="stopped short")
+
+    monkeypatch.setattr(master, "solve", missed)
+    assert main(["run", write_scene(MASTER_ONLY)]) == 1
+    assert capsys.readouterr().err == "mesofriction: master: stopped short\n"
+    assert json.loads(Path("mine-output/summary.json").read_text())["success"] is False
+
+
+def test_tolerance_out_of_reach_is_status_1(write_scene, capsys) -> None:
+    assert main(["run", write_scene({**MASTER_ONLY, "master": {"tolerance": 1e-30}})]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("mesofriction: master: ") and "1.0e-30" in line
+
+
+TEXT = to_toml(MASTER_ONLY)
+BAD = [
+    ({**MASTER_ONLY, "colour": 1}, "", [], "colour = 1: unknown key"),
+    ({**MASTER_ONLY, "drive": {"to": "far", "points": 3}}, "", [], "drive.to = 'far': expected `float`"),
+    ({}, TEXT.replace("mean = 1.0", "mean = nan"), [], "contacts.thresholds.mean = nan: must be finite"),
+    ({}, TEXT.replace("std = 0.05", "std = -0.05"), [], "contacts.thresholds.std = -0.05: must be above zero"),
+    (
+        {**MASTER_ONLY, "contacts": {"thresholds": {"kind": "from-samples", "x_s": []}}},
+        "",
+        [],
+        "contacts.thresholds.x_s = array of shape (0,): must be one-dimensional and not empty",
+    ),
+    ({key: MASTER_ONLY[key] for key in ("contacts", "drive")}, "", [], "scene: has neither [master] nor [eq]"),
+    (MASTER_ONLY, "", ["--out", "mine.toml/below"], "out = 'mine.toml/below': "),
+]
+
+
+@pytest.mark.parametrize(("tables", "text", "more", "message"), BAD)
+@pytest.mark.parametrize("command", ["run", "thresholds"])
+def test_bad_input_is_one_line_and_leaves_nothing(
+    command: str, tables: dict[str, Any], text: str, more: list[str], message: str, write_scene, capsys
+) -> None:
+    assert main([command, write_scene(tables, text), *more]) == 2
+    told = capsys.readouterr()
+    (line,) = told.err.splitlines()
+    assert line.startswith(f"mesofriction: {message}")
+    assert told.out == "" and os.listdir(".") == ["mine.toml"]
+
+
+def test_infinite_mean_is_refused_by_its_place(write_scene, capsys, monkeypatch) -> None:
+    # no kind has one today; a law of the user's own could
+    from scipy import stats
+
+    from toolkit import laws
+
+    monkeypatch.setitem(laws.THRESHOLDS, "cauchy", "toolkit.laws:cauchy")
+    monkeypatch.setattr(laws, "cauchy", lambda: stats.halfcauchy(), raising=False)
+    tables = {**MASTER_ONLY, "contacts": {"thresholds": {"kind": "cauchy"}}}
+    assert main(["run", write_scene(tables)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("mesofriction: contacts.thresholds: the mean is inf")
+
+
+def test_bad_input_in_a_process_of_its_own(python, tmp_path: Path) -> None:
+    done = python(SCRIPT, "run", "nowhere.toml")
+    assert done.returncode == 2 and done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("mesofriction: scene = 'nowhere.toml': no such file")
+    assert os.listdir(tmp_path) == []
+
+
+def test_bug_shows_its_traceback(python, tmp_path: Path) -> None:
+    planted = f"import master; master.solve = lambda *a, **k: 1 / 0; {SCRIPT}"
+    done = python(planted, "run", "gaussian")
+    assert done.returncode == 1
+    assert "Traceback (most recent call last)" in done.stderr and "ZeroDivisionError" in done.stderr
+    assert os.listdir(tmp_path) == []
+
+
+def test_plain_value_error_is_a_bug_too(write_scene, monkeypatch) -> None:
+    def fail(*arguments: Any, **named: Any) -> None:
+        raise ValueError("not the user's fault")
+
+    monkeypatch.setattr(master, "solve", fail)
+    with pytest.raises(ValueError, match="not the user's fault"):
+        main(["run", write_scene(MASTER_ONLY)])
+    assert os.listdir(".") == ["mine.toml"]
+
+
+def test_thresholds_prints_moments_and_draws(write_scene, capsys) -> None:
+    tables = {**MASTER_ONLY, "contacts": {"thresholds": {"kind": "rectangular", "lower": 0.5, "upper": 1.5}}}
+    assert main(["thresholds", write_scene(tables)]) == 0
+    out = capsys.readouterr().out
+    written = json.loads(Path("mine-output/thresholds.json").read_text())
+    assert written["mean"] == pytest.approx(1.0) and written["second_moment"] == pytest.approx(13.0 / 12.0)
+    assert written["third_moment"] == pytest.approx(1.25) and written["kinetic_force"] == pytest.approx(13.0 / 24.0)
+    assert written["median"] == pytest.approx(1.0) and written["onset_power"] == 0.0
+    assert f"{13 / 12:.6g}" in out and "onset power" in out
+    assert sorted(os.listdir("mine-output")) == ["thresholds.json", "thresholds.png"]
+
+
+def test_thresholds_without_an_upper_end_are_valid_json(write_scene) -> None:
+    assert main(["thresholds", write_scene(MASTER_ONLY)]) == 0
+
+    def refuse_constant(name: str) -> None:
+        raise AssertionError(f"{name} is not JSON")
+
+    text = Path("mine-output/thresholds.json").read_text()
+    assert json.loads(text, parse_constant=refuse_constant)["upper_end"] is None
+
+
+def test_scenes_lists_every_shipped_scene(capsys) -> None:
+    assert main(["scenes"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    for line, name in zip(lines, shipped_scenes(), strict=True):
+        title = tomllib.loads((SHIPPED / f"{name}.toml").read_text())["title"]
+        assert line.split(maxsplit=1) == [name, title]
+
+
+def test_every_command_is_described(capsys) -> None:
+    for name in COMMANDS:
+        with pytest.raises(SystemExit) as end:
+            main([name, "--help"])
+        assert end.value.code == 0 and f"mesofriction {name}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words", [[], ["fly"], ["run"], ["run", "gaussian", "--speed", "3"]])
+def test_wrong_words_are_status_2(words: list[str], capsys) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(words)
+    assert end.value.code == 2 and "usage: mesofriction" in capsys.readouterr().err
