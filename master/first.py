@@ -60,6 +60,10 @@ class FirstBreaks:
         count = np.searchsorted(self.atoms[self._order], x * (1.0 + 1e-13), side="right")
         return self._released.integral(x) + self._atom_sums[count]
 
+    def rate(self, x: Array) -> Array:
+        """dJ_0/dX, atoms left out."""
+        return self._released(x)
+
     def _from_single(self, start: float) -> None:
         law = self._law
         least = abs(start)
@@ -114,9 +118,8 @@ class FirstBreaks:
         marks = np.sort(np.concatenate([law.edges, law.atoms]))
         ends = np.concatenate([marks[[0, -1]], law.breakpoints, law.atoms])
         middle = np.clip(self.mean_start, low, high)
-        seeds = np.concatenate(
-            [_thin(marks, 0.5 * (high - low)) - middle, *(ends - point for point in (low, high, *inner)), -2.0 * inner, [0.0, -2.0 * low]]
-        )
+        apart = [ends - point for point in (low, high, *inner)]
+        seeds = np.concatenate([_thin(marks, 0.5 * (high - low)) - middle, *apart, -2.0 * inner, [0.0, -2.0 * low]])
         edges = _clip(np.unique(seeds), 0.0, min(self.end, marks.max() - low))
 
         inner_edges = _coarsest(law, weighted, start_edges, edges)

@@ -9,6 +9,7 @@ cannot tell a measure from its eight-node shares; there the answer comes from a 
 on until J_1 is nothing.
 """
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -60,9 +61,11 @@ class Renewal:
         breaks = renew(source, kernel)
         flux += convolve(release, breaks, size)
         self.released = integrate(flux)
+        self._flux = flux
         self._kinks = Kinks(law, first) if law.jumps.size else None
         if self._kinks is not None:
-            self._kinks_here = integrate(self._kinks.flux(step, size))
+            self._kinks_flux = self._kinks.flux(step, size)
+            self._kinks_here = integrate(self._kinks_flux)
         self._kernel, self._breaks = kernel, breaks
 
     @cached_property
@@ -75,6 +78,12 @@ class Renewal:
         if self._kinks is None:
             return self.read(self.released, x)
         return self.read(self.released - self._kinks_here, x) + self._kinks.released(x)
+
+    def rate_at(self, x: Array) -> Array:
+        """dJ_1/dX at positions x, atoms of the chain left out, the kinks put right likewise."""
+        if self._kinks is None:
+            return self.read(self._flux / self.step, x)
+        return self.read((self._flux - self._kinks_flux) / self.step, x) + self._kinks.rate(x)
 
     def read(self, values: Array, x: Array) -> Array:
         """Interpolate values at the nodes to positions x by the eight nodes around each."""
@@ -109,9 +118,18 @@ class Kinks:
 
     def released(self, x: Array) -> Array:
         """Sum over pairs of jumps of height * height * (X - position - position)^2 / 2."""
+        beyond, heights = self._beyond(x)
+        return 0.5 * beyond**2 @ heights
+
+    def rate(self, x: Array) -> Array:
+        """Its derivative."""
+        beyond, heights = self._beyond(x)
+        return beyond @ heights
+
+    def _beyond(self, x: Array) -> tuple[Array, Array]:
         (first, first_heights), (second, second_heights) = self._steps
         beyond = np.maximum(x[:, None] - np.add.outer(first, second).ravel(), 0.0)
-        return 0.5 * beyond**2 @ np.multiply.outer(first_heights, second_heights).ravel()
+        return beyond, np.multiply.outer(first_heights, second_heights).ravel()
 
 
 class LaterReleased:
@@ -148,12 +166,19 @@ class LaterReleased:
 
     def __call__(self, x: Array) -> Array:
         """J_1 at positions x, releases by the atomic chain included."""
-        out = self._problem.chain.released(x)
+        return self._problem.chain.released(x) + self._collect(Renewal.released_at, x)
+
+    def rate(self, x: Array) -> Array:
+        """dJ_1/dX at positions x, atoms of the chain left out."""
+        return self._collect(Renewal.rate_at, x)
+
+    def _collect(self, answer: Callable[[Renewal, Array], Array], x: Array) -> Array:
+        out = np.zeros(x.size)
         above = np.inf
         for near, lattice in self._pieces:
             here = (x > near) & (x <= above)
             if here.any():
-                out[here] += lattice.released_at(x[here])
+                out[here] = answer(lattice, x[here])
             above = near
         return out
 

@@ -100,14 +100,15 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 message = f"round-off allows {error:.1e}, above the tolerance {tolerance:.1e}"
                 return later(x), error, later.lattice, message
             if end / step > MOST_NODES / 2:
-                message = f"error estimate {error:.1e} on {later.lattice.size} nodes, above the tolerance {tolerance:.1e}"
-                return later(x), error, later.lattice, message + "; shorten the path or loosen the tolerance"
+                reached = f"error estimate {error:.1e} on {later.lattice.size} nodes, above the tolerance {tolerance:.1e}"
+                message = reached + "; shorten the path or loosen the tolerance"
+                return later(x), error, later.lattice, message
         previous = later
         step *= 0.5
 
 
 def _around(x: Array, step: float) -> Array:
-    """The positions x and some nodes to either side: beside jumps, errors depend on where between nodes a point falls."""
+    """The positions x and some nodes to either side: beside jumps, errors depend on where among nodes a point falls."""
     near = (x[:, None] + step * _BESIDE).ravel()
     return np.unique(near[(near > 0.0) & (near <= x[-1])])
 

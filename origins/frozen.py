@@ -79,6 +79,7 @@ class FrozenThresholds(Thresholds):
         # the rest falls as a power of the distance: one step of Aitken
         bend = power[2] - 2.0 * power[1] + power[0]
         limit = power[2] if bend == 0.0 else power[2] - (power[2] - power[1]) ** 2 / bend
+        self.onset_power_error = float(abs(limit - power[2])) + 1e-6
         return float(np.round(limit, 6)) + 0.0
 
     def support(self) -> tuple[float, float]:

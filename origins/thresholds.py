@@ -32,11 +32,14 @@ class Thresholds:
     onset_power : float
         m in P_c(x) ~ (x - a)^m at the lower end a of the support; inf where P_c rises slower than any
         power, or where nothing continuous begins there.
+    onset_power_error : float
+        Its error: 0 where the family states it, else that of the fit.
     interface : Interface or None
         Load, contact density, stiffness and friction in SI units, where the law comes from a rough surface.
     """
 
     onset_power: float = np.inf
+    onset_power_error: float = 0.0
     interface: "Interface | None" = None
     _lowest_atom: float = 0.0  # weight of an atom at the lower end of a support that reaches further
 

@@ -1,0 +1,161 @@
+"""How fast contacts forget that they started together: the slowest decay of F(X) towards the kinetic force.
+
+F - F_k is a sum of exponentials e^{sX} over the roots s != 0 of p^(s) = 1, where p^(s) is the integral of
+e^{-sx} P_c(x), and over the singularities of p^ itself, the first of which is the rate of the law's own tail.
+"""
+
+import numpy as np
+import numpy.typing as npt
+from scipy.fft import next_fast_len, rfft
+
+from master.lattice import cells, deposit, deposit_atoms
+from master.law import Law
+from origins import Contacts
+from origins.quadrature import gauss
+
+Array = npt.NDArray[np.float64]
+
+_CANDIDATES = 8
+_REACH = 6.0
+_TAILS = np.array([1e-50, 1e-150, 1e-290])
+_FAR = 10.0 ** -np.arange(20.0, 300.0, 5.0)
+_MOST_NODES = 2**18
+
+
+def decoherence_length(contacts: Contacts) -> tuple[float, float]:
+    """X* (a length) of the slowest term e^{-X/X*}, and its error; inf where nothing decays exponentially.
+
+    That is so for a law of exact values alone (periodic, or as close to it as one likes) and for one whose tail falls
+    slower than any exponential.
+    """
+    law = Law(contacts, np.inf)
+    if law.atomic:
+        return np.inf, 0.0
+    rate, rate_error = _tail_rate(contacts)
+    rate, rate_error = rate * law.unit, rate_error * law.unit
+    if rate == 0.0:
+        return np.inf, 0.0
+    slowest, error = _slowest_root(law, contacts, rate)
+    if slowest > rate:
+        # between 0.9 and 1 of the rate a root could hide from the far tail's round-off
+        slowest, error = rate, rate_error + 0.1 * rate
+    return law.unit / slowest, law.unit * error / slowest**2
+
+
+def _tail_rate(contacts: Contacts) -> tuple[float, float]:
+    """Rate (per length) at which log S falls far out, and its error: inf above, 0 below every exponential."""
+    thresholds = contacts.thresholds
+    if np.isfinite(thresholds.support()[1]):
+        return np.inf, 0.0
+    x = thresholds.isf(_TAILS)
+    log_survival = thresholds.logsf(x)
+    # log S = -rate x + power log x: the differences leave the rate to second order
+    slopes = -np.diff(log_survival) / np.diff(x)
+    change = slopes[1] / slopes[0]
+    if change > 1.02:
+        return np.inf, 0.0
+    if change < 0.8:
+        return 0.0, 0.0
+    middle = 0.5 * (x[1:] + x[:-1])
+    rate = (middle[1] * slopes[1] - middle[0] * slopes[0]) / (middle[1] - middle[0])
+    return float(rate), float(abs(rate - slopes[1])) * 0.1 + 1e-12 * float(rate)
+
+
+def _slowest_root(law: Law, contacts: Contacts, rate: float) -> tuple[float, float]:
+    """-Re s of the root s != 0 of p^(s) = 1 nearest the imaginary axis, and its error.
+
+    Where none lies right of -rate and of -6 (in units of the mean threshold), inf, or the middle of what is left.
+    """
+    reach = min(0.9 * rate, _REACH)
+    edges = _edges(law, contacts, reach)
+    best = complex(-reach)
+    for start in _dips(law):
+        best = _better(best, _newton(law, edges, start, 1))
+    if best.real < -0.3:  # roots this far from the axis leave no dip on it
+        for start in _grid(law, edges, -best.real):
+            if start.real < best.real - 0.5:
+                break
+            best = _better(best, _newton(law, edges, start, 1))
+    if best == -reach:
+        return (2.0 * _REACH, _REACH) if rate > _REACH else (np.inf, 0.0)
+    fine = _newton(law, edges, best, 2)
+    return -fine.real, abs(fine - best) + 1e-15 * abs(fine)
+
+
+def _better(best: complex, root: complex) -> complex:
+    """The one nearer to the imaginary axis; s = 0 and what did not settle do not count."""
+    counts = bool(np.isfinite(root)) and abs(root) > 1e-6 and best.real < root.real < -1e-14
+    return root if counts else best
+
+
+def _edges(law: Law, contacts: Contacts, reach: float) -> Array:
+    """Panels out to where e^{reach x} P_c(x) is nothing: left of the imaginary axis the far tail counts."""
+    if np.isfinite(law.support[1]):
+        return law.edges
+    far = contacts.thresholds.isf(_FAR) / law.unit
+    weight = np.log(_FAR) + reach * far
+    enough = np.flatnonzero((weight < -40.0) & (far > far[weight.argmax()]))
+    return np.unique(np.concatenate([law.edges, far[: enough[0] + 1] if enough.size else far]))
+
+
+def _grid(law: Law, edges: Array, reach: float) -> list[complex]:
+    """Guesses within `reach` of the imaginary axis, nearest first: where a Newton step from a grid stays near."""
+    real, imaginary = np.meshgrid(-np.arange(0.25, reach + 0.25, 0.25), np.arange(0.0, 10.1, 0.4))
+    s = (real + 1j * imaginary).ravel()
+    nodes, log_mass = _nodes(law, edges, 12.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = [
+            (wave.sum(1) - 1.0) / (wave @ nodes)
+            for wave in (np.exp(log_mass - part[:, None] * nodes) for part in np.array_split(s, 16))
+        ]
+    step = np.concatenate(steps)
+    guesses = (s + step)[np.abs(step) < 0.3]
+    _, distinct = np.unique(np.round(guesses / 0.2), return_index=True)
+    guesses = guesses[distinct]
+    return [complex(guess) for guess in guesses[np.argsort(-guesses.real)] if abs(guess) > 0.3 and guess.imag > -0.2]
+
+
+def _dips(law: Law) -> list[complex]:
+    """Guesses left of the deepest dips of |1 - p^| along the imaginary axis, as a lattice transform shows them."""
+    top = float(law.edges[-1])
+    step = max(law.narrowest / 8.0, top / _MOST_NODES)
+    size = int(np.ceil(top / step)) + 16
+    left, right = cells(law.edges, step, size)
+    nodes, weights = gauss(left, right)
+    (kernel,) = deposit(left, right, [weights * law.pdf(nodes)], step, size)
+    kernel += deposit_atoms(law.atoms, law.atom_weights, step, size)
+    length = next_fast_len(8 * size, real=True)
+    transform = rfft(kernel, length)
+    slope = rfft(kernel * step * np.arange(size), length)
+    depth = np.abs(1.0 - transform)
+    dips = np.flatnonzero((depth[1:-1] < depth[:-2]) & (depth[1:-1] <= depth[2:]) & (depth[1:-1] < 0.9)) + 1
+    guesses = 2j * np.pi * dips / (length * step) + np.log(transform[dips]) * transform[dips] / slope[dips]
+    return [complex(guess) for guess in guesses[np.argsort(-guesses.real)][:_CANDIDATES]]
+
+
+def _nodes(law: Law, edges: Array, fastest: float) -> tuple[Array, Array]:
+    """Nodes and log weights of P_c, close enough for waves e^{-sx} with |s| up to `fastest`."""
+    left, right = edges[:-1], edges[1:]
+    pieces = np.minimum(np.maximum(np.ceil((right - left) * fastest / 1.5), 1), 20_000).astype(int)
+    share = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    width = np.repeat((right - left) / pieces, pieces)
+    start = np.repeat(left, pieces) + share * width
+    nodes, weights = gauss(start, start + width)
+    nodes, mass = np.append(nodes, law.atoms), np.append(weights * law.pdf(nodes), law.atom_weights)
+    return nodes[mass > 1e-300], np.log(mass[mass > 1e-300])
+
+
+def _newton(law: Law, edges: Array, s: complex, finer: int) -> complex:
+    """Newton's method for p^(s) = 1; NaN where it does not settle. `finer` multiplies the nodes per wave."""
+    nodes, log_mass = _nodes(law, edges, finer * max(abs(s), 4.0))
+    for _ in range(40):
+        with np.errstate(over="ignore", invalid="ignore"):
+            # one exponential of the sum: e^{-sx} alone overflows where P_c underflows
+            wave = np.exp(log_mass - s * nodes)
+            step = (wave.sum() - 1.0) / (wave @ nodes)
+        if not np.isfinite(step):
+            break
+        s += step / max(1.0, 2.0 * abs(step))
+        if abs(step) < 1e-13 * (1.0 + abs(s)):
+            return complex(s)
+    return complex(np.nan, np.nan)

@@ -1,0 +1,147 @@
+"""How prone to stick-slip: K*, F_s/F_k, X* and the onset power of P_c, each with its error."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.decoherence import decoherence_length
+from master.problem import Problem
+from master.renewal import LaterReleased
+from master.solve import MOST_NODES, ROUND_OFF, estimate, first_step
+from master.steady import steady_state
+from origins import Contacts
+from origins.errors import positive
+
+Array = npt.NDArray[np.float64]
+
+_BRACKETS = 12
+_ZOOMS = 12
+_JUST_BESIDE = 1e-12
+
+
+@dataclass(frozen=True)
+class Propensity:
+    """Measures of stick-slip propensity for a start and a law of thresholds, at T = 0.
+
+    Attributes
+    ----------
+    critical_spring, critical_spring_error : float
+        K*/(N_c <k>) = max over X of -dF/dX, in units of N_c <k>: a softer spring is unstable (paper Eq. Q16). 0 where
+        the force never falls; inf where it drops at one X.
+    static_to_kinetic, static_to_kinetic_error : float
+        F_s/F_k, the largest force over the kinetic one; 1 where the force rises to it from below.
+    decoherence_length, decoherence_length_error : float
+        X* (a length) of the slowest e^{-X/X*} in F - F_k; inf where nothing decays exponentially.
+    onset_power, onset_power_error : float
+        m of P_c(x) ~ (x - a)^m at its lower end.
+    run_time : float
+        Seconds.
+    """
+
+    critical_spring: float
+    critical_spring_error: float
+    static_to_kinetic: float
+    static_to_kinetic_error: float
+    decoherence_length: float
+    decoherence_length_error: float
+    onset_power: float
+    onset_power_error: float
+    run_time: float
+
+
+def propensity(contacts: Contacts, tolerance: float = 1e-8) -> Propensity:
+    """Stick-slip propensity of `contacts` on a slider that moves forward from their start.
+
+    F(X) is followed for ten mean thresholds, and beyond the last first break, on lattices refined until K* (relative
+    to 1 + K*) and F_s/F_k change by less than `tolerance`, or as far as a million nodes allow; the errors say how far.
+
+    Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with.
+    """
+    began = time.perf_counter()
+    tolerance = positive("tolerance", tolerance)
+    steady = steady_state(contacts)
+    unit = contacts.mean_threshold
+    kinetic = steady.force / unit
+    lowest = min(contacts.start.span[0] / unit, 0.0)
+    last = min(float(contacts.thresholds.isf(1e-3)) / unit, 30.0)
+    problem = Problem(contacts, max(10.0, last + 1.0) - lowest, tolerance)
+    spring, spring_error, static, static_error = _extremes(problem, tolerance)
+    length, length_error = decoherence_length(contacts)
+    ratio = max(static / kinetic, 1.0)
+    return Propensity(
+        critical_spring=spring,
+        critical_spring_error=spring_error,
+        static_to_kinetic=ratio,
+        static_to_kinetic_error=(static_error + ratio * steady.force_error) / kinetic,
+        decoherence_length=length,
+        decoherence_length_error=length_error,
+        onset_power=contacts.thresholds.onset_power,
+        onset_power_error=contacts.thresholds.onset_power_error,
+        run_time=time.perf_counter() - began,
+    )
+
+
+def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, float]:
+    """K*, its error, the largest force and its error, in units of the mean threshold."""
+    floor = ROUND_OFF * (1.0 + problem.end) + problem.first.error
+    drops = problem.chain.weights.size > 0
+    if problem.law.atomic and problem.contacts.start.is_single:
+        at = problem.chain.births * (1.0 - _JUST_BESIDE)
+        force = problem.first.mean_start + at - problem.first.released(at) - problem.chain.released(at)
+        return np.inf, 0.0, float(force.max()), floor
+    rough = bool((problem.law.breakpoints > 0.0).any())
+    step = first_step(problem, problem.end, tolerance)
+    found: list[Array] = []
+    error = np.full(2, np.inf)
+    while True:
+        later = LaterReleased(problem, step, np.linspace(0.0, problem.end, 4096), 1e-2 * tolerance)
+        found.append(_largest(problem, later))
+        if len(found) >= 3:
+            last, before = np.abs(found[-1] - found[-2]), np.abs(found[-2] - found[-3])
+            error = np.array([estimate(float(a), float(b), False) for a, b in zip(last, before, strict=True)])
+            if rough:  # a single value beside a jump converges unevenly: one small change proves nothing
+                error = 4.0 * np.maximum(last, before / 16.0)
+            error += floor + later.left_out
+            if error[0] <= tolerance * (1.0 + found[-1][0]) and error[1] <= tolerance:
+                break
+            if problem.end / step > MOST_NODES / 2:
+                break
+        step *= 0.5
+    spring, static = found[-1]
+    return (np.inf, 0.0, static, error[1]) if drops else (max(spring, 0.0), error[0], static, error[1])
+
+
+def _largest(problem: Problem, later: LaterReleased) -> Array:
+    """Largest -dF/dX and largest F over 0 <= X <= end."""
+    first, end = problem.first, problem.end
+
+    def fall(x: Array) -> Array:
+        return first.rate(x) + later.rate(x) - 1.0
+
+    def force(x: Array) -> Array:
+        return first.mean_start + x - first.released(x) - later(x)
+
+    nodes = later.lattice.step * np.arange(1, int(end / later.lattice.step))
+    jumps = np.concatenate([first.jumps, first.density.edges, problem.chain.births])
+    beside = np.concatenate([jumps * (1.0 - _JUST_BESIDE), jumps * (1.0 + _JUST_BESIDE), [0.0, end]])
+    x = np.unique(np.concatenate([nodes, beside[(beside >= 0.0) & (beside <= end)]]))
+    return np.array([_maximum(fall, x), _maximum(force, x)])
+
+
+def _maximum(function, x: Array) -> float:  # type: ignore[no-untyped-def]
+    """Largest value between the sorted points x: the best brackets are zoomed into, side by side."""
+    values = function(x)
+    best = float(values.max())
+    inner = np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:])) + 1
+    inner = inner[np.argsort(-values[inner])][:_BRACKETS]
+    left, right = x[inner - 1], x[inner + 1]
+    for _ in range(_ZOOMS if inner.size else 0):
+        grid = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, 9)
+        values = function(grid.ravel()).reshape(grid.shape)
+        best = max(best, float(values.max()))
+        top = np.clip(values.argmax(axis=1), 1, 7)
+        rows = np.arange(top.size)
+        left, right = grid[rows, top - 1], grid[rows, top + 1]
+    return best
