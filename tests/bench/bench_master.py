@@ -11,6 +11,7 @@ import importlib.util
 import pstats
 import time
 from collections.abc import Callable
+from functools import partial
 from statistics import median
 from typing import Any
 
@@ -51,7 +52,7 @@ def timed(call: Callable[[], Any], budget: float = 0.4) -> tuple[Any, float, flo
     return answer, min(times), median(times)
 
 
-def show(name: str, times: tuple[float, float], claimed: float | None, true: float, remark: str = "") -> None:
+def show(name: str, times: list[float], claimed: float | None, true: float, remark: str = "") -> None:
     best, middle = (f"{1e3 * seconds:.2f}" for seconds in times)
     print(ROW.format(name, best, middle, "" if claimed is None else f"{claimed:.1e}", f"{true:.1e}", remark))
 
@@ -70,26 +71,26 @@ def scene() -> None:
     head(f"Fig. A02: gaussian({MEAN}, {STD}), start gaussian(0, {START_STD}), 501 points to X = 5")
     contacts, exact = gaussian_contacts(), gaussian_force(PATH, MEAN, STD, START_STD)
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12):
-        solution, *times = timed(lambda tolerance=tolerance: master.solve(contacts, PATH, tolerance))
+        solution, *times = timed(partial(master.solve, contacts, PATH, tolerance))
         true = float(np.abs(solution.force - exact).max())
         goal = "goal met" if times[0] <= GOAL_TIME and true <= GOAL_ERROR else ""
-        show(f"solve, tolerance {tolerance:.0e}", tuple(times), solution.force_error, true, goal)
+        show(f"solve, tolerance {tolerance:.0e}", times, solution.force_error, true, goal)
     for breaking in ("printed", "survival"):
         for step in (0.01, 0.005, 0.0025, 0.00125):
-            twin, *times = timed(lambda step=step, breaking=breaking: explicit(contacts, PATH, step, breaking))
-            show(f"explicit, step {step}, {breaking}", tuple(times), None, float(np.abs(twin.force - exact).max()))
+            twin, *times = timed(partial(explicit, contacts, PATH, step, breaking))
+            show(f"explicit, step {step}, {breaking}", times, None, float(np.abs(twin.force - exact).max()))
     voles_scene(exact)
 
 
 def voles_scene(exact: Array) -> None:
-    """b = b_0 + p * b by voles, then F = M_0 + (x S) * b; b_0 and M_0 in closed form."""
+    """b = b_0 + p * b by voles, then F = M_0 + (x S) * b; it is given b_0 and M_0 in closed form, `solve` is not."""
     if importlib.util.find_spec("voles") is None:
         print("voles is not installed (pip install voles): its rows are left out")
         return
-    import voles
     from scipy.interpolate import CubicSpline
     from scipy.signal import fftconvolve
 
+    voles: Any = importlib.import_module("voles")
     width = np.hypot(STD, START_STD)
 
     def force(step: float, settings: dict[str, Any]) -> Array:
@@ -109,9 +110,9 @@ def voles_scene(exact: Array) -> None:
         for nodes in ([0, 1, 2], [0, 1, 2, 3, 4]):
             settings = {"quadrature": quadrature, "coll_divs": nodes[-1], "coll_choices": nodes}
             for step in (0.02, 0.01, 0.005, 0.0025):
-                answer, *times = timed(lambda step=step, settings=settings: force(step, settings))
+                answer, *times = timed(partial(force, step, settings))
                 name = f"voles {voles.version('voles')}, step {step}, {quadrature}, {len(nodes)} nodes"
-                show(name, tuple(times), None, float(np.abs(answer - exact).max()))
+                show(name, times, None, float(np.abs(answer - exact).max()))
 
 
 def same_gaussian() -> None:
@@ -143,7 +144,7 @@ def same_gaussian() -> None:
             solution, *times = timed(call)
             true = float(np.abs(solution.force - gaussian_force(path, MEAN, STD, START_STD)).max())
             inside = f"run_time {1e3 * solution.run_time:.2f}"
-            show(f"{name}, {spacing}", tuple(times), solution.force_error, true, inside)
+            show(f"{name}, {spacing}", times, solution.force_error, true, inside)
 
 
 def every_origin() -> None:
@@ -175,14 +176,14 @@ def every_origin() -> None:
         unit = origins.Contacts(law).mean_threshold
         for start_name, start in (("relaxed", None), ("gaussian", origins.gaussian_start(0.1 * unit, 0.025 * unit))):
             contacts, path = origins.Contacts(law, start), PATH * unit
-            solution, *times = timed(lambda contacts=contacts, path=path: master.solve(contacts, path, 1e-8), 0.2)
+            solution, *times = timed(partial(master.solve, contacts, path, 1e-8), 0.2)
             best = master.solve(contacts, path, 1e-12)
             true = float(np.abs(solution.force - best.force).max()) / unit
             remarks = [] if solution.success else ["NOT REACHED"]
             remarks += ["over 50 ms"] if times[0] > 0.05 else []
             remarks += ["true error above claim"] if true > solution.force_error + best.force_error else []
             remarks += [f"reference claims {best.force_error:.0e}"] if best.force_error > 0.1 * true else []
-            show(f"{name}, {start_name}", tuple(times), solution.force_error, true, "; ".join(remarks))
+            show(f"{name}, {start_name}", times, solution.force_error, true, "; ".join(remarks))
 
 
 def singular_limit() -> None:
@@ -190,16 +191,14 @@ def singular_limit() -> None:
     head("singular limit, 5001 points to X = 50, tolerance 1e-8")
     path = np.linspace(0.0, 50.0, 5001)
     peaks = origins.Contacts(origins.gaussian(1.0, 1e-3))
-    solution, *times = timed(lambda: master.solve(peaks, path, 1e-8))
+    solution, *times = timed(partial(master.solve, peaks, path, 1e-8))
     true = float(np.abs(solution.force - gaussian_force(path, 1.0, 1e-3, 0.0)).max())
-    show("gaussian(1, 1e-3), relaxed", tuple(times), solution.force_error, true)
+    show("gaussian(1, 1e-3), relaxed", times, solution.force_error, true)
     # at a break itself the answer is what comes just after; in between any rounding of X tells
     between = path[:-1] + 0.005
     single = origins.Contacts(origins.identical(1.0))
-    solution, *times = timed(lambda: master.solve(single, between, 1e-8))
-    show(
-        "identical(1), relaxed", tuple(times), solution.force_error, float(np.abs(solution.force - between % 1.0).max())
-    )
+    solution, *times = timed(partial(master.solve, single, between, 1e-8))
+    show("identical(1), relaxed", times, solution.force_error, float(np.abs(solution.force - between % 1.0).max()))
 
 
 def profile() -> None:
