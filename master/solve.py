@@ -100,7 +100,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 message = f"round-off allows {error:.1e}, above the tolerance {tolerance:.1e}"
                 return later(x), error, later.lattice, message
             if end / step > MOST_NODES / 2:
-                reached = f"error estimate {error:.1e} on {later.lattice.size} nodes, above the tolerance {tolerance:.1e}"
+                reached = f"error estimate {error:.1e} on {later.lattice.size} nodes, not {tolerance:.1e}"
                 message = reached + "; shorten the path or loosen the tolerance"
                 return later(x), error, later.lattice, message
         previous = later
