@@ -22,6 +22,7 @@ GAUSS_WEIGHTS = 0.5 * GAUSS_WEIGHTS
 _SEEDS = np.array([1e-15, 1e-9, 1e-5, 1e-3, 0.03, 0.25, 0.5])
 _TAIL = 1e-18
 _DEPTH = 64
+_MOST = 8192  # panels still open: only a cdf that contradicts its density leaves so many
 _EPSILON = float(np.finfo(float).eps)
 # survivals at which a moment's tail is cut into further panels
 _FAR = 10.0 ** -np.array([18, 20, 22, 25, 29, 34, 40, 48, 58, 70, 85, 105, 130, 160, 200, 250, 300])
@@ -39,29 +40,37 @@ def panel_edges(thresholds: "Thresholds", upper: float = np.inf, accuracy: float
     Covers the support up to `upper`, and an infinite tail to survival 1e-18. Atoms are not looked at.
     """
     lower, end = thresholds.support()
-    seeds = [thresholds.ppf(_SEEDS), thresholds.isf(_SEEDS), thresholds.breakpoints]
-    top = min(upper, end if np.isfinite(end) else float(thresholds.isf(_TAIL)))
+    low, high = thresholds.ppf(_SEEDS), thresholds.isf(np.append(_SEEDS, _TAIL))
+    seeds = [low, high[:-1], thresholds.breakpoints]
+    top = min(upper, end if np.isfinite(end) else float(high[-1]))
     if not top > lower:
         return np.empty(0)
     edges = np.unique(np.concatenate([[lower, top], *seeds]))
     edges = edges[(edges >= lower) & (edges <= top)]
     left, right = edges[:-1], edges[1:]
-    scale = float(thresholds.ppf(0.5)) or 1.0
+    scale = float(low[-1]) or 1.0
     whole = _mass(thresholds, left, right, scale)
     known = _cdf_mass(thresholds, left, right)
     finished_left, finished_right = [], []
+    done = np.zeros(2)
     for _ in range(_DEPTH):
-        middle = 0.5 * (left + right)
+        middle = _middle(left, right)
         first, second = _mass(thresholds, left, middle, scale), _mass(thresholds, middle, right, scale)
-        step = np.abs(first + second - whole).max(axis=0)
-        missed = np.abs(known - whole[0]) > 1e-9
-        # the nodes themselves are rounded: no halving can see through that
-        rounding = _EPSILON * np.abs(whole[0]) * right / (right - left)
-        open_ = (step > accuracy + rounding) | missed
+        # rare but distant weight makes <x> large beside the median; and the nodes themselves are rounded, which no
+        # halving can see through
+        level = np.maximum(done + whole.sum(axis=1), 1.0)[:, None]
+        rounding = _EPSILON * np.abs(whole) * right / (right - left)
+        missed = np.abs(known - whole[0]) > 1e-12 + 64.0 * rounding[0]
+        open_ = (np.abs(first + second - whole) > accuracy * level + rounding).any(axis=0) | missed
         open_ &= (middle > left) & (middle < right)
+        done += whole[:, ~open_].sum(axis=1)
         finished_left.append(left[~open_])
         finished_right.append(right[~open_])
         if not open_.any():
+            break
+        if open_.sum() > _MOST:
+            finished_left.append(left[open_])
+            finished_right.append(right[open_])
             break
         left, right = (
             np.concatenate([left[open_], middle[open_]]),
@@ -76,6 +85,11 @@ def panel_edges(thresholds: "Thresholds", upper: float = np.inf, accuracy: float
         finished_left.append(left)
         finished_right.append(right)
     return np.unique(np.concatenate(finished_left + finished_right))
+
+
+def _middle(left: Array, right: Array) -> Array:
+    """Arithmetic, but geometric over several decades, so that a spike far down is reached."""
+    return np.where((left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right))
 
 
 def _mass(thresholds: "Thresholds", left: Array, right: Array, scale: float) -> Array:

@@ -243,7 +243,8 @@ def random_law(rng: np.random.Generator) -> origins.Thresholds:
     )[kind]()
 
 
-@pytest.mark.parametrize("seed", range(60))
+# beyond the first 60: mixtures over up to 18 decades that once cost panels without end, or lost a narrow part
+@pytest.mark.parametrize("seed", [*range(60), 60, 140, 154, 208, 258, 338, 425, 659])
 def test_random_parameters(seed: int) -> None:
     """Whatever the parameters: complementary, monotone, density the slope, quantiles in place, total weight 1."""
     law = random_law(np.random.default_rng(seed))
@@ -251,7 +252,7 @@ def test_random_parameters(seed: int) -> None:
     x = np.unique(np.concatenate([law.isf(q), law.ppf(q)]))
     cdf, sf = law.cdf(x), law.sf(x)
     np.testing.assert_allclose(cdf + sf, 1.0, atol=4e-15)
-    assert (np.diff(cdf) >= -4e-16).all() and (np.diff(sf) <= 4e-16).all()
+    assert (np.diff(cdf) >= -2e-15).all() and (np.diff(sf) <= 2e-15).all()  # falls by rounding alone
     inside = (x > law.support()[0]) & (x < law.support()[1])
     np.testing.assert_allclose(np.exp(law.logsf(x[inside])), sf[inside], rtol=1e-12, atol=1e-307)
     np.testing.assert_allclose(np.exp(law.logpdf(x[inside])), law.pdf(x[inside]), rtol=1e-12, atol=1e-307)

@@ -66,6 +66,18 @@ def test_weight_far_from_the_edges_is_not_missed(scale: float) -> None:
     assert edges.size < 200
 
 
+def test_parts_many_decades_apart() -> None:
+    """A part 18 decades below another: found, counted, and in few panels."""
+    law = origins.mixture(
+        [origins.gw_elastic(1e12), origins.gw_plastic(1e-14), origins.gaussian(1e-11, 1e-14)], [0.9, 0.05, 0.05]
+    )
+    edges = panel_edges(law)
+    nodes, weights = gauss(edges[:-1], edges[1:])
+    assert (weights * law.pdf(nodes)).sum() == pytest.approx(1.0, abs=1e-13)
+    assert (weights * nodes * law.pdf(nodes)).sum() == pytest.approx(law.mean(), rel=1e-13)
+    assert edges.size < 400
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_edges_hold_breakpoints_and_stay_few(name: str) -> None:
     law = as_thresholds(CASES[name][0])
