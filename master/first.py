@@ -42,6 +42,7 @@ class FirstBreaks:
     def __init__(self, contacts: Contacts, law: Law, end: float, accuracy: float) -> None:
         self.end = end
         self._accuracy = max(accuracy, 2e-15)
+        self._defect = 0.0
         self._law = law
         if contacts.start.is_single:
             self._from_single(contacts.start.mean() / law.unit)
@@ -52,8 +53,8 @@ class FirstBreaks:
 
     @property
     def error(self) -> float:
-        """Error of `released`, and of the later breaks that follow from `density`, as the tables tell."""
-        return self._released.error + (1.0 + self.end) * self.density.total_error
+        """Error of `released`, and of the later breaks that follow from `density`: as tables and conservation tell."""
+        return self._released.error + (1.0 + self.end) * (self.density.total_error + self._defect)
 
     def released(self, x: Array) -> Array:
         """J_0: stretch released per contact by first breaks up to X = x; a break at x itself counts."""
@@ -116,10 +117,14 @@ class FirstBreaks:
 
         self.atoms, self.atom_weights, self.atom_released = np.empty(0), np.empty(0), np.empty(0)
         marks = np.sort(np.concatenate([law.edges, law.atoms]))
-        ends = np.concatenate([marks[[0, -1]], law.breakpoints, law.atoms])
         middle = np.clip(self.mean_start, low, high)
-        apart = [ends - point for point in (low, high, *inner)]
-        seeds = np.concatenate([_thin(marks, 0.5 * (high - low)) - middle, *apart, -2.0 * inner, [0.0, -2.0 * low]])
+        # b_0 is nothing but around the law less the start, and bends where the breakpoints of both meet
+        outer = np.concatenate([marks[[0, -1]], law.atoms])
+        rough = start.breakpoints / unit
+        rough = rough[(rough >= low) & (rough <= high)]
+        corners = [np.append(law.breakpoints, outer) - point for point in rough]
+        around = [_thin(marks, 0.5 * (high - low)) - middle, outer - low, outer - high, law.breakpoints - middle]
+        seeds = np.concatenate([*around, *corners, -2.0 * rough, [0.0, -2.0 * low]])
         edges = _clip(np.unique(seeds), 0.0, min(self.end, marks.max() - low))
 
         inner_edges = _coarsest(law, weighted, start_edges, edges)
@@ -135,13 +140,14 @@ class FirstBreaks:
 
         self.density, self._released = _tabulate_pair(rows, edges, self._accuracy)
         self.jumps, self.jump_sizes = np.zeros(1), self.density(np.zeros(1))
+        self._defect = abs(_broken(law, weighted, start_edges, edges[-1]) - self.density.total) if edges.size else 0.0
 
 
 def _coarsest(law: Law, weighted: Function, start_edges: Array, positions: Array) -> Array:
     """The law's edges that the integral over the start must respect: its breakpoints alone where those do."""
     if positions.size < 2:
         return law.breakpoints
-    probes = np.linspace(positions[0], positions[-1], 37)[1:-1]
+    probes = np.linspace(positions[0], positions[-1], 15)[1:-1]
     few = _convolve_start(law, weighted, start_edges, law.breakpoints, probes)
     all_ = _convolve_start(law, weighted, start_edges, law.edges, probes)
     return law.breakpoints if np.abs(few - all_).max() <= 1e-14 * np.abs(all_).max() else law.edges
@@ -169,6 +175,16 @@ def _convolve_start(law: Law, weighted: Function, start_edges: Array, law_edges:
         share = weight * np.where((np.abs(at) < atom) & (at >= low) & (at <= high), weighted(at), 0.0)
         out += np.stack([share, atom * share])
     return out
+
+
+def _broken(law: Law, weighted: Function, start_edges: Array, x: float) -> float:
+    """Fraction broken by X = x, from survival alone: no peak of b_0 that a table missed is missed here."""
+    low, high = start_edges[0], start_edges[-1]
+    inner = np.concatenate([law.edges - x, law.atoms - x, law.edges, -law.edges, [-0.5 * x]])
+    edges = np.unique(np.concatenate([start_edges, inner[(inner > low) & (inner < high)]]))
+    nodes, weights = gauss(edges[:-1], edges[1:])
+    size = np.abs(nodes)
+    return float((weights * weighted(nodes) * (law.sf(size) - law.sf(np.maximum(size, nodes + x)))).sum())
 
 
 def _split(law: Law, weighted: Function, start_edges: Array, shifted: Array, x: Array) -> Array:

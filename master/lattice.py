@@ -52,21 +52,15 @@ def deposit(left: Array, right: Array, densities: list[Array], step: float, size
     cell = np.floor(0.5 * (left + right) / step).astype(np.int64)
     first = np.maximum(cell - _CENTRE, 0)
     whole = (np.abs(right - left - step) < 1e-9 * step) & (first == cell - _CENTRE)
-    results = []
-    odd = ~whole
-    if odd.any():
+    stack = np.stack(densities)
+    shares = stack @ _CELL
+    odd = np.flatnonzero(~whole)
+    if odd.size:
         nodes, _ = gauss(left[odd], right[odd])
-        weights = lagrange(nodes / step - first[odd, None])
-    for density in densities:
-        shares = np.empty((left.size, STENCIL))
-        shares[whole] = density[whole] @ _CELL
-        if odd.any():
-            shares[odd] = np.einsum("ij,ijk->ik", density[odd], weights)
-        out = np.zeros(size + STENCIL)
-        for k in range(STENCIL):
-            out[k:] += np.bincount(first, weights=shares[:, k], minlength=size + STENCIL - k)
-        results.append(out[:size])
-    return results
+        shares[:, odd] = np.einsum("dij,ijk->dik", stack[:, odd], lagrange(nodes / step - first[odd, None]))
+    at = (first[:, None] + np.arange(STENCIL)).ravel()
+    sums = (np.bincount(at, weights=share.ravel(), minlength=size + STENCIL) for share in shares)
+    return [total[:size].astype(float, copy=False) for total in sums]
 
 
 def deposit_atoms(positions: Array, weights: Array, step: float, size: int) -> Array:

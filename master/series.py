@@ -25,11 +25,12 @@ def renew(source: Array, kernel: Array) -> Array:
     """
     size = source.size
     length = next_fast_len(3 * size, real=True)
-    damping = _DAMPING ** (np.arange(size) / length)
+    damping = np.exp(np.log(_DAMPING) / length * np.arange(size))
+    undamping = 1.0 / damping
     inverse = 1.0 / (1.0 - rfft(kernel * damping, length))
 
     def divide(right: Array) -> Array:
-        return irfft(rfft(right * damping, length) * inverse, length)[:size] / damping
+        return irfft(rfft(right * damping, length) * inverse, length)[:size] * undamping
 
     breaks = divide(source)
     return breaks + divide(source - breaks + convolve(kernel, breaks, size))

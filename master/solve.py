@@ -82,28 +82,29 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
         return problem.chain.released(x), floor, None, message
     step = first_step(problem, end, tolerance)
     rough = bool((problem.law.breakpoints > 0.0).any())
-    previous, difference, before = None, np.inf, np.inf
+    coarser: tuple[LaterReleased, Array] | None = None
+    difference = before = np.inf
     while True:
         later = LaterReleased(problem, step, x, tiny)
-        if previous is not None:
+        answer = later(x)
+        if coarser is not None:
             at = _around(x, 2.0 * step) if rough else x
-            change = np.abs(later(at) - previous(at))
+            change = np.abs(later(at) - coarser[0](at)) if rough else np.abs(answer - coarser[1])
             # towards X = 0 a coarser lattice hands over to finer ones earlier: there the change is the error itself
-            finer = later.step_at(at) < previous.step_at(at)
+            finer = later.step_at(at) < coarser[0].step_at(at)
             before, difference = difference, float(change[finer].max(initial=0.0))
             error = max(estimate(difference, before, rough), 1.5 * float(change[~finer].max(initial=0.0)))
             error += later.left_out + floor
-            enough = np.isfinite(before)
-            if enough and error <= tolerance:
-                return later(x), error, later.lattice, ""
-            if enough and change.max() <= floor:
-                message = f"round-off allows {error:.1e}, above the tolerance {tolerance:.1e}"
-                return later(x), error, later.lattice, message
-            if end / step > MOST_NODES / 2:
-                reached = f"error estimate {error:.1e} on {later.lattice.size} nodes, not {tolerance:.1e}"
-                message = reached + "; shorten the path or loosen the tolerance"
-                return later(x), error, later.lattice, message
-        previous = later
+            if np.isfinite(before):
+                message = ""
+                if error > tolerance and change.max() <= floor:
+                    message = f"round-off allows {error:.1e}, above the tolerance {tolerance:.1e}"
+                elif error > tolerance and end / step > MOST_NODES / 2:
+                    reached = f"error estimate {error:.1e} on {later.lattice.size} nodes, above the tolerance"
+                    message = f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
+                if message or error <= tolerance:
+                    return answer, error, later.lattice, message
+        coarser = later, answer
         step *= 0.5
 
 
