@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
-_BARS = 41  # as many error bars as a picture can show apart
+_BARS = 121  # as many error bars as a picture can show apart
 
 
 def plot(result: Result, axes: Any = None) -> Any:
