@@ -13,6 +13,7 @@ from toolkit.launch import Launch, read_environment
 COMMANDS = {
     "run": "solve a scene: F(X) with its error and run time, result files and a picture",
     "thresholds": "picture and table of a scene's P_c(x)",
+    "compare": "how prone to stick-slip each of several scenes is: one table, one picture",
     "scenes": "list the scenes that are shipped",
 }
 

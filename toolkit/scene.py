@@ -56,13 +56,14 @@ class SceneTable(Table, frozen=True):
 class Scene:
     """A checked scene.
 
-    `text` is the TOML it came from, `path` the slider's positions (n,), lengths in the unit of the thresholds;
-    `master` and `eq` are None where that solver is not asked for.
+    `text` is the TOML it came from, `folder` where its file names count from; `path` are the slider's positions (n,),
+    lengths in the unit of the thresholds. `master` and `eq` are None where that solver is not asked for.
     """
 
     name: str
     title: str
     text: str
+    folder: Path
     contacts: Contacts
     path: npt.NDArray[np.float64]
     master: MasterTable | None
@@ -123,7 +124,7 @@ def _checked(name: str, text: str, tables: Mapping[str, Any], folder: Path) -> S
     start_law = None if start is None else laws.build(laws.START, start, "contacts.start", folder)
     with laws.inside("contacts", {"thresholds": "thresholds", "start": "start"}):
         contacts = Contacts(thresholds=thresholds, start=start_law)
-    return Scene(name, table.title, text, contacts, np.linspace(0.0, to, points), table.master, table.eq)
+    return Scene(name, table.title, text, folder, contacts, np.linspace(0.0, to, points), table.master, table.eq)
 
 
 def read_table(tables: Mapping[str, Any]) -> SceneTable:

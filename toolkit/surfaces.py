@@ -1,14 +1,19 @@
 """Rough surfaces in scenes: a scan from a file, or a generated surface, and the thresholds it gives."""
 
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import origins
 from origins.errors import InputError, positive, refuse, whole
+from origins.topography import as_topography
 from toolkit import laws
+
+if TYPE_CHECKING:
+    from toolkit.scene import Scene
 
 SURFACES = {
     "scan": "toolkit.surfaces:open_scan",
@@ -112,3 +117,16 @@ def generate(
         short_cutoff=short_cutoff,
     )
     return heights, pixel_size
+
+
+def shared_surface(scenes: "Sequence[Scene]") -> tuple[Any, tuple[float, float]] | None:
+    """Heights (m) and sizes (m) of the surface that all `scenes` take their thresholds from; None where they do not."""
+    tables = [tomllib.loads(scene.text)["contacts"]["thresholds"] for scene in scenes]
+    if any(table["kind"] != "from-topography" for table in tables):
+        return None
+    first = tables[0]["surface"], scenes[0].folder
+    if any((table["surface"], scene.folder) != first for table, scene in zip(tables, scenes, strict=True)):
+        return None
+    scan = as_topography(*laws.build(SURFACES, first[0], "surface", first[1]))
+    (nx, ny), (dx, dy) = scan.heights.shape, scan.pixel_size
+    return scan.heights, (nx * dx, ny * dy)

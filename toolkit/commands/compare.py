@@ -1,0 +1,59 @@
+"""mesofriction compare SCENE...: how prone to stick-slip each scene is, as one table and one picture."""
+
+import argparse
+from dataclasses import asdict, fields
+from typing import Any
+
+ALL_RANKS = True
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """SCENE... and --out."""
+    parser.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files, or names of shipped scenes")
+    parser.add_argument("--out", metavar="DIR", help="folder for table and picture (default: ./compare-output)")
+
+
+def execute(arguments: argparse.Namespace, comm: Any) -> int:
+    """Print the table; write compare.png, compare.txt and compare.json; 1 where a solver missed its tolerance."""
+    from toolkit.comparing import compare, table
+    from toolkit.files import write_json
+    from toolkit.folders import check_folder, write_folder
+    from toolkit.progress import Progress
+    from toolkit.ranks import on_root
+    from toolkit.scene import load_scene
+
+    scenes = [load_scene(scene) for scene in arguments.scenes]
+    folder = arguments.out or "compare-output"
+    on_root(comm, lambda: check_folder(folder))
+    first = comm is None or comm.Get_rank() == 0
+    verdicts = compare(scenes, comm, Progress() if first else None)
+    lines = table(verdicts)
+    numbers = {"scenes": [_numbers(verdict) for verdict in verdicts]}
+
+    def write() -> None:
+        from toolkit.comparison_picture import save_comparison
+
+        write_folder(
+            folder,
+            {
+                "compare.png": lambda path: save_comparison(verdicts, scenes, path),
+                "compare.txt": lambda path: _write_lines(lines, path),
+                "compare.json": lambda path: write_json(numbers, path),
+            },
+        )
+
+    on_root(comm, write)
+    print("\n".join(lines))
+    print(f"written to {folder}")
+    return 0 if all(verdict.result.success for verdict in verdicts) else 1
+
+
+def _numbers(verdict: Any) -> dict[str, Any]:
+    plain = {field.name: getattr(verdict, field.name) for field in fields(verdict) if field.name != "result"}
+    if verdict.evidence is not None:
+        plain["evidence"] = asdict(verdict.evidence)
+    return plain
+
+
+def _write_lines(lines: list[str], path: Any) -> None:
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,172 @@
+"""Scenes side by side: how prone to stick-slip each is, by the master equation, with the ensemble's evidence beside."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from toolkit.ranks import on_root
+from toolkit.results import Result, Simulated
+from toolkit.running import run
+from toolkit.scene import Scene
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the ensemble measured of the same scene.
+
+    static_to_kinetic, static_to_kinetic_error : its force over the exact F_k, and one standard error, at the point of
+        the path where the master equation's force is largest (its own, where the scene has no [master]).
+    expected : that ratio from the master equation, at that point.
+    worst_deviation : largest |z| between the two over the path, where enough contacts have broken to tell. Both are
+        None where the scene has no [master].
+    run_time : s; contacts : number of contacts.
+    """
+
+    static_to_kinetic: float
+    static_to_kinetic_error: float
+    expected: float | None
+    worst_deviation: float | None
+    run_time: float
+    contacts: int
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
+
+    friction_coefficient is F_k/load where the thresholds come from a surface, else None.
+    """
+
+    name: str
+    title: str
+    onset_power: float
+    onset_power_error: float
+    critical_spring: float
+    critical_spring_error: float
+    static_to_kinetic: float
+    static_to_kinetic_error: float
+    decoherence_length: float
+    decoherence_length_error: float
+    kinetic_force: float
+    kinetic_force_error: float
+    friction_coefficient: float | None
+    mean_threshold: float
+    unit: str
+    run_time: float
+    evidence: Evidence | None
+    result: Result
+
+
+def compare(
+    scenes: Sequence[Scene], comm: Any = None, progress: Callable[[int, int], None] | None = None
+) -> list[Verdict]:
+    """A verdict per scene, the one most prone to stick-slip (largest K*) first.
+
+    Parameters
+    ----------
+    scenes : checked scenes; their own [master] and [eq] are run too, for the picture and the evidence.
+    comm, progress : as for toolkit.run.
+
+    Raises InputError for thresholds of infinite <x_s^2>: there is no kinetic force to compare with.
+    """
+    verdicts = [_judge(scene, comm, progress) for scene in scenes]
+    return sorted(verdicts, key=lambda verdict: (-verdict.critical_spring, -verdict.static_to_kinetic))
+
+
+def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None) -> Verdict:
+    import master
+
+    def measures() -> tuple[Any, Any]:
+        return master.propensity(scene.contacts), master.steady_state(scene.contacts)
+
+    found, steady = on_root(comm, measures)
+    result = run(scene, comm=comm, progress=progress)
+    unit = scene.contacts.mean_threshold
+    interface = scene.contacts.thresholds.interface
+    return Verdict(
+        name=scene.name,
+        title=scene.title or scene.name,
+        onset_power=found.onset_power,
+        onset_power_error=found.onset_power_error,
+        critical_spring=found.critical_spring,
+        critical_spring_error=found.critical_spring_error,
+        static_to_kinetic=found.static_to_kinetic,
+        static_to_kinetic_error=found.static_to_kinetic_error,
+        decoherence_length=found.decoherence_length / unit,
+        decoherence_length_error=found.decoherence_length_error / unit,
+        kinetic_force=steady.force / unit,
+        kinetic_force_error=steady.force_error,
+        friction_coefficient=None if interface is None else interface.friction_coefficient,
+        mean_threshold=unit,
+        unit=result.thresholds.unit,
+        run_time=found.run_time,
+        evidence=None if result.eq is None else _evidence(result, result.eq, steady.force, scene),
+        result=result,
+    )
+
+
+def _evidence(result: Result, eq: Simulated, kinetic: float, scene: Scene) -> Evidence:
+    curve = eq if result.master is None else result.master
+    at = int(np.argmax(curve.force))
+    contacts = 0 if scene.eq is None else scene.eq.contacts * scene.eq.replicas
+    expected = deviation = None
+    if result.master is not None:
+        expected = float(result.master.force[at] / kinetic)
+        counts = telling(eq, result.mean_threshold, contacts)
+        allowed = eq.force_standard_error + result.master.force_error * result.mean_threshold
+        difference = np.abs(eq.force - result.master.force)
+        deviation = float((difference[counts] / allowed[counts]).max(initial=0.0))
+    return Evidence(
+        static_to_kinetic=float(eq.force[at] / kinetic),
+        static_to_kinetic_error=float(eq.force_standard_error[at] / kinetic),
+        expected=expected,
+        worst_deviation=deviation,
+        run_time=eq.run_time,
+        contacts=contacts,
+    )
+
+
+def telling(eq: Simulated, mean_threshold: float, contacts: int) -> npt.NDArray[np.bool_]:
+    """Where the path's standard errors mean something: some 30 contacts have broken."""
+    lone = np.minimum(eq.path, mean_threshold) / contacts
+    return np.asarray(eq.force_standard_error > 5.5 * lone)
+
+
+def table(verdicts: Sequence[Verdict]) -> list[str]:
+    """The comparison as lines of text, every number with its error and what it took to compute."""
+    names = max([len("scene"), *(len(verdict.name) for verdict in verdicts)])
+    head = (
+        f"   {'scene':{names}}  {'onset m':>9}  {'K*/(N<k>)':>17}  {'F_s/F_k':>17}  {'X*/<x_s>':>17}  "
+        f"{'F_k/<x_s>':>17}  {'F_k/load':>8}  {'time':>7}  {'EQ F_s/F_k':>16}  {'max |z|':>7}  {'EQ time':>7}"
+    )
+    lines = [head, "-" * len(head)]
+    for rank, verdict in enumerate(verdicts, start=1):
+        friction = "" if verdict.friction_coefficient is None else f"{verdict.friction_coefficient:.4f}"
+        line = (
+            f"{rank:2d} {verdict.name:{names}}  {verdict.onset_power:9.4g}  "
+            f"{_with_error(verdict.critical_spring, verdict.critical_spring_error):>17}  "
+            f"{_with_error(verdict.static_to_kinetic, verdict.static_to_kinetic_error):>17}  "
+            f"{_with_error(verdict.decoherence_length, verdict.decoherence_length_error):>17}  "
+            f"{_with_error(verdict.kinetic_force, verdict.kinetic_force_error):>17}  {friction:>8}  "
+            f"{_seconds(verdict.run_time):>7}"
+        )
+        if verdict.evidence is not None:
+            evidence = verdict.evidence
+            measured = f"{evidence.static_to_kinetic:.5f} ± {evidence.static_to_kinetic_error:.0e}"
+            deviation = "" if evidence.worst_deviation is None else f"{evidence.worst_deviation:.1f}"
+            line += f"  {measured:>16}  {deviation:>7}  {_seconds(evidence.run_time):>7}"
+        lines.append(line.rstrip())
+    return lines
+
+
+def _with_error(value: float, error: float) -> str:
+    if not np.isfinite(value):
+        return "infinite"
+    return f"{value:.6g} ± {error:.0e}"
+
+
+def _seconds(time: float) -> str:
+    return f"{1e3 * time:.0f} ms" if time < 1.0 else f"{time:.1f} s"

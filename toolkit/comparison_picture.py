@@ -1,0 +1,125 @@
+"""The picture of a comparison: the surface where all scenes share one, P_c, F(X), and the springs that slip."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toolkit.comparing import Verdict, telling
+from toolkit.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_INK = ["#1f4e79", "#c0392b", "#2e7d32", "#b9770e", "#6c3483", "#117a65", "#7b241c", "#34495e"]
+_BARS = 33
+
+
+def save_comparison(verdicts: Sequence[Verdict], scenes: Sequence[Scene], path: Path) -> None:
+    """All panels on one figure, as a PNG; the session's backend is not touched."""
+    from matplotlib.figure import Figure
+
+    from toolkit.surfaces import shared_surface
+
+    surface = shared_surface(scenes)
+    figure = Figure(figsize=(13, 9), layout="constrained")
+    columns = ["P", "S"] if surface is None else ["surface", "P", "S"]
+    rows: list[Any] = [columns, ["F"] * len(columns), ["z"] * len(columns)]
+    places = figure.subplot_mosaic(rows, height_ratios=[3, 3, 1.2])
+    if surface is not None:
+        plot_surface(places["surface"], *surface)
+    plot_thresholds(places["P"], verdicts)
+    plot_springs(places["S"], verdicts)
+    plot_forces(places["F"], verdicts)
+    plot_deviations(places["z"], verdicts)
+    places["z"].sharex(places["F"])
+    figure.savefig(path, dpi=130, format="png")
+
+
+def plot_surface(axes: "Axes", heights: Any, sizes: tuple[float, float]) -> "Axes":
+    """Heights (m) over an area of `sizes` (m)."""
+    micro = 1e6
+    extent = (0.0, sizes[0] * micro, 0.0, sizes[1] * micro)
+    image = axes.imshow(heights.T * 1e9, origin="lower", extent=extent, cmap="cividis")
+    axes.figure.colorbar(image, ax=axes, label="height (nm)", shrink=0.85)
+    axes.set(title="the surface", xlabel="x (µm)", ylabel="y (µm)")
+    return axes
+
+
+def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
+    """P_c of each scene in units of its own mean threshold."""
+    reach = 0.0
+    for ink, verdict in _inked(verdicts):
+        curve, unit = verdict.result.thresholds, verdict.mean_threshold
+        shown = np.isfinite(curve.density)
+        axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, color=ink, lw=1.3, label=verdict.name)
+        if curve.atoms.size:
+            axes.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=ink, lw=2)
+        reach = max(reach, float(curve.x[curve.survival > 2e-3].max(initial=unit)) / unit)
+    axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", ylabel=r"$\langle x_s\rangle\,P_c$")
+    axes.set(xlim=(0.0, 1.05 * reach), ylim=(0.0, None))
+    return axes
+
+
+def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
+    """F/F_k against X/<x_s>: master equation as lines, ensemble as error bars of one standard error."""
+    for ink, verdict in _inked(verdicts):
+        unit = verdict.mean_threshold
+        scale = verdict.kinetic_force * unit
+        solved, eq = verdict.result.master, verdict.result.eq
+        if solved is not None:
+            axes.plot(solved.path / unit, solved.force / scale, color=ink, lw=1.3, label=verdict.name)
+        if eq is not None:
+            shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
+            axes.errorbar(
+                eq.path[shown] / unit,
+                eq.force[shown] / scale,
+                yerr=eq.force_standard_error[shown] / scale,
+                fmt="o",
+                ms=2.5,
+                capsize=1.5,
+                lw=0.8,
+                color=ink,
+                label=None if solved is not None else verdict.name,
+            )
+    axes.axhline(1.0, color="0.6", lw=0.8, zorder=0)
+    axes.set(ylabel="$F/F_k$", xlim=(0.0, None), ylim=(0.0, None))
+    axes.set_title("force: master equation (lines), EQ ensemble (points, ±1 standard error)")
+    axes.legend(loc="lower right", ncols=2, fontsize="small")
+    return axes
+
+
+def plot_deviations(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
+    """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
+    for ink, verdict in _inked(verdicts):
+        solved, eq = verdict.result.master, verdict.result.eq
+        if solved is None or eq is None or verdict.evidence is None:
+            continue
+        counts = telling(eq, verdict.mean_threshold, verdict.evidence.contacts)
+        shown = np.flatnonzero(counts)[:: max(1, int(counts.sum()) // 60)]
+        deviation = (eq.force[shown] - solved.force[shown]) / eq.force_standard_error[shown]
+        axes.plot(eq.path[shown] / verdict.mean_threshold, deviation, ".", ms=3.5, color=ink)
+    axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
+    axes.set(xlabel=r"slider position $X/\langle x_s\rangle$", ylabel="EQ - ME\n(std. errors)", ylim=(-5.0, 5.0))
+    return axes
+
+
+def plot_springs(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
+    """K*/(N<k>) of each scene: a softer driving spring is unstable. Infinite ones reach the edge."""
+    finite = [verdict.critical_spring for verdict in verdicts if 0.0 < verdict.critical_spring < np.inf]
+    low, high = min([*finite, 1e-3]) / 3.0, max([*finite, 1.0]) * 3.0
+    for row, (ink, verdict) in enumerate(_inked(verdicts)):
+        value = min(max(verdict.critical_spring, low), high)
+        axes.barh(row, value - low, left=low, color=ink, height=0.6)
+        text = "infinite" if np.isinf(verdict.critical_spring) else f"{verdict.critical_spring:.3g}"
+        axes.annotate(text, (value, row), xytext=(3, 0), textcoords="offset points", va="center", fontsize="small")
+    axes.set_yticks(range(len(verdicts)), [verdict.name for verdict in verdicts], fontsize="small")
+    axes.invert_yaxis()
+    axes.set(xscale="log", xlim=(low, high * 4.0), xlabel=r"$K^*/(N_c\langle k\rangle)$")
+    axes.set_title("stick-slip below this spring")
+    return axes
+
+
+def _inked(verdicts: Sequence[Verdict]) -> list[tuple[str, Verdict]]:
+    return [(_INK[index % len(_INK)], verdict) for index, verdict in enumerate(verdicts)]
