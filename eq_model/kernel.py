@@ -1,0 +1,406 @@
+"""The compiled kernel: contacts in lockstep, each a row of breaks summed into bins of the path.
+
+Positions, thresholds and sums are whole numbers (see lattice.py), so every sum is exact and no order of work
+shows in the result. A batch of contacts takes four thresholds each per round, in stages that the compiler
+turns into vector code: random words, hot cells, values, second moments, and then the sums. Draws that the hot
+cells do not hold, and contacts that end, take a slower way one at a time. twin.py is the same in plain numpy.
+
+All that is compiled stands in this one file: numba's cache on disk notices changes in the function's own file only.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import njit, types
+from numba.extending import intrinsic
+
+from origins.quantile import FINE_BITS, HOT_MISSING, HOT_OCTAVES
+from origins.streams import (
+    KEY_STEPS,
+    MULTIPLIERS,
+    PURPOSE_SHIFT,
+    ROUNDS,
+    START,
+    START_TAILS,
+    THRESHOLD_TAILS,
+    THRESHOLDS,
+)
+
+LANES = 512
+# rows of the scratch arrays do not share a cache set
+ROW = LANES + 24
+FAR = 1 << 58  # beyond every path, in units of the lattice
+MISSING = int(HOT_MISSING)
+
+_U = np.uint64
+_ONE, _TWO, _HALF, _MASK = _U(1), _U(2), _U(32), _U(0xFFFFFFFF)
+_M0, _M1 = (_U(m) for m in MULTIPLIERS)
+# rows of the scratch array: four thresholds, four second moments of each lane
+_X0, _X1, _X2, _X3 = (_U(k * ROW) for k in range(4))
+_Q0, _Q1, _Q2, _Q3 = (_U(k * ROW) for k in range(4, 8))
+_W0, _W1 = (_U(w) for w in KEY_STEPS)
+_LOW31, _TOP = np.uint32(0x7FFFFFFF), np.uint32(31)
+_EXPONENT_ONE = np.int64(0x3FF0000000000000)
+_FINE_SHIFT = np.int64(52 - FINE_BITS)
+_FIRST_OCTAVE = np.int64(1023 + 31 - HOT_OCTAVES)
+_THRESHOLDS, _START, _THRESHOLD_TAILS, _START_TAILS = (
+    _U(purpose << PURPOSE_SHIFT) for purpose in (THRESHOLDS, START, THRESHOLD_TAILS, START_TAILS)
+)
+
+
+def _compiled(function: Callable[..., Any]) -> Any:
+    """`function` compiled when first called and kept on disk; in memory only where no folder can be written."""
+    try:
+        return njit(cache=True)(function)
+    except RuntimeError:  # numba found no folder for its cache
+        return njit(function)
+
+
+_inlined = njit(inline="always")
+
+
+def _bitcast(source: Any, target: Any) -> Any:
+    @intrinsic
+    def cast(typing_context, value):  # type: ignore[no-untyped-def]
+        def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+            return builder.bitcast(arguments[0], context.get_value_type(target))
+
+        return target(source), generate
+
+    return cast
+
+
+_bits = _bitcast(types.float64, types.int64)
+_double = _bitcast(types.int64, types.float64)
+_single = _bitcast(types.int32, types.float32)
+
+
+@_inlined
+def philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
+    """Philox4x32-10 of one counter; all words as uint64."""
+    for _ in range(ROUNDS):
+        p0, p1 = _M0 * c0, _M1 * c2
+        c0, c1, c2, c3 = (p1 >> _HALF) ^ c1 ^ k0, p1 & _MASK, (p0 >> _HALF) ^ c3 ^ k1, p0 & _MASK
+        k0, k1 = (k0 + _W0) & _MASK, (k1 + _W1) & _MASK
+    return c0, c1, c2, c3
+
+
+@_compiled
+def _draw(n, block, second, contact, k0, k1, words):  # type: ignore[no-untyped-def]
+    """Four words for each of n lanes, in rows of ROW."""
+    for i in range(n):
+        a, b, c, d = philox(_U(block[i]), second[i], contact[i] & _MASK, contact[i] >> _HALF, k0, k1)
+        words[i] = a
+        words[i + ROW] = b
+        words[i + 2 * ROW] = c
+        words[i + 3 * ROW] = d
+
+
+@_compiled
+def _find(n, row, words, shift, hot, cell, place, got):  # type: ignore[no-untyped-def]
+    """The hot cells of a row of n words, side by side, and the place of each word in its cell.
+
+    The top bit of a word is the side, the rest counts v in 2^-32.
+    """
+    least = _FIRST_OCTAVE << (np.int64(52) - shift)
+    fraction = (np.int64(1) << shift) - np.int64(1)
+    start = _U(row * ROW)
+    for i in range(_U(n)):
+        count = words[i + start]
+        bits = _bits(np.float64(np.int32(count & _LOW31)) + 0.5)
+        k = max((bits >> shift) - least, np.int64(-1)) + 1
+        cell[i] = np.uint32((k << 1) | np.int64(count >> _TOP))
+        place[i] = _double((bits & fraction) | _EXPONENT_ONE) - 1.0
+    # sixteen bytes copied at a time are faster than what a vector unit gathers
+    for i in range(_U(n)):
+        k, j = _U(cell[i]) << _ONE, i << _ONE
+        first, slopes = hot[k], hot[k + _ONE]
+        got[j] = first
+        got[j + _ONE] = slopes
+
+
+@_compiled
+def _values(n, got, place, factor, start, values):  # type: ignore[no-untyped-def]
+    """Values of n hot cells, in whole numbers of the lattice's unit, from values[start] on."""
+    for i in range(_U(n)):
+        j, t = i << _ONE, place[i]
+        slopes = got[j + _ONE]
+        c1, c2 = np.float64(_single(np.int32(slopes))), np.float64(_single(np.int32(slopes >> 32)))
+        values[i + start] = np.int64(np.floor((_double(got[j]) + t * (c1 + t * c2)) * factor + 0.5))
+
+
+@_inlined
+def _moment(x, c, low, square):  # type: ignore[no-untyped-def]
+    """(b - r)^2 - (b - x - r)^2 in units of 1 / square, r the last position of the cell in which c = b + offset is."""
+    return np.int64(np.rint(np.float64(x) * np.float64(2 * ((c & low) - low) - x) * square))
+
+
+@_compiled
+def _advance(n, position, offset, shift, top, square, work, bins):  # type: ignore[no-untyped-def]
+    """Move n lanes on by four thresholds each: second moments, and lattice cells, or `top` for what lies further."""
+    low = (np.int64(1) << shift) - np.int64(1)
+    for i in range(_U(n)):
+        x = work[i + _X0]
+        c = position[i] + offset + x
+        work[i + _Q0] = _moment(x, c, low, square)
+        bins[i + _X0] = np.int32(min(c >> shift, top))
+        x = work[i + _X1]
+        c += x
+        work[i + _Q1] = _moment(x, c, low, square)
+        bins[i + _X1] = np.int32(min(c >> shift, top))
+        x = work[i + _X2]
+        c += x
+        work[i + _Q2] = _moment(x, c, low, square)
+        bins[i + _X2] = np.int32(min(c >> shift, top))
+        x = work[i + _X3]
+        c += x
+        work[i + _Q3] = _moment(x, c, low, square)
+        bins[i + _X3] = np.int32(min(c >> shift, top))
+        position[i] = c - offset
+
+
+@_compiled
+def _bin(b, lattice):  # type: ignore[no-untyped-def]
+    """Bin of a break at b, not beyond the end."""
+    offset, shift, _, _, _, bound, crowds, points = lattice
+    g = (b + offset) >> shift
+    if bound.size == 0:
+        return g
+    limit = bound[g]
+    if limit >= 0:
+        return 2 * g + np.int64(b > limit)
+    # several path points in this cell
+    row = -1 - limit
+    low, high = crowds[row, 1], crowds[row, 2]
+    base = crowds[row, 0] - low
+    while low < high:
+        middle = (low + high) >> 1
+        if points[middle] < b:
+            low = middle + 1
+        else:
+            high = middle
+    return base + low
+
+
+@_compiled
+def _bin_all(n, position, work, lattice, bins):  # type: ignore[no-untyped-def]
+    """Bins of the four breaks of n lanes where cells are not bins: the path points are anywhere in them."""
+    end, top = lattice[2], lattice[3]
+    for i in range(n):
+        b = position[i]
+        for k in range(3, -1, -1):
+            bins[i + k * ROW] = _bin(b, lattice) if b <= end else top
+            b -= work[i + k * ROW]
+
+
+@_compiled
+def spread(births, expected, square):  # type: ignore[no-untyped-def]
+    """Sum of the starting positions, and of their squared distances from `expected` in units of 1 / square."""
+    total, squares = np.int64(0), np.int64(0)
+    for i in range(births.size):
+        apart = np.float64(births[i] - expected)
+        total += births[i]
+        squares += np.int64(np.rint(apart * apart * square))
+    return total, squares
+
+
+@_compiled
+def _collect(n, work, bins, sums):  # type: ignore[no-untyped-def]
+    """Sum four breaks of each of n lanes into their bins."""
+    for i in range(_U(n)):
+        h = _U(bins[i + _X0]) << _ONE
+        sums[h] += work[i + _X0]
+        sums[h + _ONE] += work[i + _Q0]
+        h = _U(bins[i + _X1]) << _ONE
+        sums[h] += work[i + _X1]
+        sums[h + _ONE] += work[i + _Q1]
+        h = _U(bins[i + _X2]) << _ONE
+        sums[h] += work[i + _X2]
+        sums[h + _ONE] += work[i + _Q2]
+        h = _U(bins[i + _X3]) << _ONE
+        sums[h] += work[i + _X3]
+        sums[h + _ONE] += work[i + _Q3]
+
+
+@_compiled
+def _add(x, b, lattice, sums):  # type: ignore[no-untyped-def]
+    """Sum one break into its bin."""
+    low = (np.int64(1) << lattice[1]) - np.int64(1)
+    h = 2 * _bin(b, lattice)
+    sums[h] += x
+    sums[h + 1] += _moment(x, b + lattice[0], low, lattice[4])
+
+
+@_compiled
+def _fine_value(v, first, base, edges, cubics):  # type: ignore[no-untyped-def]
+    """Value of the fine cells at v; `first` is the fine cell at which each eighth of an octave begins."""
+    k = first[min(max((_bits(v) >> _FINE_SHIFT) - base, np.int64(0)), np.int64(first.size - 1))]
+    while k < cubics.shape[0] - 1 and v >= edges[k + 1]:
+        k += 1
+    t = (v - edges[k]) / (edges[k + 1] - edges[k])
+    y = cubics[k, 0] + t * (cubics[k, 1] + t * (cubics[k, 2] + t * cubics[k, 3]))
+    return min(max(y, cubics[k, 4]), cubics[k, 5])
+
+
+@_compiled
+def _drawn_exactly(word, k, block, second, contact, key, table):  # type: ignore[no-untyped-def]
+    """Value of draw k of a block from the fine cells, its word continued by 32 further bits."""
+    _, _, lower, upper, factor = table
+    a, b, c, d = philox(_U(block), second, contact & _MASK, contact >> _HALF, key[0], key[1])
+    more = a
+    if k == 1:
+        more = b
+    elif k == 2:
+        more = c
+    elif k == 3:
+        more = d
+    v = (np.float64(((_U(word) & _U(_LOW31)) << _HALF) | more) + 0.5) * 2.0**-64
+    y = _fine_value(v, *upper) if word >> _TOP else _fine_value(v, *lower)
+    return np.int64(min(np.floor(y * factor + 0.5), np.float64(FAR)))
+
+
+@_compiled
+def begin(first, n_contacts, key, table, start_table, single, births, thresholds):  # type: ignore[no-untyped-def]
+    """Where contacts first, first + 1, ... begin.
+
+    births : filled with the negative starting stretches, from start_table unless `single`; thresholds : with one draw
+    each of P_c, -1 where it does not exceed the starting stretch and must be drawn again, knowing that.
+    """
+    (k0, k1), many = key, _U(n_contacts)
+    n = births.size
+    second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
+    words = np.empty(4 * ROW, np.uint32)
+    cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
+    for done in range(0, n, LANES):
+        m = min(LANES, n - done)
+        for i in range(m):
+            index = _U(first + done + i)
+            replica = index // many
+            second[i], contact[i] = _START | replica, index - replica * many
+        _draw(m, block, second, contact, k0, k1, words)
+        if not single:
+            _find(m, 0, words, start_table[1], start_table[0], cell, place, got)
+            _values(m, got, place, start_table[4], _U(done), births)
+        _find(m, 1, words, table[1], table[0], cell, place, got)
+        _values(m, got, place, table[4], _U(done), thresholds)
+        for i in range(m):
+            j, tail = done + i, second[i] ^ _START ^ _START_TAILS
+            if not single:
+                if births[j] >= MISSING:
+                    births[j] = _drawn_exactly(words[i], 0, 0, tail, contact[i], key, start_table)
+                births[j] = -births[j]
+            if thresholds[j] >= MISSING:
+                thresholds[j] = _drawn_exactly(words[i + ROW], 1, 0, tail, contact[i], key, table)
+            if thresholds[j] <= abs(births[j]):
+                thresholds[j] = -1
+
+
+@_compiled
+def _finish(n, words, work, position, block, second, contact, key, table, lattice, sums, free):  # type: ignore[no-untyped-def]
+    """What _collect() leaves: draws that the hot cells do not hold, and contacts that end.
+
+    Lanes whose contact is done are listed in free. Returns their number and that of all breaks of n lanes.
+    """
+    end = lattice[2]
+    n_free, breaks = 0, 4 * n
+    for j in range(n):
+        if position[j] <= end:
+            continue
+        i = _U(j)
+        b = position[i] - work[i + _X0] - work[i + _X1] - work[i + _X2] - work[i + _X3]
+        collected, k = True, 0
+        while k < 4:
+            x = work[i + _U(k * ROW)]
+            # from the first position beyond the end on, breaks are in no bin yet
+            collected = collected and b + x <= end
+            if x >= MISSING:
+                tail = second[i] ^ _THRESHOLDS ^ _THRESHOLD_TAILS
+                x = _drawn_exactly(words[i + _U(k * ROW)], k, block[i], tail, contact[i], key, table)
+            b += x
+            if b > end:
+                break
+            if not collected:
+                _add(x, b, lattice, sums)
+            k += 1
+        breaks += k - 4
+        position[i] = b
+        if b > end:
+            free[n_free] = j
+            n_free += 1
+    return n_free, breaks
+
+
+@_compiled
+def _refill(n_free, free, taken, n, first, many, births, thresholds, position, block, second, contact, lattice, sums):  # type: ignore[no-untyped-def]
+    """Give free lanes the next contacts; a contact that never breaks again leaves its lane at once.
+
+    Returns the number of lanes filled, of contacts taken so far, and of breaks.
+    """
+    end, begun = lattice[2], births.size > 0
+    filled, breaks = 0, 0
+    while filled < n_free and taken < n:
+        i, index, b = free[filled], _U(first + taken), np.int64(0)
+        if begun:
+            b = births[taken] + thresholds[taken]
+            if b <= end:
+                _add(thresholds[taken], b, lattice, sums)
+                breaks += 1
+        taken += 1
+        if b <= end:
+            replica = index // many
+            second[i], contact[i] = _THRESHOLDS | replica, index - replica * many
+            position[i], block[i] = b, 0
+            filled += 1
+    return filled, taken, breaks
+
+
+@_compiled
+def run(first, n, n_contacts, key, table, births, thresholds, lattice, sums):  # type: ignore[no-untyped-def]
+    """Follow contacts first ... first + n - 1 to the path's end; the number of breaks on the way.
+
+    births, thresholds : the contacts' starting positions and first thresholds; empty where all start relaxed at 0.
+    lattice : (offset, shift, end, top, square, bound, crowds, points); sums : shape (2 (top + 1),), increased by
+    the thresholds that broke in each bin and by their second moments, in turn; the last bin holds no sense.
+    """
+    offset, shift, end, top, square = lattice[:5]
+    hot, hot_shift, factor = table[0], table[1], table[4]
+    (k0, k1), many, aligned = key, _U(n_contacts), lattice[5].size == 0
+    second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
+    position, free = np.empty(LANES, np.int64), np.arange(LANES)
+    words, bins = np.empty(4 * ROW, np.uint32), np.empty(4 * ROW, np.int32)
+    cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
+    work = np.empty(8 * ROW, np.int64)
+    breaks, taken, lanes, n_free = 0, 0, LANES, LANES
+    while True:
+        filled, taken, done = _refill(
+            n_free, free, taken, n, first, many, births, thresholds, position, block, second, contact, lattice, sums
+        )
+        breaks += done
+        if filled < n_free:
+            # nothing is left to take: the lanes close up
+            for k in range(filled, n_free):
+                position[free[k]] = FAR
+            kept = 0
+            for i in range(lanes):
+                if position[i] <= end:
+                    position[kept], block[kept] = position[i], block[i]
+                    second[kept], contact[kept] = second[i], contact[i]
+                    kept += 1
+            lanes = kept
+        if lanes == 0:
+            return breaks
+        _draw(lanes, block, second, contact, k0, k1, words)
+        for k in range(4):
+            _find(lanes, k, words, hot_shift, hot, cell, place, got)
+            _values(lanes, got, place, factor, _U(k * ROW), work)
+        _advance(lanes, position, offset, shift, top if aligned else np.int64(0), square, work, bins)
+        if not aligned:
+            _bin_all(lanes, position, work, lattice, bins)
+        _collect(lanes, work, bins, sums)
+        n_free, done = _finish(
+            lanes, words, work, position, block, second, contact, key, table, lattice, sums, free
+        )
+        breaks += done
+        for i in range(lanes):
+            block[i] += np.uint32(1)

@@ -1,0 +1,157 @@
+"""The quantile table against the laws it was made from."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import origins
+from origins.quantile import HOT_MISSING, HOT_OCTAVES, QuantileTable, quantile_table
+
+LAWS: dict[str, Any] = {
+    "narrow": lambda: origins.gaussian(mean=1.0, std=1e-3),
+    "gaussian": lambda: origins.gaussian(mean=1.0, std=0.05),
+    "cut gaussian": lambda: origins.gaussian(mean=1.0, std=0.5),
+    "rectangular": lambda: origins.rectangular(0.5, 1.5),
+    "onset 1/3": lambda: origins.gw_elastic(1.0),
+    "lubricated": lambda: origins.lubricated(1.0),
+    "persson": lambda: origins.persson(1.0, 0.3),
+    "gap": lambda: origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.3, 0.7]),
+    "even gap": lambda: origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.5, 0.5]),
+    "atom in a gaussian": lambda: origins.mixture([origins.identical(0.95), origins.gaussian(1.05, 0.1)], [0.25, 0.75]),
+    "heavy tail": lambda: stats.pareto(1.5),
+    "unknown gap": lambda: stats.rv_histogram(
+        (np.array([3.0, 0.0, 5.0, 2.0]), np.array([0.1, 0.5, 1.0, 2.0, 2.5])), density=False
+    ),
+    "singular ends": lambda: stats.beta(0.5, 0.5),
+    "samples": lambda: origins.from_samples(np.random.default_rng(0).gamma(3.0, size=1000)),
+    "tiny": lambda: origins.gw_elastic(1e12),
+    "start": lambda: origins.gaussian_start(mean=-0.1, std=0.025),
+}
+
+
+def _law(name: str) -> Any:
+    law = LAWS[name]()
+    return law if isinstance(law, origins.Start) else origins.Contacts(law).thresholds
+
+
+def _probabilities(n: int) -> np.ndarray:
+    """Random v in (2^-54, 1/2], most of them in the middle, all octaves reached."""
+    generator = np.random.default_rng(5)
+    return np.concatenate([0.5 * generator.random(n), 2.0 ** generator.uniform(-54.0, -1.0, n)])
+
+
+def _off(law: Any, x: np.ndarray, v: np.ndarray, from_above: bool) -> np.ndarray:
+    """By how much, relative to v, the tail probability misses v around x; zero where x is v's to the last bits."""
+    ulps = 6.0 * np.finfo(float).eps * np.abs(x)
+    low, high = (law.sf(x + ulps), law.sf(x - ulps)) if from_above else (law.cdf(x - ulps), law.cdf(x + ulps))
+    return np.maximum(np.maximum(low - v, v - high), 0.0) / v
+
+
+def _hot(table: QuantileTable, v: np.ndarray, from_above: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Values of the hot cells at v >= 2^-12, found by arithmetic, and where there are none."""
+    octave = np.floor(np.log2(v))
+    octave = np.where(2.0**octave > v, octave - 1.0, octave)
+    many = 1 << table.hot_bits
+    inside = (v / 2.0**octave - 1.0) * many
+    cell = 2 * ((octave + 1 + HOT_OCTAVES) * many + np.floor(inside) + 1).astype(int) + from_above
+    values = table.hot(cell, (inside - np.floor(inside)) / many)
+    return values, table.hot_c0[cell] == HOT_MISSING
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_both_layers_keep_their_promise_at_random_points(name: str) -> None:
+    law = _law(name)
+    table = quantile_table(law)
+    v = _probabilities(20_000)
+    for from_above in (False, True):
+        off = _off(law, table.value(v, from_above), v, from_above)
+        # between the ten points of a cell the error may be a little larger than at them
+        assert off.max() < 1.3e-6
+        frequent = v[(v >= 2.0**-12) & (v < 0.5)]
+        values, missing = _hot(table, frequent, from_above)
+        assert _off(law, values[~missing], frequent[~missing], from_above).max() < 1.3e-6
+        assert missing.mean() < 0.02
+
+
+@pytest.mark.parametrize("name", ["gap", "even gap", "unknown gap"])
+def test_no_value_lies_inside_a_gap(name: str) -> None:
+    law = _law(name)
+    table = quantile_table(law)
+    left, right = (0.5, 1.0)
+    jump = float(law.cdf(left))
+    near = jump * (1.0 + np.concatenate([np.linspace(-1e-3, 1e-3, 20_001), np.linspace(-1e-12, 1e-12, 20_001)]))
+    v = np.concatenate([_probabilities(100_000), near[near <= 0.5]])
+    for from_above in (False, True):
+        values = table.value(v, from_above)
+        frequent = v[(v >= 2.0**-12) & (v < 0.5)]
+        hot, missing = _hot(table, frequent, from_above)
+        for x in (values, hot[~missing]):
+            assert not ((x > left * (1 + 1e-15)) & (x < right * (1 - 1e-15))).any()
+
+
+def test_values_rise_with_probability() -> None:
+    for name in LAWS:
+        table = quantile_table(_law(name))
+        v = np.sort(_probabilities(5_000))
+        for from_above, sign in ((False, 1.0), (True, -1.0)):
+            values = table.value(v, from_above)
+            assert (sign * np.diff(values) >= -1e-6 * np.abs(values[1:])).all()
+
+
+def test_exact_values_come_out_exact() -> None:
+    table = quantile_table(origins.identical(0.7))
+    assert (table.value(_probabilities(1000), True) == 0.7).all()
+    assert (table.hot_c0[2:] * table.scale == 0.7).all()
+    pair = origins.mixture([origins.identical(0.95), origins.identical(1.05)], [0.3, 0.7])
+    table = quantile_table(pair)
+    v = _probabilities(10_000)
+    for from_above in (False, True):
+        u = 1.0 - v if from_above else v
+        clear = np.abs(u - 0.3) > 1e-15
+        values = table.value(v, from_above)
+        assert (values[clear] == np.where(u < 0.3, 0.95, 1.05)[clear]).all()
+        assert set(values) <= {0.95, 1.05}
+
+
+def test_deep_tail_on_demand() -> None:
+    law = origins.gaussian(mean=1.0, std=0.05)
+    table = quantile_table(law, deepest=1e-200)
+    v = np.array([1e-30, 1e-100, 1e-190])
+    assert np.abs(law.sf(table.value(v, True)) / v - 1.0).max() < 1.3e-6
+
+
+def test_scaling_changes_nothing_but_the_scale() -> None:
+    v = _probabilities(1000)
+    base = quantile_table(origins.rectangular(0.5, 1.5)).value(v, False)
+    for factor in (1e-9, 1e9):
+        scaled = quantile_table(origins.rectangular(0.5 * factor, 1.5 * factor)).value(v, False)
+        assert np.abs(scaled / (factor * base) - 1.0).max() < 1e-14
+
+
+class _Careless(origins.Thresholds):
+    """Exponential thresholds whose inverse is wrong by a part in 10^4."""
+
+    def support(self) -> tuple[float, float]:
+        return 0.0, np.inf
+
+    def _cdf(self, x: np.ndarray) -> np.ndarray:
+        return -np.expm1(-x)
+
+    def _sf(self, x: np.ndarray) -> np.ndarray:
+        return np.exp(-x)
+
+    def _pdf(self, x: np.ndarray) -> np.ndarray:
+        return np.exp(-x)
+
+    def _ppf(self, q: np.ndarray) -> np.ndarray:
+        return -np.log1p(-q) * (1.0 + 1e-4)
+
+    def _isf(self, q: np.ndarray) -> np.ndarray:
+        return -np.log(q)
+
+
+def test_a_law_that_cannot_be_certified_is_refused() -> None:
+    with pytest.raises(origins.InputError, match="thresholds: the quantiles cannot be tabulated"):
+        quantile_table(_Careless())
