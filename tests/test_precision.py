@@ -1,0 +1,242 @@
+"""The ladders of precision: true errors, claims, references; the command's files and refusals."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+import master
+import origins
+from toolkit.command import main
+from toolkit.precision import Ladders, Point, Precision, precision, table
+from toolkit.precision_picture import save_precision
+from toolkit.references import closed_form, reference
+from toolkit.scene import load_scene
+from toolkit.toml import to_toml
+
+SCENE: dict[str, Any] = {
+    "title": "Gaussian, short",
+    "contacts": {
+        "thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1},
+        "start": {"kind": "gaussian", "mean": 0.1, "std": 0.05},
+    },
+    "drive": {"to": 6.0, "points": 61},
+    "master": {"tolerance": 1e-3},
+    "eq": {"contacts": 7, "replicas": 2, "seed": 4},
+}
+SHORT = Ladders(
+    tolerances=(1e-2, 1e-6, 1e-10), steps=(25, 50, 100, 200), sizes=(100, 1000, 10_000), closest_sizes=(100, 1000)
+)
+RECTANGULAR = {**SCENE, "contacts": {"thresholds": {"kind": "rectangular", "lower": 0.5, "upper": 1.5}}}
+
+
+def of(measured: Precision, method: str) -> list[Point]:
+    return [point for point in measured.points if point.method == method]
+
+
+@pytest.fixture(scope="module")
+def gaussian() -> Precision:
+    return precision(load_scene(SCENE), SHORT)
+
+
+@pytest.fixture(scope="module")
+def rectangular() -> Precision:
+    return precision(load_scene(RECTANGULAR), SHORT)
+
+
+@pytest.fixture(params=["gaussian", "rectangular"])
+def measured(request: pytest.FixtureRequest) -> Precision:
+    return request.getfixturevalue(request.param)
+
+
+def test_every_rung_is_measured(measured: Precision) -> None:
+    rungs = [(point.method, point.setting) for point in measured.points]
+    assert rungs == [
+        *(("master", tolerance) for tolerance in SHORT.tolerances),
+        *(("explicit", steps) for steps in SHORT.steps),
+        *(("ensemble", size) for size in SHORT.sizes),
+        *(("closest", size) for size in SHORT.closest_sizes),
+    ]
+    assert all(point.run_time > 0.0 and point.runs >= 1 for point in measured.points)
+
+
+def test_master_errs_less_than_it_claims(measured: Precision) -> None:
+    points = of(measured, "master")
+    for point in points:
+        assert point.claimed_error is not None
+        assert point.error <= point.claimed_error + measured.reference.error
+        assert point.claimed_error <= point.setting
+    assert points[-1].error < 1e-2 * points[0].error
+
+
+def test_explicit_is_of_first_order(measured: Precision) -> None:
+    points = of(measured, "explicit")
+    order = -np.polyfit(np.log([point.setting for point in points]), np.log([point.error for point in points]), 1)[0]
+    assert abs(order - 1.0) < 0.2
+    assert all(point.claimed_error is None for point in points)
+
+
+def test_ensemble_errs_by_some_standard_errors(measured: Precision) -> None:
+    # the worst of many positions: 1 to 4.4 largest standard errors in each of 400 trials
+    points = of(measured, "ensemble")
+    for point in points:
+        assert point.claimed_error is not None
+        assert 0.5 < point.error / point.claimed_error < 5.0
+    assert points[0].claimed_error == pytest.approx(10.0 * points[-1].claimed_error, rel=0.2)
+    for point in of(measured, "closest"):
+        (alike,) = [other.claimed_error for other in points if other.setting == point.setting]
+        assert 0.5 < point.error / alike < 5.0 and point.claimed_error is None
+
+
+def test_claims_are_in_units_of_the_mean_threshold(gaussian: Precision) -> None:
+    scene = load_scene(SCENE)
+    solved = master.solve(scene.contacts, scene.path, tolerance=1e-2)
+    first = of(gaussian, "master")[0]
+    assert first.claimed_error == solved.force_error
+    assert first.error == pytest.approx(np.abs(solved.force - gaussian.reference.force).max() / 2.0, rel=1e-12)
+
+
+def test_what_is_as_good_as_the_reference_is_marked(rectangular: Precision) -> None:
+    limit = 10.0 * rectangular.reference.error
+    assert all(point.at_reference == (point.error < limit) for point in rectangular.points)
+    again = precision(load_scene(RECTANGULAR), Ladders((1e-2, 1e-12), (25,), (100,), (100,)))
+    assert [point.at_reference for point in of(again, "master")] == [False, True]
+    marked = [line for line in table(again) if line.startswith("master") and "*" in line]
+    assert len(marked) == 1 and "1e-12" in marked[0]
+
+
+@pytest.mark.parametrize(
+    ("solver", "methods", "modules"),
+    [("master", {"master", "explicit"}, "eq_model numba"), ("eq", {"ensemble", "closest"}, "master.explicit")],
+)
+def test_only_what_the_scene_names(solver: str, methods: set[str], modules: str, python) -> None:
+    tables = {key: SCENE[key] for key in ("contacts", "drive", solver)}
+    done = python(
+        f"""
+import sys
+from toolkit.precision import Ladders, precision
+from toolkit.scene import load_scene
+measured = precision(load_scene({tables!r}), Ladders((1e-2,), (25,), (100,), (100,)))
+print(*(point.method for point in measured.points))
+print(*(name for name in {modules.split()!r} if name in sys.modules))
+"""
+    )
+    assert done.returncode == 0, done.stderr
+    told, loaded = done.stdout.splitlines()
+    assert set(told.split()) == methods and loaded == ""
+
+
+def test_a_ladder_ends_after_a_long_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("toolkit.precision._TOO_LONG", 0.0)
+    ended = precision(load_scene(SCENE), SHORT)
+    assert [point.method for point in ended.points] == ["master", "explicit", "ensemble", "closest"]
+    assert sum("no further" in note for note in ended.notes) == 4
+
+
+def test_closed_form_against_many_digits() -> None:
+    path = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(49.9, 50.1, 41)])
+    for mean, std, first, spread in [(1.0, 0.05, 0.0, 0.025), (1.0, 1e-3, 0.1, 0.0), (0.7, 0.05, -0.1, 0.03)]:
+        start = origins.gaussian_start(first, spread)
+        found = closed_form(origins.Contacts(origins.gaussian(mean, std), start), path)
+        assert found is not None and found.error < 1e-10
+        with mpmath.workdps(40):
+            for x, force in zip(path, found.force, strict=True):
+                exact = mpmath.mpf(first) + mpmath.mpf(x)
+                for n in range(1, int(x / mean) + 40):
+                    width = mpmath.sqrt(n * mpmath.mpf(std) ** 2 + mpmath.mpf(spread) ** 2)
+                    z = (mpmath.mpf(x) - n * mpmath.mpf(mean) + mpmath.mpf(first)) / width
+                    exact -= mpmath.mpf(mean) * mpmath.ncdf(z) - mpmath.mpf(std) ** 2 / width * mpmath.npdf(z)
+                assert abs(float(exact - mpmath.mpf(float(force)))) <= found.error * mean
+
+
+@pytest.mark.parametrize(("std", "first", "spread"), [(0.05, 0.0, 0.025), (0.11, 0.0, 0.0), (0.05, 0.4, 0.03)])
+def test_closed_form_is_the_master_equation(std: float, first: float, spread: float) -> None:
+    contacts = origins.Contacts(origins.gaussian(1.0, std), origins.gaussian_start(first, spread))
+    path = np.linspace(0.0, 10.0, 201)
+    found, solved = closed_form(contacts, path), master.solve(contacts, path, tolerance=1e-12)
+    assert found is not None
+    assert np.abs(found.force - solved.force).max() <= found.error + solved.force_error
+
+
+@pytest.mark.parametrize(
+    ("thresholds", "start"),
+    [
+        (origins.gaussian(1.0, 0.2), None),  # cut at 0
+        (origins.gaussian(-1.0, 0.5), None),
+        (origins.gaussian(1.0, 0.05), origins.gaussian_start(0.9, 0.05)),  # thresholds below the start
+        (origins.gaussian(1.0, 0.05), origins.gaussian_start(-0.9, 0.05)),
+        (origins.gaussian(1.0, 0.05, form="paper", upper=2.0), None),
+        (origins.rectangular(0.5, 1.5), None),
+    ],
+)
+def test_closed_form_only_where_it_holds(thresholds: Any, start: Any) -> None:
+    contacts, path = origins.Contacts(thresholds, start), np.linspace(0.0, 3.0, 31)
+    assert closed_form(contacts, path) is None
+    found = reference(contacts, path)
+    assert "master equation" in found.source and found.error < 1e-10
+    loose = master.solve(contacts, path, tolerance=1e-5)
+    assert np.abs(found.force - loose.force).max() / contacts.mean_threshold <= loose.force_error + found.error
+
+
+def test_reference_is_the_best_there_is() -> None:
+    # here a tolerance that round-off does not allow ends on a finer lattice with a larger error
+    contacts, path = origins.Contacts(origins.rectangular(0.5, 1.5)), np.linspace(0.0, 6.0, 13)
+    errors = [master.solve(contacts, path, tolerance=tolerance).force_error for tolerance in (1e-11, 1e-12)]
+    assert reference(contacts, path).error <= min(errors)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder, made the current one, in which the command climbs no further than SHORT."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("toolkit.precision.Ladders", lambda: SHORT)
+    return tmp_path
+
+
+def test_command_prints_and_writes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("mine.toml").write_text(to_toml(SCENE))
+    assert main(["precision", "mine.toml"]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0] == "Gaussian, short" and printed[-1] == "written to mine-output"
+    assert sorted(os.listdir("mine-output")) == ["precision.json", "precision.png", "precision.txt"]
+    assert Path("mine-output/precision.txt").read_text().splitlines() == printed[:-1]
+    assert Path("mine-output/precision.png").read_bytes().startswith(b"\x89PNG")
+    written = json.loads(Path("mine-output/precision.json").read_text())
+    assert written["reference"] == "the closed form for Gaussian thresholds" and written["reference_error"] < 1e-13
+    assert len(written["points"]) == 12 and written["notes"] == printed[-1 - len(written["notes"]) : -1]
+    point = written["points"][0]
+    assert point["method"] == "master" and point["setting"] == 1e-2 and point["claimed_error"] >= point["error"]
+    assert printed[3].split()[:3] == ["master", "tolerance", "1e-02"]
+    assert f"{point['error']:.1e}" in printed[3] and f"{point['claimed_error']:.1e}" in printed[3]
+
+
+@pytest.mark.parametrize(
+    ("tables", "more", "message"),
+    [
+        ({**SCENE, "drive": {"to": -1.0, "points": 3}}, [], "drive.to = -1.0: must be above zero"),
+        ({key: SCENE[key] for key in ("contacts", "drive")}, [], "scene: has neither [master] nor [eq]"),
+        (SCENE, ["--out", "mine.toml/below"], "out = 'mine.toml/below': "),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_nothing(
+    tables: dict[str, Any], more: list[str], message: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("mine.toml").write_text(to_toml(tables))
+    assert main(["precision", "mine.toml", *more]) == 2
+    told = capsys.readouterr()
+    (line,) = told.err.splitlines()
+    assert line.startswith(f"mesofriction: {message}")
+    assert told.out == "" and os.listdir(".") == ["mine.toml"]
+
+
+def test_picture_of_errors_of_zero(tmp_path: Path) -> None:
+    # one threshold, one stretch: no contact differs from another, and neither solver errs
+    tables = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}
+    exact = precision(load_scene(tables), Ladders((1e-6,), (32,), (100,), (100,)))
+    assert of(exact, "master")[0].error == 0.0 and of(exact, "ensemble")[0].claimed_error == 0.0
+    save_precision(exact, tmp_path / "exact.png")
+    assert (tmp_path / "exact.png").read_bytes().startswith(b"\x89PNG")
