@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.law import Law
+from origins import InputError
 
 Array = npt.NDArray[np.float64]
 
@@ -22,30 +23,43 @@ class AtomicChain:
     ----------
     births, weights : arrays of shape (n,)
         Positions X and weights of births at one X.
-    complete : bool
-        False where the list would exceed 200,000 positions and was not finished.
+
+    Raises InputError where more than 200,000 positions would be listed.
     """
 
     def __init__(self, law: Law, first: Array, first_weights: Array, end: float) -> None:
-        births, weights = _merge(first[first <= end], first_weights[first <= end])
-        found_births, found_weights = [births], [weights]
-        self.complete = True
-        while births.size and law.atoms.size:
-            births = (births[:, None] + law.atoms).ravel()
-            weights = (weights[:, None] * law.atom_weights).ravel()
-            keep = (births <= end * (1.0 + _SAME)) & (weights > _NEGLIGIBLE)
-            births, weights = _merge(births[keep], weights[keep])
-            found_births.append(births)
-            found_weights.append(weights)
-            if sum(found.size for found in found_births) > MOST:
-                self.complete = False
-                break
-        self.births, self.weights = _merge(np.concatenate(found_births), np.concatenate(found_weights))
+        self.births, self.weights = _merge(first[first <= end], first_weights[first <= end])
+        if law.atoms.size:
+            self._follow(law, end)
         positions = (self.births[:, None] + law.atoms).ravel()
         released = (self.weights[:, None] * (law.atom_weights * law.atoms)).ravel()
         order = np.argsort(positions, kind="stable")
         self._positions = positions[order]
         self._sums = np.concatenate([[0.0], np.cumsum(released[order])])
+
+    def _follow(self, law: Law, end: float) -> None:
+        """Births from births, a window as wide as the smallest atom at a time: nothing in it follows from itself."""
+        births, weights = self.births, self.weights
+        window = float(law.atoms.min()) * (1.0 - 1e-9)
+        found_births, found_weights, count = [], [], 0
+        while births.size:
+            now = births < births[0] + window
+            found_births.append(births[now])
+            found_weights.append(weights[now])
+            count += int(now.sum())
+            if count > MOST:
+                raise InputError(
+                    f"thresholds: the exact values in them have more than {MOST:,} distinct sums within the path; "
+                    "shorten the path, or give the values a width"
+                )
+            later = (births[now][:, None] + law.atoms).ravel()
+            share = (weights[now][:, None] * law.atom_weights).ravel()
+            keep = (later <= end * (1.0 + _SAME)) & (share > _NEGLIGIBLE)
+            births, weights = _merge(
+                np.concatenate([births[~now], later[keep]]), np.concatenate([weights[~now], share[keep]])
+            )
+        if found_births:
+            self.births, self.weights = np.concatenate(found_births), np.concatenate(found_weights)
 
     def released(self, x: Array) -> Array:
         """Stretch released up to X = x by births of this chain at their atoms; a break at x itself counts."""

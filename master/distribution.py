@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.problem import Problem
-from master.renewal import Renewal
+from master.renewal import LaterReleased
 from origins.errors import finite, refuse
 
 Array = npt.NDArray[np.float64]
@@ -27,11 +27,15 @@ class StretchDistribution:
     delta_positions: Array
     delta_weights: Array
     _problem: Problem
-    _lattice: Renewal | None
+    _later: LaterReleased | None
     _at: float
 
     def density(self, x: npt.ArrayLike) -> Array:
-        """Q(x;X) per length at stretches x (lengths), delta parts left out; same shape as x."""
+        """Q(x;X) per length at stretches x (lengths), delta parts left out; same shape as x.
+
+        As good as the force away from corners of P_c; within some ten nodes of where three breaks at corners add up,
+        good to the square of the lattice's step.
+        """
         unit = self._problem.unit
         scaled = np.asarray(x, dtype=float) / unit
         return ((self._starting(scaled) + self._reborn(scaled)) / unit)[()]
@@ -52,19 +56,19 @@ class StretchDistribution:
         birth = self._at - x
         inside = (x >= 0.0) & (birth >= 0.0)
         out = np.zeros(x.shape)
-        out[inside] = law.sf(x[inside]) * birth_density(self._problem, self._lattice, birth[inside])
+        out[inside] = law.sf(x[inside]) * birth_density(self._problem, self._later, birth[inside])
         return out
 
 
-def birth_density(problem: Problem, lattice: Renewal | None, position: Array) -> Array:
+def birth_density(problem: Problem, later: LaterReleased | None, position: Array) -> Array:
     """b(X), births per contact and unit X at positions X >= 0, chains of atoms left out."""
     density = problem.first.density(position)
-    if lattice is not None and position.size:
-        density = density + np.maximum(lattice.read(lattice.births, position), -density)
+    if later is not None and position.size:
+        density = density + np.maximum(later.births(position), -density)
     return density
 
 
-def distribution_at(problem: Problem, lattice: Renewal | None, position: float, end: float) -> StretchDistribution:
+def distribution_at(problem: Problem, later: LaterReleased | None, position: float, end: float) -> StretchDistribution:
     """Q(x;X) at X = position."""
     position = finite("position", position)
     if not 0.0 <= position <= end * (1.0 + _SLACK):
@@ -81,4 +85,4 @@ def distribution_at(problem: Problem, lattice: Renewal | None, position: float, 
         held = law.sf(np.array(max(abs(origin), (origin + at) * (1.0 + _SLACK)))) / law.sf(np.array(abs(origin)))
         positions, weights = np.append(positions, origin + at), np.append(weights, held)
     keep = weights > 0.0
-    return StretchDistribution(positions[keep] * problem.unit, weights[keep], problem, lattice, at)
+    return StretchDistribution(positions[keep] * problem.unit, weights[keep], problem, later, at)

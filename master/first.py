@@ -21,6 +21,7 @@ Function = Callable[[Array], Array]
 
 _CHUNK = 200_000
 _NEGLIGIBLE = 1e-19
+_NARROW = 1e-9  # of the mean threshold: below, all start from one stretch
 
 
 class FirstBreaks:
@@ -35,6 +36,10 @@ class FirstBreaks:
         Positions of breaks of finite weight, that weight, and weight times released stretch.
     jumps, jump_sizes : arrays of shape (m,)
         Where the density b_0 jumps, X = 0 included, and by how much.
+    single : bool
+        Whether all contacts start from one stretch, or as good as.
+    has_corners : bool
+        Whether b_0 may jump or bend above X = 0 where the law does not.
     mean_start : float
         <x_ini>.
     """
@@ -44,8 +49,11 @@ class FirstBreaks:
         self._accuracy = max(accuracy, 2e-15)
         self._defect = 0.0
         self._law = law
-        if contacts.start.is_single:
+        span = np.asarray(contacts.start.span) / law.unit
+        self.single = bool(span[1] - span[0] < _NARROW)
+        if self.single:
             self._from_single(contacts.start.mean() / law.unit)
+            self._defect = float(span[1] - span[0]) / min(law.narrowest, 1.0)
         else:
             self._from_distribution(contacts)
         self._order = np.argsort(self.atoms, kind="stable")
@@ -78,6 +86,7 @@ class FirstBreaks:
         edges = _clip(law.edges - start, onset, self.end)
         at_onset = float(law.pdf(np.array([max(least, 1.0) * 1e-12 + least]))[0])
         at_onset = at_onset if at_onset < 1e3 else 0.0  # a density that diverges there has no height
+        self.has_corners = start < 0.0
         later = law.jumps > least * (1.0 + 1e-9)
         self.jumps = np.append(law.jumps[later] - start, onset)
         self.jump_sizes = np.append(law.jump_sizes[later], at_onset) / survival
@@ -94,26 +103,31 @@ class FirstBreaks:
         low, high = max(start.span[0] / unit, -reach), min(start.span[1] / unit, reach)
         inner = start.breakpoints / unit
         inner = inner[(inner > low) & (inner < high)]
-        kept = 1.0 - contacts.cut_weight
+        whole = kept = 1.0 - contacts.cut_weight
 
         conditional = float(law.cdf(np.array([max(-low, high)]))[0]) > 1e-17
 
         def weighted(x: Array) -> Array:
-            density = start.pdf(x * unit) * (unit / kept)
+            density = _finite(start.pdf(x * unit) * (unit / whole))
             if not conditional:
                 return density
             survival = law.sf(np.abs(x))
             return np.where(survival > 0.0, density / np.where(survival > 0.0, survival, 1.0), 0.0)
 
         def both(x: Array) -> Array:
-            return np.stack([start.pdf(x * unit) * (unit / kept), weighted(x)])
+            plain = _finite(start.pdf(x * unit) * (unit / kept))
+            return np.stack([plain, weighted(x)] if conditional else [plain])
 
         # 1/S(|x|) has a cusp at 0 and kinks at the law's own: panels follow it as well as the start
         marks = np.concatenate([law.breakpoints, law.atoms])
         seeds = np.concatenate([np.linspace(low, high, 5), inner, marks, -marks, [0.0]])
-        table, _ = tabulate(both, np.unique(seeds[(seeds >= low) & (seeds <= high)]), 1e-13)
+        table = tabulate(both, np.unique(seeds[(seeds >= low) & (seeds <= high)]), 1e-13)[0]
         self.mean_start = contacts.start.mean() / unit if contacts.cut_weight == 0.0 else _mean(table) / table.total
         start_edges = table.edges
+        # beside a start much narrower than its mean, positions are rounded: the weights' sum need not be
+        nodes, weights = gauss(start_edges[:-1], start_edges[1:])
+        mass = float((weights * _finite(start.pdf(nodes * unit)) * unit).sum()) / kept
+        whole = kept * mass
 
         self.atoms, self.atom_weights, self.atom_released = np.empty(0), np.empty(0), np.empty(0)
         marks = np.sort(np.concatenate([law.edges, law.atoms]))
@@ -139,6 +153,7 @@ class FirstBreaks:
             return np.concatenate(parts, axis=1).reshape(2, *x.shape)
 
         self.density, self._released = _tabulate_pair(rows, edges, self._accuracy)
+        self.has_corners = rough.size > 0
         self.jumps, self.jump_sizes = np.zeros(1), self.density(np.zeros(1))
         self._defect = abs(_broken(law, weighted, start_edges, edges[-1]) - self.density.total) if edges.size else 0.0
 
@@ -147,7 +162,7 @@ def _coarsest(law: Law, weighted: Function, start_edges: Array, positions: Array
     """The law's edges that the integral over the start must respect: its breakpoints alone where those do."""
     if positions.size < 2:
         return law.breakpoints
-    probes = np.linspace(positions[0], positions[-1], 15)[1:-1]
+    probes = np.linspace(positions[0], positions[-1], 9)[1:-1]
     few = _convolve_start(law, weighted, start_edges, law.breakpoints, probes)
     all_ = _convolve_start(law, weighted, start_edges, law.edges, probes)
     return law.breakpoints if np.abs(few - all_).max() <= 1e-14 * np.abs(all_).max() else law.edges
@@ -216,6 +231,11 @@ def _tabulate_pair(rows: Function, edges: Array, accuracy: float) -> tuple[Piece
 def _mean(table: Piecewise) -> float:
     nodes, weights = gauss(table.edges[:-1], table.edges[1:])
     return float((weights * nodes * table(nodes)).sum())
+
+
+def _finite(density: Array) -> Array:
+    """The density, but 0 where it diverges: at an end, where no weight sits."""
+    return np.where(np.isfinite(density), density, 0.0)
 
 
 def _thin(points: Array, spacing: float) -> Array:

@@ -39,6 +39,16 @@ class Law:
 
         self.jumps, self.jump_sizes = self._find_jumps()
 
+    def edges_for(self, step: float) -> Array:
+        """Edges that sums over cells of width `step` must respect: a smooth stretch of wide panels needs none."""
+        if self.edges.size < 3:
+            return self.edges
+        width = np.diff(self.edges)
+        narrow = np.minimum(width[1:], width[:-1]) < 4.0 * step
+        inner = self.edges[1:-1]
+        hard = (np.abs(inner[:, None] - self.breakpoints) < 1e-12).any(axis=1)
+        return np.concatenate([self.edges[:1], inner[narrow | hard], self.edges[-1:]])
+
     def _find_jumps(self) -> tuple[Array, Array]:
         """Points above 0 where the density jumps by a finite amount, and by how much."""
         points = self.breakpoints[(self.breakpoints > 0.0) & (self.breakpoints < self.top * (1.0 + 1e-9))]

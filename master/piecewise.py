@@ -12,6 +12,10 @@ _NODES = 16
 _X, _W = legendre.leggauss(_NODES)
 # values at the Gauss nodes -> Legendre coefficients
 _PROJECT = ((np.arange(_NODES) + 0.5)[:, None] * legendre.legvander(_X, _NODES - 1).T) * _W
+# Legendre coefficients -> coefficients of powers, for Horner's rule
+_POWERS = np.zeros((_NODES + 1, _NODES + 1))
+for _k in range(_NODES + 1):
+    _POWERS[: _k + 1, _k] = legendre.leg2poly(np.eye(_NODES + 1)[_k])[: _k + 1]
 _DEPTH = 60
 
 
@@ -45,7 +49,8 @@ class Piecewise:
         integral[0] -= (integral * np.where(np.arange(_NODES + 1) % 2, -1.0, 1.0)[:, None]).sum(0)
         whole = integral.sum(0)
         integral[0] += np.concatenate([[0.0], np.cumsum(whole)[:-1]])
-        self._integral = integral
+        self._integral = _POWERS @ integral
+        self._values = _POWERS[:_NODES, :_NODES] @ coefficients
         self.total = float(whole.sum())
 
     def __call__(self, x: Array) -> Array:
@@ -53,7 +58,7 @@ class Piecewise:
         if not self.coefficients.size:
             return np.zeros(np.shape(x))
         inside = (x >= self.edges[0]) & (x <= self.edges[-1])
-        return np.where(inside, self._series(self.coefficients, x), 0.0)
+        return np.where(inside, self._series(self._values, x), 0.0)
 
     def integral(self, x: Array) -> Array:
         """Integral up to x; the whole of it beyond the last panel."""
@@ -64,11 +69,15 @@ class Piecewise:
         out[inside] = self._series(self._integral, x[inside])
         return out
 
-    def _series(self, coefficients: Array, x: Array) -> Array:
-        panel = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, coefficients.shape[1] - 1)
+    def _series(self, powers: Array, x: Array) -> Array:
+        panel = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, powers.shape[1] - 1)
         left, right = self.edges[panel], self.edges[panel + 1]
         t = np.clip((2.0 * x - left - right) / (right - left), -1.0, 1.0)
-        return np.asarray(legendre.legval(t, coefficients[:, panel], tensor=False), dtype=float)
+        out = powers[-1, panel]
+        for row in powers[-2::-1]:
+            out *= t
+            out += row[panel]
+        return out
 
 
 def tabulate(function: Callable[[Array], Array], edges: Array, accuracy: float = 1e-16) -> list[Piecewise]:

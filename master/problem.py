@@ -19,4 +19,6 @@ class Problem:
         highest = max(contacts.start.span[1] / self.unit, 0.0)
         self.law = Law(contacts, _BEYOND * end + highest)
         self.first = FirstBreaks(contacts, self.law, _BEYOND * end, 1e-4 * tolerance)
+        # corners of the law or of the first breaks above X = 0 make errors uneven
+        self.rough = bool((self.law.breakpoints > 0.0).any()) or self.first.has_corners
         self.chain = AtomicChain(self.law, self.first.atoms, self.first.atom_weights, end)

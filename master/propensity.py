@@ -87,11 +87,11 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
     """K*, its error, the largest force and its error, in units of the mean threshold."""
     floor = ROUND_OFF * (1.0 + problem.end) + problem.first.error
     drops = problem.chain.weights.size > 0
-    if problem.law.atomic and problem.contacts.start.is_single:
+    if problem.law.atomic and problem.first.single:
         at = problem.chain.births * (1.0 - _JUST_BESIDE)
         force = problem.first.mean_start + at - problem.first.released(at) - problem.chain.released(at)
         return np.inf, 0.0, float(force.max()), floor
-    rough = bool((problem.law.breakpoints > 0.0).any())
+    rough = problem.rough
     step = first_step(problem, problem.end, tolerance)
     found: list[Array] = []
     error = np.full(2, np.inf)

@@ -17,7 +17,6 @@ import numpy.typing as npt
 
 from master.first import FirstBreaks
 from master.lattice import STENCIL, cells, deposit, deposit_atoms, integrate, lagrange
-from master.law import Law
 from master.problem import Problem
 from master.series import convolve, renew
 from origins.quadrature import gauss
@@ -27,6 +26,7 @@ Array = npt.NDArray[np.float64]
 _NEAR = 56
 _ZOOM = 16
 _MARGIN = 24
+_FEW = 1e-11
 
 
 class Renewal:
@@ -44,7 +44,7 @@ class Renewal:
         size = int(np.ceil(end / step * (1.0 - 1e-12))) + _MARGIN + 1
         self.step = step
         self.size = size
-        left, right = cells(law.edges, step, size)
+        left, right = cells(law.edges_for(step), step, size)
         nodes, weights = gauss(left, right)
         mass = weights * law.pdf(nodes)
         smooth, smooth_released = deposit(left, right, [mass, mass * nodes], step, size)
@@ -54,16 +54,21 @@ class Renewal:
         nodes, weights = gauss(left, right)
         (source,) = deposit(left, right, [weights * first.density(nodes)], step, size)
         flux = np.zeros(size)
+        self._from_chain = np.zeros(size)
         if chain.births.size:
             births = deposit_atoms(chain.births, chain.weights, step, size)
-            source = source + convolve(smooth, births, size)
+            self._from_chain = convolve(smooth, births, size)
+            source = source + self._from_chain
             flux += convolve(smooth_released, births, size)
         breaks = renew(source, kernel)
         flux += convolve(release, breaks, size)
         self.released = integrate(flux)
         self._flux = flux
-        self._kinks = Kinks(law, first) if law.jumps.size else None
-        if self._kinks is not None:
+        self._kinks: Kinks | None = None
+        self._birth_kinks: Kinks | None = None
+        if law.jumps.size:
+            self._kinks = Kinks(law.jumps, law.jump_sizes * law.jumps, first)
+            self._birth_kinks = Kinks(law.jumps, law.jump_sizes, first)
             self._kinks_flux = self._kinks.flux(step, size)
             self._kinks_here = integrate(self._kinks_flux)
         self._kernel, self._breaks = kernel, breaks
@@ -71,7 +76,14 @@ class Renewal:
     @cached_property
     def births(self) -> Array:
         """Density of later breaks p * b at the nodes, chains of atoms left out."""
-        return convolve(self._kernel, self._breaks, self.size) / self.step
+        return (self._from_chain + convolve(self._kernel, self._breaks, self.size)) / self.step
+
+    def births_at(self, x: Array) -> Array:
+        """Density of later breaks at positions x, its kinks put right."""
+        if self._birth_kinks is None:
+            return self.read(self.births, x)
+        smooth = self.births - self._birth_kinks.flux(self.step, self.size) / self.step
+        return self.read(smooth, x) + self._birth_kinks.rate(x)
 
     def released_at(self, x: Array) -> Array:
         """J_1 at positions x, the kinks of its slope put right."""
@@ -93,14 +105,14 @@ class Renewal:
 
 
 class Kinks:
-    """What the jumps of P_c and of the first breaks alone would release: two steps folded, known in closed form.
+    """What the jumps of r (or of P_c) and of the first breaks alone would give: two steps folded, in closed form.
 
     J_1 has a jump in its second derivative at every sum of two jumps. A lattice smears it over the nodes around;
     folding the bare steps on the lattice too shows by how much, and the closed form replaces it.
     """
 
-    def __init__(self, law: Law, first: FirstBreaks) -> None:
-        self._steps = [(law.jumps, law.jump_sizes * law.jumps), (first.jumps, first.jump_sizes)]
+    def __init__(self, jumps: Array, heights: Array, first: FirstBreaks) -> None:
+        self._steps = [(jumps, heights), (first.jumps, first.jump_sizes)]
 
     def flux(self, step: float, size: int) -> Array:
         """The two steps folded on the lattice."""
@@ -145,6 +157,7 @@ class LaterReleased:
 
     def __init__(self, problem: Problem, step: float, x: Array, tiny: float) -> None:
         self._problem = problem
+        self._deeper: list[tuple[float, Renewal]] = []
         self.lattice = Renewal(problem, step, problem.end)
         self._pieces: list[tuple[float, Renewal]] = []
         lattice = self.lattice
@@ -172,10 +185,27 @@ class LaterReleased:
         """dJ_1/dX at positions x, atoms of the chain left out."""
         return self._collect(Renewal.rate_at, x)
 
-    def _collect(self, answer: Callable[[Renewal, Array], Array], x: Array) -> Array:
+    def births(self, x: Array) -> Array:
+        """Density of later breaks p * b at positions x, chains of atoms left out."""
+        # births matter nearer to X = 0 than what they release: further lattices are made when asked for
+        pieces = self._pieces + self._deeper
+        near, lattice = pieces[-1]
+        while ((x > 0.0) & (x <= near)).any() and float(self._problem.law.cdf(np.array([near]))[0]) > _FEW:
+            lattice = Renewal(self._problem, lattice.step / _ZOOM, near)
+            near = _NEAR * lattice.step
+            self._deeper.append((near, lattice))
+            pieces = self._pieces + self._deeper
+        return self._collect(Renewal.births_at, x, pieces)
+
+    def _collect(
+        self,
+        answer: Callable[[Renewal, Array], Array],
+        x: Array,
+        pieces: "list[tuple[float, Renewal]] | None" = None,
+    ) -> Array:
         out = np.zeros(x.size)
         above = np.inf
-        for near, lattice in self._pieces:
+        for near, lattice in self._pieces if pieces is None else pieces:
             here = (x > near) & (x <= above)
             if here.any():
                 out[here] = answer(lattice, x[here])

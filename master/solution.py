@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from master.distribution import StretchDistribution, distribution_at
 from master.problem import Problem
-from master.renewal import Renewal
+from master.renewal import LaterReleased
 
 Array = npt.NDArray[np.float64]
 
@@ -28,6 +28,8 @@ class Solution:
         Fraction of contacts that hold: 1, as broken contacts re-form at once.
     run_time : float
         Seconds that the solution took.
+    nodes : int
+        Nodes of the widest lattice; 0 where none was needed.
     success : bool
         Whether force_error is at or below the tolerance asked for.
     message : str
@@ -39,11 +41,12 @@ class Solution:
     force_error: float
     holding: Array
     run_time: float
+    nodes: int
     success: bool
     message: str
     _problem: Problem = field(repr=False)
-    _lattice: Renewal | None = field(repr=False)
+    _later: LaterReleased | None = field(repr=False)
 
     def distribution(self, position: float) -> StretchDistribution:
         """Q(x;X) at X = position, between 0 and the path's end; InputError elsewhere."""
-        return distribution_at(self._problem, self._lattice, position, float(self.path[-1]))
+        return distribution_at(self._problem, self._later, position, float(self.path[-1]))

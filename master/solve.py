@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.problem import Problem
-from master.renewal import LaterReleased, Renewal, bound
+from master.renewal import LaterReleased, bound
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import positive
@@ -16,7 +16,9 @@ Array = npt.NDArray[np.float64]
 ROUND_OFF = 1e-13
 MOST_NODES = 2**20
 _FEWEST_NODES = 64
-_BESIDE = np.append(0.9 * np.arange(-7.0, 8.0, 2.0), 0.0)
+_STALL = 1e3  # times the floor: differences below this that no longer fall are round-off
+_BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
+_MOST_AROUND = 2000
 
 
 def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> Solution:
@@ -48,8 +50,8 @@ def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> S
     problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance)
     first = problem.first
     force = first.mean_start + x - first.released(x)
-    later, error, lattice, message = _refine(problem, x, tolerance)
-    force = (force - later) * problem.unit
+    released, error, later, message = _refine(problem, x, tolerance)
+    force = (force - released) * problem.unit
     success = error <= tolerance
     if success:
         message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
@@ -61,28 +63,27 @@ def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> S
         force_error=error,
         holding=np.ones(x.size),
         run_time=time.perf_counter() - began,
+        nodes=0 if later is None else later.lattice.size,
         success=success,
         message=message,
         _problem=problem,
-        _lattice=lattice,
+        _later=later,
     )
 
 
-def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float, Renewal | None, str]:
-    """J_1 at x, its error estimate, the finest lattice and the reason for stopping short."""
+def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float, LaterReleased | None, str]:
+    """J_1 at x, its error estimate, what it was read from and the reason for stopping short."""
     end = float(x[-1])
     floor = ROUND_OFF * (1.0 + end) + problem.first.error
-    if not problem.chain.complete:
-        message = "the atoms of the thresholds have too many distinct sums within the path; shorten it"
-        return problem.chain.released(x), np.inf, None, message
     tiny = min(1e-2 * tolerance, 1e-9)
-    listed = problem.law.atomic and problem.contacts.start.is_single
+    listed = problem.law.atomic and problem.first.single
     if listed or bound(problem, end) <= 1e-2 * floor:
         message = f"round-off allows {floor:.1e}, above the tolerance {tolerance:.1e}"
         return problem.chain.released(x), floor, None, message
     step = first_step(problem, end, tolerance)
-    rough = bool((problem.law.breakpoints > 0.0).any())
+    rough = problem.rough
     coarser: tuple[LaterReleased, Array] | None = None
+    best: tuple[Array, float, LaterReleased] | None = None
     difference = before = np.inf
     while True:
         later = LaterReleased(problem, step, x, tiny)
@@ -96,21 +97,24 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
             error = max(estimate(difference, before, rough), 1.5 * float(change[~finer].max(initial=0.0)))
             error += later.left_out + floor
             if np.isfinite(before):
-                message = ""
-                if error > tolerance and change.max() <= floor:
-                    message = f"round-off allows {error:.1e}, above the tolerance {tolerance:.1e}"
-                elif error > tolerance and end / step > MOST_NODES / 2:
-                    reached = f"error estimate {error:.1e} on {later.lattice.size} nodes, above the tolerance"
-                    message = f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
-                if message or error <= tolerance:
-                    return answer, error, later.lattice, message
+                if best is None or error < best[1]:
+                    best = answer, error, later
+                stalled = change.max() <= floor or (difference > 0.5 * before and difference < _STALL * floor)
+                if best[1] <= tolerance:
+                    return *best, ""
+                if stalled:
+                    return *best, f"round-off allows {best[1]:.1e}, above the tolerance {tolerance:.1e}"
+                if end / step > MOST_NODES / 2:
+                    reached = f"error estimate {best[1]:.1e} on {later.lattice.size} nodes, above the tolerance"
+                    return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
         coarser = later, answer
         step *= 0.5
 
 
 def _around(x: Array, step: float) -> Array:
     """The positions x and some nodes to either side: beside jumps, errors depend on where among nodes a point falls."""
-    near = (x[:, None] + step * _BESIDE).ravel()
+    some = x[:: 1 + x.size // _MOST_AROUND]
+    near = np.concatenate([x, (some[:, None] + step * _BESIDE).ravel()])
     return np.unique(near[(near > 0.0) & (near <= x[-1])])
 
 

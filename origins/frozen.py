@@ -88,7 +88,11 @@ class FrozenThresholds(Thresholds):
     def _ask(self, method: str, x: Array) -> Array:
         # what overflows on the way is the distribution's own affair: its answer counts
         with np.errstate(all="ignore"):
-            return getattr(self.frozen, method)(x)
+            try:
+                return getattr(self.frozen, method)(x)
+            except OverflowError as error:
+                own = f"the distribution's own {method} overflows"
+                raise InputError(f"thresholds: {own}; use milder parameters") from error
 
     def _pdf(self, x: Array) -> Array:
         return self._ask("pdf", x)

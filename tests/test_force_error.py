@@ -1,0 +1,146 @@
+"""The promise on force_error: over 1,000 random cases it bounds the true error, and not by much too much."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import scipy.stats
+from phase_type import coxian, gaussian_force, hyper_erlang
+
+import master
+import origins
+
+CASES = 1000
+SEED = 20100902
+ROUND_OFF = 1e-13
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, the tolerance asked, and its exact force where that is known."""
+
+    contacts: origins.Contacts
+    path: np.ndarray
+    tolerance: float
+    exact: Callable[[np.ndarray], np.ndarray] | None = None
+
+
+class Draw:
+    """Numbers for one case."""
+
+    def __init__(self, *key: int) -> None:
+        self.rng = np.random.default_rng(key)
+
+    def even(self, low: float, high: float) -> float:
+        return float(self.rng.uniform(low, high))
+
+    def log(self, low: float, high: float) -> float:
+        return float(np.exp(self.rng.uniform(np.log(low), np.log(high))))
+
+    def whole(self, low: int, high: int) -> int:
+        return int(self.rng.integers(low, high))
+
+    def path(self, longest: float, mean: float) -> np.ndarray:
+        end, points = self.log(0.5, longest) * mean, self.whole(2, 250)
+        if self.rng.random() < 0.5:
+            return np.linspace(0.0, end, points)
+        return np.sort(self.rng.uniform(0.0, end, points))
+
+    def tolerance(self) -> float:
+        return float(10.0 ** self.rng.uniform(-10.0, -3.0))
+
+
+def narrow_gaussian(draw: Draw) -> Case:
+    std, start, start_std = draw.log(0.01, 0.11), draw.even(-0.05, 0.1), draw.log(0.003, 0.03)
+    contacts = origins.Contacts(origins.gaussian(1.0, std), origins.gaussian_start(start, start_std))
+    path = draw.path(20.0, 1.0)
+    return Case(contacts, path, draw.tolerance(), lambda x: gaussian_force(x, 1.0, std, start, start_std))
+
+
+def phase_type(draw: Draw) -> Case:
+    kind = draw.whole(0, 4)
+    if kind == 0:
+        stages = draw.whole(1, 7)
+        chain = hyper_erlang([1.0], [stages], [float(stages)])
+    elif kind == 1:
+        share = draw.even(0.1, 0.9)
+        chain = hyper_erlang([share, 1.0 - share], [1, 1], [draw.log(0.3, 3.0), draw.log(0.3, 3.0)])
+    elif kind == 2:
+        share = draw.even(0.1, 0.9)
+        chain = hyper_erlang([share, 1.0 - share], [draw.whole(1, 4), draw.whole(1, 4)], [2.0, draw.log(2.5, 8.0)])
+    else:
+        chain = coxian(draw.log(0.3, 0.9), draw.log(1.1, 4.0), draw.even(0.1, 1.0))
+    start = [0.0, draw.even(0.0, 0.8), draw.even(-0.5, 0.0)][draw.whole(0, 3)] * chain.mean
+    path = draw.path(20.0, chain.mean)
+    return Case(origins.Contacts(chain.law, start), path, draw.tolerance(), lambda x: chain.force(x, start))
+
+
+LAWS: list[Callable[[Draw], object]] = [
+    lambda d: origins.gaussian(1.0, d.log(0.01, 1.0)),
+    lambda d: origins.rectangular(low := d.even(0.0, 1.0), low + d.even(0.1, 1.5)),
+    lambda d: origins.gw_elastic(d.log(0.1, 10.0)),
+    lambda d: origins.gw_plastic(d.log(0.1, 10.0)),
+    lambda d: origins.persson(1.0, d.log(0.1, 5.0)),
+    lambda d: origins.lubricated(d.log(0.3, 3.0)),
+    lambda d: origins.mixture(
+        [origins.gaussian(d.even(0.2, 1), d.log(0.02, 0.2)), origins.gaussian(d.even(1, 2), d.log(0.02, 0.2))],
+        [0.3, 0.7],
+    ),
+    lambda d: origins.mixture(
+        [origins.rectangular(0.2, 0.4), origins.gaussian(d.even(0.8, 2), d.log(0.02, 0.2))], [0.3, 0.7]
+    ),
+    lambda d: origins.from_samples(d.rng.gamma(3.0, 1.0 / 3.0, size=200)),
+    lambda d: scipy.stats.gamma(d.log(0.5, 8.0)),
+    lambda d: scipy.stats.lognorm(d.log(0.1, 1.0)),
+    lambda d: scipy.stats.lomax(d.even(2.2, 5.0)),
+    lambda d: scipy.stats.beta(d.even(1.0, 4.0), d.even(1.0, 4.0)),
+]
+
+
+def any_law(draw: Draw) -> Case:
+    law = origins.Contacts(LAWS[draw.whole(0, len(LAWS))](draw)).thresholds
+    mean, low = law.mean(), float(law.ppf(0.1))
+    start = [
+        None,
+        draw.even(-0.5, 0.8) * low,
+        origins.gaussian_start(draw.even(-0.2, 0.3) * low, draw.log(0.003, 0.05) * low),
+        scipy.stats.uniform(draw.even(-0.3, 0.3) * low, 0.3 * low),
+    ][draw.whole(0, 4)]
+    return Case(origins.Contacts(law, start), draw.path(20.0, mean), draw.tolerance())
+
+
+KINDS = [narrow_gaussian, phase_type, phase_type, any_law]  # one in four needs a second solution to be judged
+
+
+def true_error(case: Case, solution: master.Solution) -> float | None:
+    """Largest error of the force in mean thresholds; None where the reference may be as far off itself."""
+    mean = case.contacts.mean_threshold
+    if case.exact is not None:
+        return float(np.abs(solution.force - case.exact(case.path)).max()) / mean
+    # a path a little longer makes lattices that share no nodes with the first
+    longer = np.append(case.path, case.path[-1] * 1.0371)
+    reference = master.solve(case.contacts, longer, 1e-3 * case.tolerance)
+    error = float(np.abs(solution.force - reference.force[:-1]).max()) / mean
+    return error if reference.force_error <= 0.3 * max(solution.force_error, error) else None
+
+
+def judge(number: int) -> tuple[Case, float, float]:
+    """Case `number`, its estimate and true error; drawn again until the truth is known well enough."""
+    for attempt in range(100):
+        draw = Draw(SEED, number, attempt)
+        case = KINDS[number % len(KINDS)](draw)
+        solution = master.solve(case.contacts, case.path, case.tolerance)
+        assert np.isfinite(solution.force).all()
+        error = true_error(case, solution)
+        if error is not None:
+            return case, solution.force_error, error
+    pytest.fail(f"no reference found for case {number}")
+
+
+def test_force_error_is_the_promise_it_is_said_to_be():
+    judged = [judge(number)[1:] for number in range(CASES)]
+    estimate, error = np.array(judged).T
+    assert (estimate >= error).mean() >= 0.995
+    assert (error / estimate).max() <= 2.0
+    assert np.median(estimate / np.maximum(error, ROUND_OFF)) <= 30.0
