@@ -13,7 +13,7 @@ from eq_model.beginning import redraw, tables
 from eq_model.lattice import Whole, force, joined, make_lattice, split
 from origins import Contacts, Drive
 from origins.errors import refuse, whole
-from origins.quantile import FINE_BITS, HOT_MISSING, QuantileTable, Side
+from origins.quantile import FINE_BITS, HOT_MISSING, QuantileTable
 from origins.streams import MOST_REPLICAS, key_of
 
 Array = npt.NDArray[np.float64]
@@ -193,15 +193,19 @@ def kernel_table(table: QuantileTable, unit: float) -> tuple[Any, ...]:
     packed[:, 0] = np.where(missing, 2.0 * MISSING / factor, np.where(far, FAR / factor, table.hot_c0))
     slopes = np.stack([table.hot_c1, table.hot_c2], axis=-1)
     packed.view(np.float32)[:, 2:] = np.where((missing | far)[:, None], 0.0, slopes)
-    return packed.view(np.int64).ravel(), np.int64(52 - table.hot_bits), _side(table.lower), _side(table.upper), factor
-
-
-def _side(side: Side) -> tuple[Any, ...]:
-    # where each regular cell begins among the cells, and the number of the first, as the bits of v have it
-    shift = 52 - FINE_BITS
-    numbers = side.edges[:-1].view(np.int64) >> shift
-    regular = np.arange(numbers[0], numbers[-1] + 1)
-    return np.searchsorted(numbers, regular), np.int64(numbers[0]), side.edges, side.cubics
+    sides, firsts, edges, cubics = [], [], [], []
+    place, cells = 0, 0
+    for side in (table.lower, table.upper):
+        # where each regular cell begins among the cells, and the number of the first, as the bits of v have it
+        numbers = side.edges[:-1].view(np.int64) >> (52 - FINE_BITS)
+        first = np.searchsorted(numbers, np.arange(numbers[0], numbers[-1] + 1)) + cells
+        sides.append((place, first.size, numbers[0], cells + len(side.cubics) - 1))
+        firsts.append(first)
+        edges.append(side.edges)
+        cubics += [side.cubics, np.zeros((1, 6))]  # one cell less than edges: kept in step
+        place, cells = place + first.size, cells + side.edges.size
+    fine = np.array(sides, dtype=np.int64), np.concatenate(firsts), np.concatenate(edges), np.concatenate(cubics)
+    return packed.view(np.int64).ravel(), np.int64(52 - table.hot_bits), factor, *fine
 
 
 def simulate(

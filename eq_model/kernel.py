@@ -5,7 +5,8 @@ shows in the result. A batch of contacts takes four thresholds each per round, i
 turns into vector code: random words, hot cells, values, second moments, and then the sums. Draws that the hot
 cells do not hold, and contacts that end, take a slower way one at a time. twin.py is the same in plain numpy.
 
-All that is compiled stands in this one file: numba's cache on disk notices changes in the function's own file only.
+All that is compiled stands in this one file, because numba's cache on disk notices changes in a function's own file
+only: when a constant that comes from origins changes, clear the cache (__pycache__/*.nb?).
 """
 
 from collections.abc import Callable
@@ -233,31 +234,32 @@ def _add(x, b, lattice, sums):  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _fine_value(v, first, base, edges, cubics):  # type: ignore[no-untyped-def]
-    """Value of the fine cells at v; `first` is the fine cell at which each eighth of an octave begins."""
-    k = first[min(max((_bits(v) >> _FINE_SHIFT) - base, np.int64(0)), np.int64(first.size - 1))]
-    while k < cubics.shape[0] - 1 and v >= edges[k + 1]:
-        k += 1
-    t = (v - edges[k]) / (edges[k + 1] - edges[k])
-    y = cubics[k, 0] + t * (cubics[k, 1] + t * (cubics[k, 2] + t * cubics[k, 3]))
-    return min(max(y, cubics[k, 4]), cubics[k, 5])
+def _more(k, block, second, contact, k0, k1):  # type: ignore[no-untyped-def]
+    """The word by which draw k of a block goes on."""
+    a, b, c, d = philox(_U(block), second, contact & _MASK, contact >> _HALF, k0, k1)
+    if k == 0:
+        return a
+    if k == 1:
+        return b
+    return c if k == 2 else d
 
 
 @_compiled
-def _drawn_exactly(word, k, block, second, contact, key, table):  # type: ignore[no-untyped-def]
-    """Value of draw k of a block from the fine cells, its word continued by 32 further bits."""
-    _, _, lower, upper, factor = table
-    a, b, c, d = philox(_U(block), second, contact & _MASK, contact >> _HALF, key[0], key[1])
-    more = a
-    if k == 1:
-        more = b
-    elif k == 2:
-        more = c
-    elif k == 3:
-        more = d
+def _exact(word, more, factor, sides, first, edges, cubics):  # type: ignore[no-untyped-def]
+    """Whole value, from the fine cells, of a draw of 64 bits.
+
+    sides : for each side the place in `first` of its cells, how many, the bits of the lowest, and its last fine cell.
+    first : the fine cell with which each eighth of an octave begins, both sides in a row, as edges and cubics are.
+    """
     v = (np.float64(((_U(word) & _U(_LOW31)) << _HALF) | more) + 0.5) * 2.0**-64
-    y = _fine_value(v, *upper) if word >> _TOP else _fine_value(v, *lower)
-    return np.int64(min(np.floor(y * factor + 0.5), np.float64(FAR)))
+    side = np.int64(word >> _TOP)
+    place = min(max((_bits(v) >> _FINE_SHIFT) - sides[side, 2], np.int64(0)), sides[side, 1] - 1)
+    k = first[sides[side, 0] + place]
+    while k < sides[side, 3] and v >= edges[k + 1]:
+        k += 1
+    t = (v - edges[k]) / (edges[k + 1] - edges[k])
+    y = cubics[k, 0] + t * (cubics[k, 1] + t * (cubics[k, 2] + t * cubics[k, 3]))
+    return np.int64(min(np.floor(min(max(y, cubics[k, 4]), cubics[k, 5]) * factor + 0.5), np.float64(FAR)))
 
 
 @_compiled
@@ -268,6 +270,7 @@ def begin(first, n_contacts, key, table, start_table, single, births, thresholds
     each of P_c, -1 where it does not exceed the starting stretch and must be drawn again, knowing that.
     """
     (k0, k1), many = key, _U(n_contacts)
+    hot, hot_shift, factor, sides, fine, edges, cubics = table
     n = births.size
     second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
     words = np.empty(4 * ROW, np.uint32)
@@ -281,17 +284,21 @@ def begin(first, n_contacts, key, table, start_table, single, births, thresholds
         _draw(m, block, second, contact, k0, k1, words)
         if not single:
             _find(m, 0, words, start_table[1], start_table[0], cell, place, got)
-            _values(m, got, place, start_table[4], _U(done), births)
-        _find(m, 1, words, table[1], table[0], cell, place, got)
-        _values(m, got, place, table[4], _U(done), thresholds)
+            _values(m, got, place, start_table[2], _U(done), births)
+        _find(m, 1, words, hot_shift, hot, cell, place, got)
+        _values(m, got, place, factor, _U(done), thresholds)
         for i in range(m):
             j, tail = done + i, second[i] ^ _START ^ _START_TAILS
             if not single:
                 if births[j] >= MISSING:
-                    births[j] = _drawn_exactly(words[i], 0, 0, tail, contact[i], key, start_table)
+                    more = _more(0, 0, tail, contact[i], k0, k1)
+                    births[j] = _exact(
+                        words[i], more, start_table[2], start_table[3], start_table[4], start_table[5], start_table[6]
+                    )
                 births[j] = -births[j]
             if thresholds[j] >= MISSING:
-                thresholds[j] = _drawn_exactly(words[i + ROW], 1, 0, tail, contact[i], key, table)
+                more = _more(1, 0, tail, contact[i], k0, k1)
+                thresholds[j] = _exact(words[i + ROW], more, factor, sides, fine, edges, cubics)
             if thresholds[j] <= abs(births[j]):
                 thresholds[j] = -1
 
@@ -302,7 +309,8 @@ def _finish(n, words, work, position, block, second, contact, key, table, lattic
 
     Lanes whose contact is done are listed in free. Returns their number and that of all breaks of n lanes.
     """
-    end = lattice[2]
+    end, (k0, k1) = lattice[2], key
+    _, _, factor, sides, fine, edges, cubics = table
     n_free, breaks = 0, 4 * n
     for j in range(n):
         if position[j] <= end:
@@ -316,7 +324,8 @@ def _finish(n, words, work, position, block, second, contact, key, table, lattic
             collected = collected and b + x <= end
             if x >= MISSING:
                 tail = second[i] ^ _THRESHOLDS ^ _THRESHOLD_TAILS
-                x = _drawn_exactly(words[i + _U(k * ROW)], k, block[i], tail, contact[i], key, table)
+                more = _more(k, block[i], tail, contact[i], k0, k1)
+                x = _exact(words[i + _U(k * ROW)], more, factor, sides, fine, edges, cubics)
             b += x
             if b > end:
                 break
@@ -364,7 +373,7 @@ def run(first, n, n_contacts, key, table, births, thresholds, lattice, sums):  #
     the thresholds that broke in each bin and by their second moments, in turn; the last bin holds no sense.
     """
     offset, shift, end, top, square = lattice[:5]
-    hot, hot_shift, factor = table[0], table[1], table[4]
+    hot, hot_shift, factor = table[:3]
     (k0, k1), many, aligned = key, _U(n_contacts), lattice[5].size == 0
     second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
     position, free = np.empty(LANES, np.int64), np.arange(LANES)

@@ -75,7 +75,7 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
         even = length / spacing <= most_cells
     width = spacing * 2.0**-halvings
     if not even:
-        width = max(min(width, scale), length / most_cells, scale * 2.0**-30)
+        width = max(min(width, scale), length / most_cells, scale * 2.0**-20)
     # a bin's sum over one block is at most BLOCK (width + reach), its second moment twice the square of that
     room = int(np.ceil(np.log2((width + reach) / scale)))
     bits = min(_MOST_BITS, _SUM_BITS - 16 - room, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
@@ -105,12 +105,13 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
 
 
 def _spacing(path: Array, scale: float) -> tuple[float, bool]:
-    """The least distance of different path points, and whether it is that of all."""
+    """The least distance of different path points, and whether, to rounding, it is that of all."""
     steps = np.diff(np.unique(path))
     if steps.size == 0:
         return scale, False
     spacing = (float(path[-1]) - float(path[0])) / (path.size - 1)
-    even = np.abs(path - (path[0] + spacing * np.arange(path.size))).max() <= 1e-12 * spacing * path.size
+    off = np.abs(path - (path[0] + spacing * np.arange(path.size))).max()
+    even = bool(off <= 64.0 * np.finfo(float).eps * path[-1])
     return (spacing, True) if even else (float(steps.min()), False)
 
 

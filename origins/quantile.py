@@ -65,6 +65,11 @@ class Side:
         c = np.moveaxis(self.cubics[cell], -1, 0)
         return np.minimum(np.maximum(c[0] + t * (c[1] + t * (c[2] + t * c[3])), c[4]), c[5])
 
+    def jumps(self) -> Array:
+        """The v at which the quantile jumps."""
+        before, after = self.cubics[:-1, :4].sum(axis=1), self.cubics[1:, 0]
+        return self.edges[1:-1][np.abs(after - before) > 1e-9 * np.abs(before)]
+
 
 @dataclass(frozen=True)
 class QuantileTable:
@@ -115,7 +120,7 @@ def quantile_table(law: Law, deepest: float = DEEPEST, name: str = "thresholds")
     if left_below + left_above > _MOST_LEFT:
         raise _uncertified(name, f"a weight of {left_below + left_above:.2g} is left over at its jumps")
     for bits in _HOT_BITS:
-        (c0, c1, c2), missed = _pair(below.hot(bits), above.hot(bits))
+        (c0, c1, c2), missed = _pair(below.hot(bits, lower.jumps()), above.hot(bits, upper.jumps()))
         if missed <= _HOT_MISSED:
             break
     return QuantileTable(scale, bits, c0, c1, c2, lower, upper, left_below + left_above)
@@ -205,15 +210,7 @@ class _Sided:
         order = np.argsort(starts)
         return Side(np.append(starts[order], 0.5), np.concatenate(done)[order]), left_over
 
-    def jumps_inside(self, a: Array, b: Array) -> Flags:
-        """Whether the quantile jumps between a and b: so near an end that no check sees it, it must be known."""
-        before, after = self.at(np.stack([self.cuts * (1.0 - _INSET), self.cuts * (1.0 + _INSET)]))
-        jumps = self.cuts[np.abs(after - before) > 1e-9 * np.abs(before)]
-        # the ends are allowed for the rounding of the probabilities
-        place = np.searchsorted(jumps, a * (1.0 + 2.0 * _INSET))
-        return np.asarray(np.append(jumps, np.inf)[place] < b * (1.0 - 2.0 * _INSET))
-
-    def hot(self, bits: int) -> tuple[Array, Array, Array]:
+    def hot(self, bits: int, jumps: Array) -> tuple[Array, Array, Array]:
         """Hot cells in the order of v, the one for v < 2^-12 first; each value exact at both ends of its cell."""
         cells = 1 << bits
         octave = np.repeat(2.0 ** np.arange(-1 - HOT_OCTAVES, -1), cells)
@@ -235,7 +232,9 @@ class _Sided:
         t = h * CHECKS
         values = first[:, None] + t * (c1[:, None] + t * c2[:, None])
         good = within & monotone & self.certified(values, a[:, None] + width[:, None] * CHECKS, width)
-        good &= ~self.jumps_inside(a, a + width)
+        # a jump so near the end of a cell that no check sees it, past the rounding of the probabilities
+        place = np.searchsorted(jumps, a * (1.0 + 2.0 * _INSET))
+        good &= np.append(jumps, np.inf)[place] >= (a + width) * (1.0 - 2.0 * _INSET)
         c0 = np.append(HOT_MISSING, np.where(good, first, HOT_MISSING))
         return c0, np.append(0.0, np.where(good, c1, 0.0)), np.append(0.0, np.where(good, c2, 0.0))
 
