@@ -8,7 +8,8 @@ READY := $(VENV)/.ready
 .PHONY: demo test bench lint clean
 
 demo: $(READY)
-	$(BIN)/mpirun -n 2 $(BIN)/mesofriction run gaussian --out demo-output
+	$(BIN)/mpirun -n 2 $(BIN)/mesofriction compare rough-gw-paper rough-gw-amontons rough-gw-strength \
+	  rough-persson-paper rough-persson-amontons --out demo-output
 
 test: $(READY)
 	$(BIN)/python -m pytest

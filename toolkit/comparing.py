@@ -12,6 +12,8 @@ from toolkit.results import Result, Simulated
 from toolkit.running import run
 from toolkit.scene import Scene
 
+_HEIGHT_INTEGRALS = 1e-12  # relative error of contact number and <k> from a surface's heights, as the tests hold it
+
 
 @dataclass(frozen=True)
 class Evidence:
@@ -53,6 +55,7 @@ class Verdict:
     kinetic_force: float
     kinetic_force_error: float
     friction_coefficient: float | None
+    friction_coefficient_error: float | None
     mean_threshold: float
     unit: str
     run_time: float
@@ -86,6 +89,8 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
     result = run(scene, comm=comm, progress=progress)
     unit = scene.contacts.mean_threshold
     interface = scene.contacts.thresholds.interface
+    friction = None if interface is None else interface.friction_coefficient
+    relative = steady.force_error * unit / steady.force
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
@@ -99,7 +104,8 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
         decoherence_length_error=found.decoherence_length_error / unit,
         kinetic_force=steady.force / unit,
         kinetic_force_error=steady.force_error,
-        friction_coefficient=None if interface is None else interface.friction_coefficient,
+        friction_coefficient=friction,
+        friction_coefficient_error=None if friction is None else friction * (relative + _HEIGHT_INTEGRALS),
         mean_threshold=unit,
         unit=result.thresholds.unit,
         run_time=found.run_time,
@@ -140,17 +146,19 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
     names = max([len("scene"), *(len(verdict.name) for verdict in verdicts)])
     head = (
         f"   {'scene':{names}}  {'onset m':>9}  {'K*/(N<k>)':>17}  {'F_s/F_k':>17}  {'X*/<x_s>':>17}  "
-        f"{'F_k/<x_s>':>17}  {'F_k/load':>8}  {'time':>7}  {'EQ F_s/F_k':>16}  {'max |z|':>7}  {'EQ time':>7}"
+        f"{'F_k/<x_s>':>17}  {'F_k/load':>17}  {'time':>7}  {'EQ F_s/F_k':>16}  {'max |z|':>7}  {'EQ time':>7}"
     )
     lines = [head, "-" * len(head)]
     for rank, verdict in enumerate(verdicts, start=1):
-        friction = "" if verdict.friction_coefficient is None else f"{verdict.friction_coefficient:.4f}"
+        friction = ""
+        if verdict.friction_coefficient is not None and verdict.friction_coefficient_error is not None:
+            friction = _with_error(verdict.friction_coefficient, verdict.friction_coefficient_error)
         line = (
             f"{rank:2d} {verdict.name:{names}}  {verdict.onset_power:9.4g}  "
             f"{_with_error(verdict.critical_spring, verdict.critical_spring_error):>17}  "
             f"{_with_error(verdict.static_to_kinetic, verdict.static_to_kinetic_error):>17}  "
             f"{_with_error(verdict.decoherence_length, verdict.decoherence_length_error):>17}  "
-            f"{_with_error(verdict.kinetic_force, verdict.kinetic_force_error):>17}  {friction:>8}  "
+            f"{_with_error(verdict.kinetic_force, verdict.kinetic_force_error):>17}  {friction:>17}  "
             f"{_seconds(verdict.run_time):>7}"
         )
         if verdict.evidence is not None:
