@@ -28,7 +28,7 @@ from origins.streams import (
     THRESHOLDS,
 )
 
-LANES = 512
+LANES = 1024
 # rows of the scratch arrays do not share a cache set
 ROW = LANES + 24
 FAR = 1 << 58  # beyond every path, in units of the lattice
@@ -42,6 +42,7 @@ _X0, _X1, _X2, _X3 = (_U(k * ROW) for k in range(4))
 _Q0, _Q1, _Q2, _Q3 = (_U(k * ROW) for k in range(4, 8))
 _W0, _W1 = (_U(w) for w in KEY_STEPS)
 _LOW31, _TOP = np.uint32(0x7FFFFFFF), np.uint32(31)
+_TAIL, _HALF_WAY = np.uint32(1 << (31 - HOT_OCTAVES)), _U(1 << 31)
 _EXPONENT_ONE = np.int64(0x3FF0000000000000)
 _FINE_SHIFT = np.int64(52 - FINE_BITS)
 _FIRST_OCTAVE = np.int64(1023 + 31 - HOT_OCTAVES)
@@ -133,31 +134,34 @@ def _values(n, got, place, factor, start, values):  # type: ignore[no-untyped-de
 
 @_inlined
 def _moment(x, c, low, square):  # type: ignore[no-untyped-def]
-    """(b - r)^2 - (b - x - r)^2 in units of 1 / square, r the last position of the cell in which c = b + offset is."""
-    return np.int64(np.rint(np.float64(x) * np.float64(2 * ((c & low) - low) - x) * square))
+    """(b - r)^2 - (b - x - r)^2 in units of 1 / square, r the last position of the cell in which c = b + offset is.
+
+    Cut to a whole number: half a unit, 2^-40 of the squared mean threshold, is lost at each break.
+    """
+    return np.int64(np.float64(x) * np.float64(2 * ((c & low) - low) - x) * square)
 
 
 @_compiled
 def _advance(n, position, offset, shift, top, square, work, bins):  # type: ignore[no-untyped-def]
-    """Move n lanes on by four thresholds each: second moments, and lattice cells, or `top` for what lies further."""
+    """Move n lanes on by four thresholds each: second moments, and twice the lattice cells, at most `top`."""
     low = (np.int64(1) << shift) - np.int64(1)
     for i in range(_U(n)):
         x = work[i + _X0]
         c = position[i] + offset + x
         work[i + _Q0] = _moment(x, c, low, square)
-        bins[i + _X0] = np.int32(min(c >> shift, top))
+        bins[i + _X0] = np.int32(min(c >> shift, top) << 1)
         x = work[i + _X1]
         c += x
         work[i + _Q1] = _moment(x, c, low, square)
-        bins[i + _X1] = np.int32(min(c >> shift, top))
+        bins[i + _X1] = np.int32(min(c >> shift, top) << 1)
         x = work[i + _X2]
         c += x
         work[i + _Q2] = _moment(x, c, low, square)
-        bins[i + _X2] = np.int32(min(c >> shift, top))
+        bins[i + _X2] = np.int32(min(c >> shift, top) << 1)
         x = work[i + _X3]
         c += x
         work[i + _Q3] = _moment(x, c, low, square)
-        bins[i + _X3] = np.int32(min(c >> shift, top))
+        bins[i + _X3] = np.int32(min(c >> shift, top) << 1)
         position[i] = c - offset
 
 
@@ -186,12 +190,12 @@ def _bin(b, lattice):  # type: ignore[no-untyped-def]
 
 @_compiled
 def _bin_all(n, position, work, lattice, bins):  # type: ignore[no-untyped-def]
-    """Bins of the four breaks of n lanes where cells are not bins: the path points are anywhere in them."""
+    """Twice the bins of the four breaks of n lanes, where cells are not bins: path points are anywhere in them."""
     end, top = lattice[2], lattice[3]
     for i in range(n):
         b = position[i]
         for k in range(3, -1, -1):
-            bins[i + k * ROW] = _bin(b, lattice) if b <= end else top
+            bins[i + k * ROW] = 2 * (_bin(b, lattice) if b <= end else top)
             b -= work[i + k * ROW]
 
 
@@ -210,16 +214,16 @@ def spread(births, expected, square):  # type: ignore[no-untyped-def]
 def _collect(n, work, bins, sums):  # type: ignore[no-untyped-def]
     """Sum four breaks of each of n lanes into their bins."""
     for i in range(_U(n)):
-        h = _U(bins[i + _X0]) << _ONE
+        h = _U(bins[i + _X0])
         sums[h] += work[i + _X0]
         sums[h + _ONE] += work[i + _Q0]
-        h = _U(bins[i + _X1]) << _ONE
+        h = _U(bins[i + _X1])
         sums[h] += work[i + _X1]
         sums[h + _ONE] += work[i + _Q1]
-        h = _U(bins[i + _X2]) << _ONE
+        h = _U(bins[i + _X2])
         sums[h] += work[i + _X2]
         sums[h + _ONE] += work[i + _Q2]
-        h = _U(bins[i + _X3]) << _ONE
+        h = _U(bins[i + _X3])
         sums[h] += work[i + _X3]
         sums[h + _ONE] += work[i + _Q3]
 
@@ -234,8 +238,10 @@ def _add(x, b, lattice, sums):  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _more(k, block, second, contact, k0, k1):  # type: ignore[no-untyped-def]
-    """The word by which draw k of a block goes on."""
+def _more(word, k, block, second, contact, k0, k1):  # type: ignore[no-untyped-def]
+    """The word that continues draw k of a block in the tails, v < 2^-12; elsewhere 32 bits are fine enough."""
+    if word & _LOW31 >= _TAIL:
+        return _HALF_WAY
     a, b, c, d = philox(_U(block), second, contact & _MASK, contact >> _HALF, k0, k1)
     if k == 0:
         return a
@@ -291,13 +297,13 @@ def begin(first, n_contacts, key, table, start_table, single, births, thresholds
             j, tail = done + i, second[i] ^ _START ^ _START_TAILS
             if not single:
                 if births[j] >= MISSING:
-                    more = _more(0, 0, tail, contact[i], k0, k1)
+                    more = _more(words[i], 0, 0, tail, contact[i], k0, k1)
                     births[j] = _exact(
                         words[i], more, start_table[2], start_table[3], start_table[4], start_table[5], start_table[6]
                     )
                 births[j] = -births[j]
             if thresholds[j] >= MISSING:
-                more = _more(1, 0, tail, contact[i], k0, k1)
+                more = _more(words[i + ROW], 1, 0, tail, contact[i], k0, k1)
                 thresholds[j] = _exact(words[i + ROW], more, factor, sides, fine, edges, cubics)
             if thresholds[j] <= abs(births[j]):
                 thresholds[j] = -1
@@ -324,8 +330,9 @@ def _finish(n, words, work, position, block, second, contact, key, table, lattic
             collected = collected and b + x <= end
             if x >= MISSING:
                 tail = second[i] ^ _THRESHOLDS ^ _THRESHOLD_TAILS
-                more = _more(k, block[i], tail, contact[i], k0, k1)
-                x = _exact(words[i + _U(k * ROW)], more, factor, sides, fine, edges, cubics)
+                word = words[i + _U(k * ROW)]
+                more = _more(word, k, block[i], tail, contact[i], k0, k1)
+                x = _exact(word, more, factor, sides, fine, edges, cubics)
             b += x
             if b > end:
                 break

@@ -14,7 +14,7 @@ Words = npt.NDArray[np.uint32]
 
 
 def values(table: QuantileTable, unit: float, words: Words, more: Words) -> Whole:
-    """Whole quantiles of random words, each continued by a word `more` where the hot cells do not hold it."""
+    """Whole quantiles of random words, each continued by a word `more` where it lies in the tails, v < 2^-12."""
     factor = table.scale / unit
     count = (words & np.uint32(0x7FFFFFFF)).astype(np.int64)
     above = words >> np.uint32(31) == 1
@@ -25,7 +25,8 @@ def values(table: QuantileTable, unit: float, words: Words, more: Words) -> Whol
     place = ((bits & ((1 << shift) - 1)) | (1023 << 52)).view(np.float64) - 1.0
     y = table.hot_c0[cell] + place * (table.hot_c1[cell] + place * table.hot_c2[cell])
     missing = table.hot_c0[cell] == HOT_MISSING
-    v = (((count[missing] << 32) | more[missing].astype(np.int64)).astype(float) + 0.5) * 2.0**-64
+    rest = np.where(count < 1 << (31 - HOT_OCTAVES), more, 1 << 31).astype(np.int64)
+    v = (((count << 32) | rest)[missing].astype(float) + 0.5) * 2.0**-64
     y[missing] = np.where(above[missing], table.upper(v), table.lower(v))
     return np.minimum(np.floor(y * factor + 0.5), 2.0**58).astype(np.int64)
 
@@ -96,6 +97,6 @@ def _add(x: Whole, b: Whole, lattice: Lattice, sums: Whole) -> int:
     last = np.searchsorted(known[order], wanted, side="right") - 1
     bins = order[np.where(crowded, last, np.searchsorted(known[order], wanted))]
     reference = ((cell + 1) << lattice.shift) - 1 - lattice.offset
-    moment = np.rint(x.astype(float) * (2 * (b - reference) - x).astype(float) * lattice.square)
+    moment = x.astype(float) * (2 * (b - reference) - x).astype(float) * lattice.square
     np.add.at(sums, bins, np.stack([x, moment.astype(np.int64)], axis=-1))
     return b.size
