@@ -11,6 +11,7 @@ import numpy.typing as npt
 from eq_model import layout
 from eq_model.beginning import redraw, tables
 from eq_model.lattice import Whole, force, joined, make_lattice, split
+from eq_model.rare import unseen_variance
 from origins import Contacts, Drive
 from origins.errors import refuse, whole
 from origins.quantile import FINE_BITS, HOT_MISSING, QuantileTable
@@ -28,6 +29,7 @@ class EnsembleResult:
     path : the path asked for, shape (n,), lengths.
     force : mean stretch over all contacts and replicas at each X, shape (n,), a length (force per N_c <k>).
     force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for one contact.
+        Where fewer than 100 breaks are expected, it is at least what they add to the variance, seen or not.
     holding : fraction of contacts that hold, shape (n,): all.
     breaks : breaks in all; breaks_per_rank : of each rank.
     run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.
@@ -117,7 +119,10 @@ class Ensemble:
         # squared distances were taken from the expected mean: this brings them to the mean found
         from_expected = joined(births) - self.total * self._expected_birth()
         square_births = joined(squares) / self.lattice.square - from_expected**2 / self.total
-        mean, error = force(self.lattice, self.total, births, float(square_births), limbs[:, ::2], limbs[:, 1::2])
+        unseen = unseen_variance(self.contacts, self.lattice.path, self.total)
+        mean, error = force(
+            self.lattice, self.total, births, float(square_births), limbs[:, ::2], limbs[:, 1::2], unseen
+        )
         run_time = self._run_time + time.perf_counter() - started
         if self.comm is not None:
             run_time = max(self.comm.allgather(run_time))

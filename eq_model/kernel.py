@@ -134,11 +134,8 @@ def _values(n, got, place, factor, start, values):  # type: ignore[no-untyped-de
 
 @_inlined
 def _moment(x, c, low, square):  # type: ignore[no-untyped-def]
-    """(b - r)^2 - (b - x - r)^2 in units of 1 / square, r the last position of the cell in which c = b + offset is.
-
-    Cut to a whole number: half a unit, 2^-40 of the squared mean threshold, is lost at each break.
-    """
-    return np.int64(np.float64(x) * np.float64(2 * ((c & low) - low) - x) * square)
+    """(b - r)^2 - (b - x - r)^2 in units of 1 / square, r the last position of the cell in which c = b + offset is."""
+    return np.int64(np.rint(np.float64(x) * np.float64(2 * ((c & low) - low) - x) * square))
 
 
 @_compiled

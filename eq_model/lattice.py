@@ -149,13 +149,14 @@ def joined(limbs: Whole) -> Array:
 
 
 def force(
-    lattice: Lattice, n: int, births: Whole, square_births: float, moved: Whole, moments: Whole
+    lattice: Lattice, n: int, births: Whole, square_births: float, moved: Whole, moments: Whole, unseen: Array
 ) -> tuple[Array, Array]:
     """Mean stretch of n contacts at each path point and its standard error (lengths, shape (n_points,)).
 
     births : limbs (2,) of the sum of the starting positions; square_births : sum of their squared distances from
     their mean, in units^2; moved, moments : limbs (2, bins) of the thresholds broken in each bin and of the
     second moments, (b - r)^2 - (b - x - r)^2 with r the last position of the bin's cell.
+    unseen : the variance added to that of the start below which the variance at a path point cannot be, lengths^2.
     """
     order = np.lexsort((lattice.bin_point, lattice.bin_cell))
     total = carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None])
@@ -170,6 +171,8 @@ def force(
     # the last bin of each path point
     last = np.searchsorted(lattice.bin_point[order], np.arange(lattice.points.size), side="right")
     mean = (lattice.path - lattice.origin) - lattice.unit * (position[last] / n)[lattice.place]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        variance = np.where(n > 1, np.maximum(spread[last], 0.0) / (n - 1), np.inf)
-    return mean, lattice.unit * np.sqrt(variance / n)[lattice.place]
+    if n == 1:
+        return mean, np.full(mean.shape, np.inf)
+    scale = lattice.unit**2 / (n - 1)
+    variance = np.maximum(np.maximum(spread[last], 0.0)[lattice.place] * scale, square_births * scale + unseen)
+    return mean, np.sqrt(variance / n)

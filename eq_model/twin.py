@@ -97,6 +97,6 @@ def _add(x: Whole, b: Whole, lattice: Lattice, sums: Whole) -> int:
     last = np.searchsorted(known[order], wanted, side="right") - 1
     bins = order[np.where(crowded, last, np.searchsorted(known[order], wanted))]
     reference = ((cell + 1) << lattice.shift) - 1 - lattice.offset
-    moment = x.astype(float) * (2 * (b - reference) - x).astype(float) * lattice.square
+    moment = np.rint(x.astype(float) * (2 * (b - reference) - x).astype(float) * lattice.square)
     np.add.at(sums, bins, np.stack([x, moment.astype(np.int64)], axis=-1))
     return b.size

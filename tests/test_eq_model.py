@@ -16,9 +16,10 @@ import eq_model
 import origins
 from eq_model import kernel, twin
 from eq_model.beginning import redraw, tables
-from eq_model.closest import closest
+from eq_model.closest import closest, draw_start
 from eq_model.ensemble import Ensemble, kernel_table
 from eq_model.lattice import joined, make_lattice
+from eq_model.rare import unseen_variance
 from origins import streams
 from origins.quantile import quantile_table
 
@@ -261,6 +262,27 @@ def test_error_from_the_variance_between_contacts() -> None:
     assert eq_model.simulate(contacts, 0.0, n_contacts=1).force_standard_error[0] == np.inf
 
 
+@pytest.mark.parametrize("start", [None, 0.1, origins.gaussian_start(mean=0.0, std=0.01)])
+def test_breaks_too_rare_to_be_seen_are_in_the_error(start: Any) -> None:
+    law = origins.gw_elastic(1.0)
+    contacts = origins.Contacts(law, start=start)
+    path = np.linspace(0.0, 0.5, 51)
+    variance = unseen_variance(contacts, path, 400)
+    generator = np.random.default_rng(1)
+    x, gap = draw_start(contacts, 2_000_000, generator)
+    rare = np.flatnonzero(variance > 0.0)
+    assert 10 < rare.size < 51 and (np.diff(rare) == 1).all()
+    for j in rare[[3, 6, -1]]:
+        taken = np.where(gap <= path[j], x + gap, 0.0)
+        count = np.count_nonzero(taken)
+        assert 0.95 - 3.0 / np.sqrt(count) < variance[j] / (taken**2).mean() < 1.35 + 3.0 / np.sqrt(count)
+    # far fewer contacts than would show one break: the exact force is still within the error
+    few = [eq_model.simulate(contacts, path[rare], n_contacts=40, seed=seed) for seed in range(100)]
+    many = eq_model.simulate(contacts, path[rare], n_contacts=2_000_000)
+    z = np.array([(run.force - many.force) / np.hypot(run.force_standard_error, 1e-12) for run in few])
+    assert np.abs(z[:, 1:]).max() < 5.0 and (z[:, 1:] ** 2).mean() < 1.3
+
+
 def test_replicas_and_seeds_differ_and_repeat() -> None:
     contacts = origins.Contacts(GAUSSIAN)
     one = eq_model.simulate(contacts, 1.0, n_contacts=2000, n_replicas=2)
@@ -284,6 +306,17 @@ def test_scaling_all_lengths_changes_the_scale_only(factor: float) -> None:
     assert np.abs(scaled.force / factor - base.force).max() < 1e-9
     assert np.abs(scaled.force_standard_error / factor - base.force_standard_error).max() < 1e-9
     assert scaled.breaks == base.breaks
+
+
+def test_the_error_does_not_drift_over_a_million_breaks() -> None:
+    # the same contacts' last steps, once with the whole way in one lattice of wide cells
+    contacts = origins.Contacts(origins.rectangular(0.5, 1.5))
+    far = eq_model.simulate(contacts, 3e5, n_contacts=40)
+    near = eq_model.simulate(contacts, np.linspace(3e5 - 50.0, 3e5, 501), n_contacts=40)
+    assert abs(far.force_standard_error[0] / near.force_standard_error[-1] - 1.0) < 1e-3
+    # stretches of 40 contacts, spread as the steady state has them: E / C
+    exact = np.sqrt((1.25 / 3.0 - (13.0 / 24.0) ** 2) / 40.0)
+    assert abs(near.force_standard_error[-1] / exact - 1.0) < 0.4
 
 
 def test_heavy_tails_and_long_paths_do_not_overflow() -> None:

@@ -1,0 +1,75 @@
+"""The variance that breaks still too rare to be seen add to the force.
+
+Where a handful of contacts or none has broken, the variance between contacts says nothing of the breaks that might
+have been. There its expected value is known: so early, breaks are first breaks.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from origins import Contacts
+from origins.quadrature import gauss
+
+Array = npt.NDArray[np.float64]
+
+_SEEN = 100  # breaks from which their own variance is good enough
+_SELDOM = 0.1  # part of the contacts up to which breaks are first breaks, and do not depend on the start
+_NEVER = 1e-9  # breaks that need not be thought of
+_PANELS = 24
+_LOOKS = 300
+
+
+def unseen_variance(contacts: Contacts, path: Array, n: int) -> Array:
+    """Variance of one contact's stretch from first breaks, at each path point (length^2, shape (n_points,)).
+
+    Given, from above, where at most a tenth and fewer than 100 of n contacts are expected to have broken; 0 elsewhere.
+    """
+    stretches, weights = _start(contacts)
+    last = _last_rare(contacts, path, stretches, weights, n)
+    variance = np.zeros(path.size)
+    if last:
+        # a long path is looked at here and there, from above: the variance grows
+        chosen = np.unique(np.linspace(0, last - 1, _LOOKS).astype(int))
+        broken = _broken(contacts, path[chosen], stretches)
+        # a break at x takes x^2; at most the stretch reached at the next path point
+        reached = np.maximum(stretches[:, None] + path[chosen], 0.0)
+        steps = np.diff(broken, axis=1, prepend=0.0)
+        square, mean = (weights @ np.cumsum(steps * reached**power, axis=1) for power in (2, 1))
+        known = np.where(n * (weights @ broken) > _NEVER, np.maximum(square - mean**2, 0.0), 0.0)
+        variance[:last] = known[np.searchsorted(chosen, np.arange(last))]
+    return variance
+
+
+def _start(contacts: Contacts) -> tuple[Array, Array]:
+    """Starting stretches and the weight of each."""
+    start = contacts.start
+    if start.is_single:
+        return np.array([start.mean()]), np.ones(1)
+    low, high = start.span
+    edges = np.unique(np.concatenate([np.linspace(low, high, _PANELS + 1), start.breakpoints]))
+    edges = edges[(edges >= low) & (edges <= high)]
+    nodes, weights = gauss(edges[:-1], edges[1:])
+    nodes, weights = nodes.ravel(), weights.ravel()
+    density = np.nan_to_num(start.pdf(nodes), posinf=0.0)
+    held = contacts.thresholds.sf(np.abs(nodes)) > 0.0
+    return nodes[held], (weights * density)[held] / (weights * density)[held].sum()
+
+
+def _broken(contacts: Contacts, path: Array, stretches: Array) -> Array:
+    """Probability that a contact from each stretch has broken by each path point, shape (stretches, points)."""
+    law, held = contacts.thresholds, np.abs(stretches)[:, None]
+    reached = np.maximum(held, stretches[:, None] + path)
+    survival = law.sf(held)
+    # the larger tail loses no digits as a difference
+    low, high = law.cdf(reached) - law.cdf(held), survival - law.sf(reached)
+    return np.maximum(np.where(law.cdf(held) < 0.5, low, high), 0.0) / survival
+
+
+def _last_rare(contacts: Contacts, path: Array, stretches: Array, weights: Array, n: int) -> int:
+    """How many path points come before too many of n contacts are expected to have broken."""
+    low, high = 0, path.size
+    while low < high:
+        middle = (low + high) // 2
+        broken = float(weights @ _broken(contacts, path[middle : middle + 1], stretches)[:, 0])
+        low, high = (middle + 1, high) if broken < min(_SEEN / n, _SELDOM) else (low, middle)
+    return low
