@@ -1,0 +1,154 @@
+"""Smooth sliding: the force against exact moments of every origin, and what is refused."""
+
+import numpy as np
+import pytest
+import references
+import scipy.stats
+
+import master
+import origins
+from origins.errors import InputError
+
+LAWS = {
+    "gaussian": references.gaussian(1.0, 0.05),
+    "gaussian, narrow": references.gaussian(1.0, 1e-3),
+    "gaussian, wide": references.gaussian(1.0, 0.5),
+    "gaussian, tail alone": references.gaussian(-1.0, 0.5),
+    "gaussian, paper's": references.chord_gaussian(1.0, 0.5, 2.0),
+    "rectangular": references.rectangular(0.5, 1.5),
+    "uniform": references.rectangular(0.0, 1.0),
+    "gw_elastic": references.gw_elastic(1.588),
+    "gw_plastic": references.gw_plastic(1.251),
+    "lubricated": references.lubricated(0.7),
+    "persson": references.persson(1.0, 0.5),
+    "persson, at the centre": references.persson(0.0, 1.0),
+    "persson, wide": references.persson(1.0, 20.0),
+    "persson, narrow": references.persson(1.0, 0.01),
+    "mixture with a gap": references.mixture(
+        [references.rectangular(0.2, 0.5), references.gaussian(1.0, 0.01)], [0.3, 0.7]
+    ),
+    "mixture of scales": references.mixture(
+        [references.gaussian(1e-6, 1e-8), references.gaussian(1.0, 0.05)], [0.9, 0.1]
+    ),
+}
+
+# law, <x_s>, <x_s^2>
+FROZEN = {
+    "exponential": (scipy.stats.expon(), 1.0, 2.0),
+    "gamma": (scipy.stats.gamma(3.7), 3.7, 3.7 * 4.7),
+    "gamma, diverging": (scipy.stats.gamma(0.1), 0.1, 0.11),
+    "lognormal": (scipy.stats.lognorm(1.0), np.exp(0.5), np.exp(2.0)),
+    "arcsine": (scipy.stats.beta(0.5, 0.5), 0.5, 0.375),
+    "lomax 2.5": (scipy.stats.lomax(2.5), 1.0 / 1.5, 2.0 / (1.5 * 0.5)),
+    "lomax 2.1": (scipy.stats.lomax(2.1), 1.0 / 1.1, 2.0 / (1.1 * 0.1)),
+    "pareto 2.5": (scipy.stats.pareto(2.5), 2.5 / 1.5, 2.5 / 0.5),
+}
+
+ATOMIC = {
+    "identical": (origins.identical(1.7), 1.7, 1.7**2),
+    "two values": (
+        origins.mixture([origins.identical(1.0), origins.identical(3.0)], [0.3, 0.7]),
+        0.3 + 0.7 * 3.0,
+        0.3 + 0.7 * 9.0,
+    ),
+    "value and gaussian": (
+        origins.mixture([origins.identical(0.95), origins.gaussian(1.05, 0.1)], [0.25, 0.75]),
+        1.025,
+        1.06,
+    ),
+    "value and uniform": (
+        origins.mixture([origins.identical(0.5), origins.rectangular(0.0, 1.0)], [0.5, 0.5]),
+        0.5,
+        0.5 * 0.25 + 0.5 / 3.0,
+    ),
+}
+
+
+def check(law: object, mean: float, square: float) -> master.SteadyState:
+    steady = master.steady_state(origins.Contacts(law))
+    assert steady.mean_threshold == pytest.approx(mean, rel=1e-10)
+    true = abs(steady.force - square / (2.0 * mean)) / mean
+    assert true <= steady.force_error
+    return steady
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_force_of_every_origin_against_many_digits(name: str) -> None:
+    reference = LAWS[name]
+    steady = check(reference.law, float(reference.moment(1)), float(reference.moment(2)))
+    assert steady.force_error < 2e-14 * max(steady.force / steady.mean_threshold, 1.0)
+
+
+@pytest.mark.parametrize("name", FROZEN)
+def test_force_of_frozen_laws_against_closed_moments(name: str) -> None:
+    steady = check(*FROZEN[name])
+    assert steady.force_error < 1e-10
+
+
+@pytest.mark.parametrize("name", ATOMIC)
+def test_force_of_laws_with_exact_values(name: str) -> None:
+    steady = check(*ATOMIC[name])
+    assert steady.force_error < 1e-14
+
+
+def test_force_from_samples_is_that_of_the_law_it_gives() -> None:
+    law = origins.from_samples(np.random.default_rng(5).gamma(4.0, size=150))
+    steady = master.steady_state(origins.Contacts(law))
+    # by survival alone, on a grid of its own
+    x = np.linspace(0.0, float(law.isf(1e-18)), 400_001)
+    survival = law.sf(x)
+    expected = np.trapezoid(x * survival, x) / np.trapezoid(survival, x)
+    assert steady.force == pytest.approx(expected, rel=1e-7)
+    assert 0.0 < steady.force_error < 1e-12
+
+
+def test_start_does_not_matter() -> None:
+    law = origins.persson(1.0, 0.5)
+    assert (
+        master.steady_state(origins.Contacts(law)).force
+        == master.steady_state(origins.Contacts(law, origins.gaussian_start(-0.1, 0.05))).force
+    )
+
+
+@pytest.mark.parametrize("law", [scipy.stats.lomax(1.5), scipy.stats.lomax(2.0), scipy.stats.invgamma(1.5)])
+def test_infinite_mean_square_is_refused(law: object) -> None:
+    with pytest.raises(InputError) as caught:
+        master.steady_state(origins.Contacts(law))
+    (line,) = str(caught.value).splitlines()
+    assert line.startswith("thresholds: <x_s^2> is infinite") and "x^-3" in line
+
+
+@pytest.mark.parametrize(
+    "law", [LAWS["gw_elastic"].law, LAWS["mixture with a gap"].law, ATOMIC["value and gaussian"][0]]
+)
+def test_distribution_integrates_to_one_with_the_force_as_its_mean(law: origins.Thresholds) -> None:
+    steady = master.steady_state(origins.Contacts(law))
+    corners = np.concatenate([law.breakpoints, law.atoms[0]])
+    top = max(float(law.isf(1e-19)), corners.max())
+    fine = np.unique(np.concatenate([np.linspace(0.0, top, 400), np.geomspace(1e-9, top, 200), corners]))
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    half = 0.5 * np.diff(fine)[:, None]
+    x = fine[:-1, None] + half * (1.0 + nodes)
+    mass = half * weights * steady.distribution(x)
+    assert mass.sum() == pytest.approx(1.0, abs=1e-12)
+    assert (mass * x).sum() == pytest.approx(steady.force, rel=1e-12)
+
+
+def test_distribution_keeps_shapes_and_is_nothing_below_zero() -> None:
+    steady = master.steady_state(origins.Contacts(origins.identical(2.0)))
+    assert steady.distribution(1.0) == pytest.approx(0.5) and np.ndim(steady.distribution(1.0)) == 0
+    grid = steady.distribution(np.array([[-1.0, 0.0], [1.999, 2.001]]))
+    assert np.array_equal(grid, [[0.0, 0.5], [0.5, 0.0]])
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
+def test_scale_of_lengths(scale: float) -> None:
+    base = origins.mixture([origins.rectangular(0.2, 0.5), origins.gaussian(1.0, 0.1)], [0.3, 0.7])
+    scaled = origins.mixture(
+        [origins.rectangular(0.2 * scale, 0.5 * scale), origins.gaussian(scale, 0.1 * scale)], [0.3, 0.7]
+    )
+    one, other = (master.steady_state(origins.Contacts(law)) for law in (base, scaled))
+    assert other.force == pytest.approx(scale * one.force, rel=1e-13)
+    assert other.force_error < 1e-14
+    x = np.linspace(0.0, 2.0, 101)
+    assert np.allclose(other.distribution(scale * x) * scale, one.distribution(x), rtol=1e-12, atol=1e-13)
