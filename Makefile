@@ -15,6 +15,7 @@ test: $(READY)
 	$(BIN)/python -m pytest
 
 bench: $(READY)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	@set -e; for script in tests/bench/*.py; do echo "== $$script"; $(BIN)/python $$script; done
 
 lint: $(READY)

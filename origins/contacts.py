@@ -25,6 +25,8 @@ class Contacts:
     ----------
     mean_threshold : float
         <x_s>, the unit in which tolerances are stated.
+    interface : Interface or None
+        Load, contact density, <k> and friction in SI units, where the thresholds come from a rough surface.
     cut_weight : float
         Starting weight that lay beyond every threshold and was cut off; 0 unless said.
 
@@ -33,6 +35,7 @@ class Contacts:
 
     def __init__(self, thresholds: object, start: object = None) -> None:
         self.thresholds = as_thresholds(thresholds)
+        self.interface = self.thresholds.interface
         self.start = as_start(start)
         self.mean_threshold = self.thresholds.mean()
         if not np.isfinite(self.mean_threshold):

@@ -88,7 +88,7 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
     found, steady = on_root(comm, measures)
     result = run(scene, comm=comm, progress=progress)
     unit = scene.contacts.mean_threshold
-    interface = scene.contacts.thresholds.interface
+    interface = scene.contacts.interface
     friction = None if interface is None else interface.friction_coefficient
     relative = steady.force_error * unit / steady.force
     return Verdict(
