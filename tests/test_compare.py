@@ -1,0 +1,236 @@
+"""mesofriction compare: the ranking, the table, what is written, and what is refused."""
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import master
+import toolkit.surfaces
+from origins.errors import InputError
+from toolkit import comparison_picture
+from toolkit.command import main
+from toolkit.comparing import compare, table
+from toolkit.toml import to_toml
+
+NARROW: dict[str, Any] = {"kind": "gaussian", "mean": 2.0, "std": 0.1}
+WIDE: dict[str, Any] = {"kind": "gw-plastic", "B": 1.251}
+EXACT: dict[str, Any] = {"kind": "identical", "value": 1.0}
+EQ = {"contacts": 200, "replicas": 4, "seed": 3}
+FILES = ["compare.json", "compare.png", "compare.txt"]
+
+Writer = Callable[..., str]
+
+
+def tables(thresholds: dict[str, Any], to: float = 4.0, **solvers: Any) -> dict[str, Any]:
+    solvers = solvers or {"master": {}, "eq": EQ}
+    return {"contacts": {"thresholds": thresholds}, "drive": {"to": to, "points": 41}, **solvers}
+
+
+@pytest.fixture
+def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Writer:
+    """write(name, tables) puts name.toml into an empty folder, which is made the current one."""
+    monkeypatch.chdir(tmp_path)
+
+    def put(name: str, content: dict[str, Any]) -> str:
+        Path(f"{name}.toml").write_text(to_toml(content))
+        return f"{name}.toml"
+
+    return put
+
+
+@pytest.fixture(autouse=True)
+def no_picture(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawing takes longer than all the rest: only where it is looked at."""
+    if "panels" not in request.fixturenames:
+        monkeypatch.setattr(comparison_picture, "save_comparison", lambda _, __, path: path.write_bytes(b"drawn"))
+
+
+def three(write: Writer) -> list[str]:
+    return [write("wide", tables(WIDE)), write("exact", tables(EXACT)), write("narrow", tables(NARROW))]
+
+
+def test_ranks_prints_and_writes(write: Writer, capsys: pytest.CaptureFixture[str]) -> None:
+    scenes = three(write)
+    assert main(["compare", *scenes]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-1] == "written to compare-output"
+    assert sorted(os.listdir("compare-output")) == FILES
+    assert Path("compare-output/compare.txt").read_text().splitlines() == lines[:-1]
+    assert [line.split()[:2] for line in lines[2:-1]] == [["1", "exact"], ["2", "narrow"], ["3", "wide"]]
+    assert lines[2].split().count("infinite") == 2 and "infinite" not in lines[3] + lines[4]
+    content = json.loads(Path("compare-output/compare.json").read_text())["scenes"]
+    assert [one["name"] for one in content] == ["exact", "narrow", "wide"]
+    assert content[0]["critical_spring"] is None and content[0]["decoherence_length"] is None
+    assert content[0]["static_to_kinetic"] == pytest.approx(2.0)
+
+
+def test_numbers_are_the_solvers_own_in_mean_thresholds(write: Writer) -> None:
+    assert main(["compare", *three(write), "--out", "deep/er"]) == 0
+    content = json.loads(Path("deep/er/compare.json").read_text())["scenes"]
+    contacts = toolkit.load_scene("narrow.toml").contacts
+    found, steady = master.propensity(contacts), master.steady_state(contacts)
+    line = content[1]
+    for name in ("critical_spring", "static_to_kinetic", "onset_power"):
+        assert line[name] == getattr(found, name)
+        assert line[f"{name}_error"] == getattr(found, f"{name}_error")
+    assert line["mean_threshold"] == pytest.approx(2.0)
+    assert line["decoherence_length"] == pytest.approx(found.decoherence_length / 2.0, rel=1e-13)
+    assert line["kinetic_force"] == pytest.approx(steady.force / 2.0, rel=1e-13)
+    assert line["friction_coefficient"] is None
+    assert line["run_time"] > 0.0
+    evidence = line["evidence"]
+    assert evidence["contacts"] == 800 and 0.0 <= evidence["worst_deviation"] < 5.0
+    assert abs(evidence["static_to_kinetic"] - evidence["expected"]) < 5.0 * evidence["static_to_kinetic_error"]
+
+
+def test_table_says_what_each_number_is_worth() -> None:
+    verdicts = compare([toolkit.load_scene(tables(thresholds)) for thresholds in (WIDE, NARROW)])
+    head, rule, first, second = table(verdicts)
+    assert len(rule) == len(head) and set(rule) == {"-"}
+    assert len(first) == len(second) == len(head)
+    assert first.count("±") == second.count("±") == 5
+    spring = f"{verdicts[0].critical_spring:.6g} ± {verdicts[0].critical_spring_error:.0e}"
+    # the column's right end is where its title ends
+    assert first.index(spring) + len(spring) == head.index("K*/(N<k>)") + len("K*/(N<k>)")
+
+
+def test_ensemble_alone_and_master_alone() -> None:
+    alone = toolkit.load_scene(tables(NARROW, eq=EQ))
+    exact = toolkit.load_scene(tables(NARROW, master={}))
+    witnessed, without = compare([alone, exact])
+    if witnessed.evidence is None:
+        witnessed, without = without, witnessed
+    assert without.evidence is None and witnessed.evidence is not None
+    assert witnessed.evidence.expected is None and witnessed.evidence.worst_deviation is None
+    # the largest of its own forces lies near the exact ratio
+    off = witnessed.evidence.static_to_kinetic - witnessed.static_to_kinetic
+    assert abs(off) < 0.05 + 5.0 * witnessed.evidence.static_to_kinetic_error
+    lines = table([witnessed, without])
+    assert lines[2].count("±") == 5 and lines[3].count("±") == 4
+    assert "None" not in "\n".join(lines)
+
+
+def test_path_shorter_than_the_first_break() -> None:
+    # nothing has broken: no deviation to tell of, no standard error, and a verdict all the same
+    (verdict,) = compare([toolkit.load_scene(tables(NARROW, to=0.5))])
+    assert verdict.evidence is not None and verdict.evidence.worst_deviation == 0.0
+    assert verdict.evidence.expected == pytest.approx(0.5 / (verdict.kinetic_force * 2.0))
+    assert verdict.critical_spring > 6.0
+
+
+def test_missed_tolerance_is_status_1_and_written(write: Writer) -> None:
+    scene = write("fine", tables(NARROW, master={"tolerance": 1e-30}))
+    assert main(["compare", scene, write("good", tables(WIDE, master={}))]) == 1
+    assert sorted(os.listdir("compare-output")) == FILES
+
+
+BAD = [
+    (tables({"kind": "gaussian", "mean": 1.0, "std": -1.0}), "contacts.thresholds.std = -1.0: "),
+    (tables(NARROW) | {"colour": 1}, "colour = 1: unknown key"),
+    ({"contacts": {"thresholds": NARROW}, "drive": {"to": 1.0, "points": 3}}, "scene: has neither [master] nor [eq]"),
+]
+
+
+@pytest.mark.parametrize(("bad", "message"), BAD)
+def test_bad_scene_is_one_line_and_nothing_is_left(write, capsys, bad: dict[str, Any], message: str) -> None:
+    assert main(["compare", write("good", tables(WIDE, master={})), write("bad", bad)]) == 2
+    shown = capsys.readouterr()
+    (line,) = shown.err.splitlines()
+    assert line.startswith(f"mesofriction: {message}") and shown.out == ""
+    assert sorted(os.listdir(".")) == ["bad.toml", "good.toml"]
+
+
+def test_absent_scene_and_folder_below_a_file(write: Writer, capsys: pytest.CaptureFixture[str]) -> None:
+    good = write("good", tables(WIDE, master={}))
+    assert main(["compare", good, "absent"]) == 2
+    assert "scene = 'absent': no such file" in capsys.readouterr().err
+    assert main(["compare", good, "--out", "good.toml/below"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("mesofriction: out = 'good.toml/below': ")
+    assert os.listdir(".") == ["good.toml"]
+
+
+def test_infinite_mean_square_is_refused(write, capsys, monkeypatch) -> None:
+    import scipy.stats
+
+    from toolkit import laws
+
+    monkeypatch.setitem(laws.THRESHOLDS, "lomax", "scipy.stats:lomax")
+    monkeypatch.setattr(laws, "call", lambda function, arguments, *_, **__: function(*arguments.values()))
+    assert scipy.stats.lomax(1.5).mean() == pytest.approx(2.0)
+    heavy = tables({"kind": "lomax", "c": 1.5}, master={})
+    with pytest.raises(InputError, match=r"<x_s.2> is infinite"):
+        compare([toolkit.load_scene(heavy)])
+    assert main(["compare", write("heavy", heavy)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "<x_s^2> is infinite" in line
+    assert os.listdir(".") == ["heavy.toml"]
+
+
+def test_failure_while_drawing_leaves_nothing(write, monkeypatch) -> None:
+    def broken(*_: object) -> None:
+        raise RuntimeError("planted")
+
+    monkeypatch.setattr(comparison_picture, "save_comparison", broken)
+    scene = write("good", tables(WIDE, master={}))
+    with pytest.raises(RuntimeError, match="planted"):
+        main(["compare", scene])
+    assert os.listdir(".") == ["good.toml"]
+
+
+# -- the picture ------------------------------------------------------------------------------------------
+
+SURFACE = {"kind": "self-affine", "shape": [32, 32], "pixel_size": 1e-8, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
+ROUGH: dict[str, Any] = {
+    "kind": "from-topography",
+    "surface": SURFACE,
+    "model": "gw",
+    "law": "amontons",
+    "pressure": 1e6,
+    "material": {"contact_modulus": 1.75e9, "shear_modulus": 1.1e9, "local_friction": 0.4},
+}
+
+
+@pytest.fixture
+def panels(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Names of the panels drawn, in order."""
+    drawn: list[str] = []
+    for name in ("surface", "thresholds", "springs", "forces", "deviations"):
+        real = getattr(comparison_picture, f"plot_{name}")
+
+        def noted(*arguments: Any, real: Any = real, name: str = name) -> Any:
+            drawn.append(name)
+            return real(*arguments)
+
+        monkeypatch.setattr(comparison_picture, f"plot_{name}", noted)
+    return drawn
+
+
+def test_picture_of_exact_and_plain_laws(write: Writer, panels: list[str]) -> None:
+    assert main(["compare", *three(write)]) == 0
+    assert panels == ["thresholds", "springs", "forces", "deviations"]
+    assert Path("compare-output/compare.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_shared_surface_is_drawn_where_all_share_it(write: Writer, panels: list[str]) -> None:
+    rough = write("rough", tables(ROUGH, to=5e-8, master={}))
+    again = write("again", tables(ROUGH | {"pressure": 2e6}, to=5e-8, master={}))
+    assert main(["compare", rough, again]) == 0
+    assert panels == ["surface", "thresholds", "springs", "forces", "deviations"]
+    content = json.loads(Path("compare-output/compare.json").read_text())["scenes"]
+    assert all(0.0 < one["friction_coefficient"] < 0.4 and one["unit"] == "m" for one in content)
+
+
+def test_surface_is_shared_only_if_it_is_one() -> None:
+    scenes = [toolkit.load_scene(tables(law, master={})) for law in (ROUGH, ROUGH | {"pressure": 2e6})]
+    heights, sizes = toolkit.surfaces.shared_surface(scenes)
+    assert heights.shape == (32, 32) and sizes == pytest.approx((3.2e-7, 3.2e-7)) and np.ptp(heights) > 0.0
+    other = toolkit.load_scene(tables(ROUGH | {"surface": SURFACE | {"seed": 2}}, master={}))
+    plain = toolkit.load_scene(tables(WIDE, master={}))
+    assert toolkit.surfaces.shared_surface([*scenes, other]) is None
+    assert toolkit.surfaces.shared_surface([*scenes, plain]) is None
