@@ -156,7 +156,7 @@ def force(
     births : limbs (2,) of the sum of the starting positions; square_births : sum of their squared distances from
     their mean, in units^2; moved, moments : limbs (2, bins) of the thresholds broken in each bin and of the
     second moments, (b - r)^2 - (b - x - r)^2 with r the last position of the bin's cell.
-    unseen : the variance added to that of the start below which the variance at a path point cannot be, lengths^2.
+    unseen : where it is above zero, the variance at a path point is at least this and that of the start, lengths^2.
     """
     order = np.lexsort((lattice.bin_point, lattice.bin_cell))
     total = carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None])
@@ -174,5 +174,6 @@ def force(
     if n == 1:
         return mean, np.full(mean.shape, np.inf)
     scale = lattice.unit**2 / (n - 1)
-    variance = np.maximum(np.maximum(spread[last], 0.0)[lattice.place] * scale, square_births * scale + unseen)
+    least = np.where(unseen > 0.0, square_births * scale + unseen, 0.0)
+    variance = np.maximum(np.maximum(spread[last], 0.0)[lattice.place] * scale, least)
     return mean, np.sqrt(variance / n)

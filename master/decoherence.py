@@ -47,8 +47,15 @@ def _tail_rate(contacts: Contacts) -> tuple[float, float]:
     thresholds = contacts.thresholds
     if np.isfinite(thresholds.support()[1]):
         return np.inf, 0.0
-    x = thresholds.isf(_TAILS)
+    # survival is looked at on the way out: far quantiles are beyond many a distribution
+    x = contacts.mean_threshold * 2.0 ** np.arange(0.0, 400.0, 0.25)
     log_survival = thresholds.logsf(x)
+    known = np.isfinite(log_survival)
+    x, log_survival = x[known], log_survival[known]
+    at = np.minimum(np.searchsorted(-log_survival, -np.log(_TAILS)), x.size - 1)
+    if at[0] == at[1] or at[1] == at[2]:
+        return np.inf, 0.0  # from hardly any decay to underflow within a quarter octave
+    x, log_survival = x[at], log_survival[at]
     # log S = -rate x + power log x: the differences leave the rate to second order
     slopes = -np.diff(log_survival) / np.diff(x)
     change = slopes[1] / slopes[0]
@@ -69,7 +76,7 @@ def _slowest_root(law: Law, contacts: Contacts, rate: float) -> tuple[float, flo
     reach = min(0.9 * rate, _REACH)
     edges = _edges(law, contacts, reach)
     best = complex(-reach)
-    for start in _dips(law):
+    for start in _dips(law) + _slow(law):
         best = _better(best, _newton(law, edges, start, 1))
     if best.real < -0.3:  # roots this far from the axis leave no dip on it
         for start in _grid(law, edges, -best.real):
@@ -79,7 +86,7 @@ def _slowest_root(law: Law, contacts: Contacts, rate: float) -> tuple[float, flo
     if best == -reach:
         return (2.0 * _REACH, _REACH) if rate > _REACH else (np.inf, 0.0)
     fine = _newton(law, edges, best, 2)
-    return -fine.real, abs(fine - best) + 1e-15 * abs(fine)
+    return -fine.real, abs(fine - best) + 2e-15 * (1.0 + abs(fine))
 
 
 def _better(best: complex, root: complex) -> complex:
@@ -93,9 +100,21 @@ def _edges(law: Law, contacts: Contacts, reach: float) -> Array:
     if np.isfinite(law.support[1]):
         return law.edges
     far = contacts.thresholds.isf(_FAR) / law.unit
-    weight = np.log(_FAR) + reach * far
+    known = np.isfinite(far) & (far > 0.0)
+    far, weight = far[known], np.log(_FAR[known]) + reach * far[known]
+    if not far.size:
+        return law.edges
     enough = np.flatnonzero((weight < -40.0) & (far > far[weight.argmax()]))
     return np.unique(np.concatenate([law.edges, far[: enough[0] + 1] if enough.size else far]))
+
+
+def _slow(law: Law) -> list[complex]:
+    """Guesses around s = 0 on the scale of rare thresholds far beyond the mean, whose roots leave no dip either."""
+    longest = float(law.edges[-1])
+    if longest < 6.0:
+        return []
+    radius, angle = np.meshgrid(np.geomspace(0.5 / longest, 1.5, 8), np.array([1.7, 2.1, 2.5, 2.9]))
+    return [complex(guess) for guess in (radius * np.exp(1j * angle)).ravel()]
 
 
 def _grid(law: Law, edges: Array, reach: float) -> list[complex]:
@@ -142,7 +161,8 @@ def _nodes(law: Law, edges: Array, fastest: float) -> tuple[Array, Array]:
     start = np.repeat(left, pieces) + share * width
     nodes, weights = gauss(start, start + width)
     nodes, mass = np.append(nodes, law.atoms), np.append(weights * law.pdf(nodes), law.atom_weights)
-    return nodes[mass > 1e-300], np.log(mass[mass > 1e-300])
+    keep = mass > 1e-300
+    return nodes[keep], np.log(mass[keep] / mass.sum())
 
 
 def _newton(law: Law, edges: Array, s: complex, finer: int) -> complex:

@@ -21,6 +21,8 @@ Function = Callable[[Array], Array]
 
 _CHUNK = 200_000
 _NEGLIGIBLE = 1e-19
+_SPAN = 16.6  # standard deviations of a Gaussian start that are followed
+_PLAIN = 20  # panels that a law without an onset or corners needs
 _NARROW = 1e-9  # of the mean threshold: below, all start from one stretch
 
 
@@ -160,7 +162,9 @@ class FirstBreaks:
 
 def _coarsest(law: Law, weighted: Function, start_edges: Array, positions: Array) -> Array:
     """The law's edges that the integral over the start must respect: its breakpoints alone where those do."""
-    if positions.size < 2:
+    width = (start_edges[-1] - start_edges[0]) / _SPAN
+    plain = law.knows_breakpoints and law.edges.size <= _PLAIN and law.narrowest > 1.5 * width
+    if positions.size < 2 or plain:
         return law.breakpoints
     probes = np.linspace(positions[0], positions[-1], 9)[1:-1]
     few = _convolve_start(law, weighted, start_edges, law.breakpoints, probes)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from master.decoherence import decoherence_length
 from master.problem import Problem
 from master.renewal import LaterReleased
-from master.solve import MOST_NODES, ROUND_OFF, estimate, first_step
+from master.solve import MOST_NODES, estimate, first_step, round_off
 from master.steady import steady_state
 from origins import Contacts
 from origins.errors import positive
@@ -19,6 +19,8 @@ Array = npt.NDArray[np.float64]
 _BRACKETS = 12
 _ZOOMS = 12
 _JUST_BESIDE = 1e-12
+_BESIDE_ERROR = 4e-12
+_FURTHEST = 1000.0
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,9 @@ class Propensity:
 def propensity(contacts: Contacts, tolerance: float = 1e-8) -> Propensity:
     """Stick-slip propensity of `contacts` on a slider that moves forward from their start.
 
-    F(X) is followed for ten mean thresholds, and beyond the last first break, on lattices refined until K* (relative
-    to 1 + K*) and F_s/F_k change by less than `tolerance`, or as far as a million nodes allow; the errors say how far.
+    F(X) is followed for ten mean thresholds, and beyond the threshold that one in a million exceeds (at most 1,000
+    means), on lattices refined until K* (relative to 1 + K*) and F_s/F_k change by less than `tolerance`, or as far as
+    a million nodes allow; the errors say how far.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with.
     """
@@ -65,8 +68,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8) -> Propensity:
     unit = contacts.mean_threshold
     kinetic = steady.force / unit
     lowest = min(contacts.start.span[0] / unit, 0.0)
-    last = min(float(contacts.thresholds.isf(1e-3)) / unit, 30.0)
-    problem = Problem(contacts, max(10.0, last + 1.0) - lowest, tolerance)
+    problem = Problem(contacts, _horizon(contacts) - lowest, tolerance)
     spring, spring_error, static, static_error = _extremes(problem, tolerance)
     length, length_error = decoherence_length(contacts)
     ratio = max(static / kinetic, 1.0)
@@ -83,13 +85,26 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8) -> Propensity:
     )
 
 
+def _horizon(contacts: Contacts) -> float:
+    """How far to follow F, in mean thresholds: ten and beyond one in a million; where generations come one after the
+    other, clearly apart, only the first, which is the sharpest."""
+    unit = contacts.mean_threshold
+    shortest = float(contacts.thresholds.ppf(1e-17)) / unit
+    longest = float(contacts.thresholds.isf(1e-17)) / unit
+    low, high = (float(end) / unit for end in contacts.start.span)
+    if longest - low < 2.0 * shortest - high:
+        return longest - max(low, 0.0)
+    return max(10.0, min(float(contacts.thresholds.isf(1e-6)) / unit, _FURTHEST) + 1.0)
+
+
 def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, float]:
     """K*, its error, the largest force and its error, in units of the mean threshold."""
-    floor = ROUND_OFF * (1.0 + problem.end) + problem.first.error
-    drops = problem.chain.weights.size > 0
+    floor = round_off(problem)
+    drops = problem.chain.weights.size > 0 or problem.law.diverges
     if problem.law.atomic and problem.first.single:
-        at = problem.chain.births * (1.0 - _JUST_BESIDE)
-        force = problem.first.mean_start + at - problem.first.released(at) - problem.chain.released(at)
+        at = problem.chain.births
+        before = at * (1.0 - _JUST_BESIDE)
+        force = problem.first.mean_start + at - problem.first.released(before) - problem.chain.released(before)
         return np.inf, 0.0, float(force.max()), floor
     rough = problem.rough
     step = first_step(problem, problem.end, tolerance)
@@ -100,7 +115,8 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
         found.append(_largest(problem, later))
         if len(found) >= 3:
             last, before = np.abs(found[-1] - found[-2]), np.abs(found[-2] - found[-3])
-            error = np.array([estimate(float(a), float(b), False) for a, b in zip(last, before, strict=True)])
+            diverges = problem.law.diverges
+            error = np.array([estimate(float(a), float(b), False, diverges) for a, b in zip(last, before, strict=True)])
             if rough:  # a single value beside a jump converges unevenly: one small change proves nothing
                 error = 4.0 * np.maximum(last, before / 16.0)
             error += floor + later.left_out
@@ -109,8 +125,11 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
             if problem.end / step > MOST_NODES / 2:
                 break
         step *= 0.5
-    spring, static = found[-1]
-    return (np.inf, 0.0, static, error[1]) if drops else (max(spring, 0.0), error[0], static, error[1])
+    spring, static = (float(value) for value in found[-1])
+    # values at jumps were taken just beside them
+    error = error + _BESIDE_ERROR * np.array([(1.0 + spring) ** 2, 1.0])
+    largest = static, float(error[1])
+    return (np.inf, 0.0, *largest) if drops else (max(spring, 0.0), float(error[0]), *largest)
 
 
 def _largest(problem: Problem, later: LaterReleased) -> Array:

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from master.first import FirstBreaks
+from master.kinks import Kinks
 from master.lattice import STENCIL, cells, deposit, deposit_atoms, integrate, lagrange
 from master.problem import Problem
 from master.series import convolve, renew
@@ -67,10 +67,8 @@ class Renewal:
         self._kinks: Kinks | None = None
         self._birth_kinks: Kinks | None = None
         if law.jumps.size:
-            self._kinks = Kinks(law.jumps, law.jump_sizes * law.jumps, first)
-            self._birth_kinks = Kinks(law.jumps, law.jump_sizes, first)
-            self._kinks_flux = self._kinks.flux(step, size)
-            self._kinks_here = integrate(self._kinks_flux)
+            self._kinks = Kinks(law.jumps, law.jump_sizes * law.jumps, first, step)
+            self._birth_kinks = Kinks(law.jumps, law.jump_sizes, first, step)
         self._kernel, self._breaks = kernel, breaks
 
     @cached_property
@@ -80,68 +78,24 @@ class Renewal:
 
     def births_at(self, x: Array) -> Array:
         """Density of later breaks at positions x, its kinks put right."""
-        if self._birth_kinks is None:
-            return self.read(self.births, x)
-        smooth = self.births - self._birth_kinks.flux(self.step, self.size) / self.step
-        return self.read(smooth, x) + self._birth_kinks.rate(x)
+        density = self.read(self.births, x)
+        return density if self._birth_kinks is None else density + self._birth_kinks.rate(x)
 
     def released_at(self, x: Array) -> Array:
         """J_1 at positions x, the kinks of its slope put right."""
-        if self._kinks is None:
-            return self.read(self.released, x)
-        return self.read(self.released - self._kinks_here, x) + self._kinks.released(x)
+        released = self.read(self.released, x)
+        return released if self._kinks is None else released + self._kinks.released(x)
 
     def rate_at(self, x: Array) -> Array:
         """dJ_1/dX at positions x, atoms of the chain left out, the kinks put right likewise."""
-        if self._kinks is None:
-            return self.read(self._flux / self.step, x)
-        return self.read((self._flux - self._kinks_flux) / self.step, x) + self._kinks.rate(x)
+        rate = self.read(self._flux / self.step, x)
+        return rate if self._kinks is None else rate + self._kinks.rate(x)
 
     def read(self, values: Array, x: Array) -> Array:
         """Interpolate values at the nodes to positions x by the eight nodes around each."""
         position = x / self.step
         cell = np.clip(np.floor(position).astype(np.int64) - (STENCIL // 2 - 1), 0, self.size - STENCIL)
         return np.einsum("ij,ij->i", lagrange(position - cell), values[cell[:, None] + np.arange(STENCIL)])
-
-
-class Kinks:
-    """What the jumps of r (or of P_c) and of the first breaks alone would give: two steps folded, in closed form.
-
-    J_1 has a jump in its second derivative at every sum of two jumps. A lattice smears it over the nodes around;
-    folding the bare steps on the lattice too shows by how much, and the closed form replaces it.
-    """
-
-    def __init__(self, jumps: Array, heights: Array, first: FirstBreaks) -> None:
-        self._steps = [(jumps, heights), (first.jumps, first.jump_sizes)]
-
-    def flux(self, step: float, size: int) -> Array:
-        """The two steps folded on the lattice."""
-        folded = []
-        for positions, heights in self._steps:
-            end = (size - 1) * step
-            edges = np.unique(np.concatenate([positions[positions < end], [end]]))
-            left, right = cells(edges, step, size)
-            order = np.argsort(positions)
-            levels = np.concatenate([[0.0], np.cumsum(heights[order])])
-            level = levels[np.searchsorted(positions[order], 0.5 * (left + right), side="right")]
-            _, weights = gauss(left, right)
-            folded += deposit(left, right, [level[:, None] * weights], step, size)
-        return convolve(folded[0], folded[1], size)
-
-    def released(self, x: Array) -> Array:
-        """Sum over pairs of jumps of height * height * (X - position - position)^2 / 2."""
-        beyond, heights = self._beyond(x)
-        return 0.5 * beyond**2 @ heights
-
-    def rate(self, x: Array) -> Array:
-        """Its derivative."""
-        beyond, heights = self._beyond(x)
-        return beyond @ heights
-
-    def _beyond(self, x: Array) -> tuple[Array, Array]:
-        (first, first_heights), (second, second_heights) = self._steps
-        beyond = np.maximum(x[:, None] - np.add.outer(first, second).ravel(), 0.0)
-        return beyond, np.multiply.outer(first_heights, second_heights).ravel()
 
 
 class LaterReleased:

@@ -16,7 +16,7 @@ Array = npt.NDArray[np.float64]
 ROUND_OFF = 1e-13
 MOST_NODES = 2**20
 _FEWEST_NODES = 64
-_STALL = 1e3  # times the floor: differences below this that no longer fall are round-off
+_STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
 _BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
 _MOST_AROUND = 2000
 
@@ -74,7 +74,7 @@ def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> S
 def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float, LaterReleased | None, str]:
     """J_1 at x, its error estimate, what it was read from and the reason for stopping short."""
     end = float(x[-1])
-    floor = ROUND_OFF * (1.0 + end) + problem.first.error
+    floor = round_off(problem)
     tiny = min(1e-2 * tolerance, 1e-9)
     listed = problem.law.atomic and problem.first.single
     if listed or bound(problem, end) <= 1e-2 * floor:
@@ -89,17 +89,22 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
         later = LaterReleased(problem, step, x, tiny)
         answer = later(x)
         if coarser is not None:
-            at = _around(x, 2.0 * step) if rough else x
-            change = np.abs(later(at) - coarser[0](at)) if rough else np.abs(answer - coarser[1])
+            change = np.abs(answer - coarser[1])
             # towards X = 0 a coarser lattice hands over to finer ones earlier: there the change is the error itself
-            finer = later.step_at(at) < coarser[0].step_at(at)
+            finer = later.step_at(x) < coarser[0].step_at(x)
             before, difference = difference, float(change[finer].max(initial=0.0))
-            error = max(estimate(difference, before, rough), 1.5 * float(change[~finer].max(initial=0.0)))
+            if rough and finer.any():
+                around = _around(x[finer], 2.0 * step)
+                around = around[later.step_at(around) < coarser[0].step_at(around)]
+                difference = max(difference, float(np.abs(later(around) - coarser[0](around)).max(initial=0.0)))
+            handed_over = 1.5 * float(change[~finer].max(initial=0.0))
+            error = max(estimate(difference, before, rough, problem.law.diverges), handed_over)
             error += later.left_out + floor
             if np.isfinite(before):
                 if best is None or error < best[1]:
                     best = answer, error, later
-                stalled = change.max() <= floor or (difference > 0.5 * before and difference < _STALL * floor)
+                level = max(difference, float(change.max()))
+                stalled = level <= floor or (difference > 0.5 * before and level < _STALL * floor)
                 if best[1] <= tolerance:
                     return *best, ""
                 if stalled:
@@ -111,11 +116,15 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
         step *= 0.5
 
 
+def round_off(problem: Problem) -> float:
+    """Error that no lattice goes below: tables, and a kernel's mass off by an ulp, which adds up as a square."""
+    return ROUND_OFF * (1.0 + problem.end) + 2e-16 * problem.end**2 + problem.first.error
+
+
 def _around(x: Array, step: float) -> Array:
-    """The positions x and some nodes to either side: beside jumps, errors depend on where among nodes a point falls."""
-    some = x[:: 1 + x.size // _MOST_AROUND]
-    near = np.concatenate([x, (some[:, None] + step * _BESIDE).ravel()])
-    return np.unique(near[(near > 0.0) & (near <= x[-1])])
+    """Some nodes to either side of the positions x: beside jumps, errors depend on where among nodes a point falls."""
+    near = (x[:: 1 + x.size // _MOST_AROUND, None] + step * _BESIDE).ravel()
+    return near[(near > 0.0) & (near <= x[-1])]
 
 
 def first_step(problem: Problem, end: float, tolerance: float) -> float:
@@ -130,14 +139,16 @@ def first_step(problem: Problem, end: float, tolerance: float) -> float:
     return step
 
 
-def estimate(difference: float, before: float, rough: bool) -> float:
+def estimate(difference: float, before: float, rough: bool, diverges: bool) -> float:
     """Error of the last of three lattices from the two differences between them.
 
     With errors that fall by r from each lattice to the next, the last error is r/(1-r) of the last difference. The
     ratio seen is taken with a margin of 4; one below 1/128 (beside jumps, where convergence is slower, 1/16) may be
-    luck and counts as that.
+    luck and counts as that. Beside a diverging density errors may fall by less than half from lattice to lattice.
     """
     if difference == 0.0:
         return 0.0
+    if diverges:
+        return 8.0 * max(difference, 0.5 * min(before, difference * 8.0))
     ratio = difference / before if before > 0.0 else 1.0
     return difference * max(4.0 * ratio if ratio < 0.25 else 2.0, 0.25 if rough else 0.03125)

@@ -52,6 +52,8 @@ def steady_state(contacts: Contacts) -> SteadyState:
         )
     force = 0.5 * square / mean
     length, area = _survival_integrals(thresholds)
+    if not (np.isfinite(length) and np.isfinite(area)):
+        raise InputError("thresholds: the distribution's own survival is not a number; use milder parameters")
     error = abs(force - area / length) / mean + _ROUND_OFF * force / mean
     return SteadyState(force=force, force_error=error, mean_threshold=mean, _thresholds=thresholds)
 
@@ -63,7 +65,9 @@ def _survival_integrals(thresholds: Thresholds) -> tuple[float, float]:
     if not np.isfinite(upper):
         # a tail that falls as a power is resolved by panels that grow with x
         far = edges[-1] * 2.0 ** np.arange(1.0, 400.0)
-        edges = np.concatenate([edges, far[far < 1e150]])
+        far = far[far < 1e150]
+        reached = np.flatnonzero(~(thresholds.sf(far) > 0.0))
+        edges = np.concatenate([edges, far[: reached[0]] if reached.size else far])
     if edges.size < 2:
         return lower, 0.5 * lower**2
     nodes, weights = gauss(edges[:-1], edges[1:])

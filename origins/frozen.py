@@ -1,11 +1,15 @@
 """A frozen scipy.stats distribution as Thresholds."""
 
+from collections.abc import Callable
+
 import numpy as np
+import numpy.typing as npt
 
 from origins.errors import InputError, refuse
 from origins.thresholds import Array, Thresholds
 
 _BELOW_ZERO = 1e-15
+_LOOSE = 1e-9
 
 
 def as_thresholds(law: object) -> Thresholds:
@@ -45,6 +49,8 @@ def check_single(name: str, frozen) -> None:  # type: ignore[no-untyped-def]
 
 class FrozenThresholds(Thresholds):
     """Delegates to the frozen distribution; its support's ends are the only breakpoints known."""
+
+    knows_breakpoints = False
 
     def __init__(self, frozen) -> None:  # type: ignore[no-untyped-def]
         self.frozen = frozen
@@ -114,13 +120,25 @@ class FrozenThresholds(Thresholds):
         return out
 
     def _ppf(self, q: Array) -> Array:
-        return np.maximum(self._ask("ppf", q), self._support[0])
+        x = np.maximum(self._ask("ppf", q), self._support[0])
+        return self._mend(x, np.abs(self._cdf(x) - q) > _LOOSE * q, q, super()._ppf)
 
     def _isf(self, q: Array) -> Array:
-        return np.maximum(self._ask("isf", q), self._support[0])
+        x = np.maximum(self._ask("isf", q), self._support[0])
+        return self._mend(x, np.abs(self._sf(x) - q) > _LOOSE * q, q, super()._isf)
+
+    def _mend(self, x: Array, bad: npt.NDArray[np.bool_], q: Array, invert: Callable[[Array], Array]) -> Array:
+        """Quantiles that do not fit the distribution's own cdf, as in many a far tail, found from it instead."""
+        bad = bad | ~np.isfinite(x)
+        if bad.any():
+            x[bad] = invert(q[bad])
+        return x
 
     def _moment(self, n: int) -> float:
-        return float(self.frozen.moment(n))
+        value = float(self.frozen.moment(n))
+        # where a moment is infinite some distributions return what their formula gives beyond its range
+        beyond = n > 1 and not value >= float(self.frozen.mean()) ** n * (1.0 - 1e-9)
+        return np.inf if beyond or np.isnan(value) else value
 
     def _variance(self) -> float:
         return float(self.frozen.var())

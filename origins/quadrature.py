@@ -34,21 +34,26 @@ def gauss(left: Array, right: Array) -> tuple[Array, Array]:
     return left[..., None] + width * GAUSS_NODES, width * GAUSS_WEIGHTS
 
 
-def panel_edges(thresholds: "Thresholds", upper: float = np.inf, accuracy: float = 1e-15) -> Array:
+def panel_edges(
+    thresholds: "Thresholds", upper: float = np.inf, accuracy: float = 1e-15, tail: float = _TAIL
+) -> Array:
     """Edges of panels on each of which 8 nodes integrate P_c(x) and x P_c(x) to `accuracy` of the whole.
 
-    Covers the support up to `upper`, and an infinite tail to survival 1e-18. Atoms are not looked at.
+    Covers the support up to `upper`, and an infinite tail to survival `tail`. Atoms are not looked at.
     """
     lower, end = thresholds.support()
-    low, high = thresholds.ppf(_SEEDS), thresholds.isf(np.append(_SEEDS, _TAIL))
+    far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
+    low, high = thresholds.ppf(_SEEDS), thresholds.isf(np.concatenate([_SEEDS, far, [tail]]))
+    # a quantile that a law cannot give is no seed
+    low, high = low[np.isfinite(low)], high[np.isfinite(high)]
     seeds = [low, high[:-1], thresholds.breakpoints]
-    top = min(upper, end if np.isfinite(end) else float(high[-1]))
+    top = min(upper, end if np.isfinite(end) else _reach(thresholds, float(high.max(initial=1.0)), tail))
     if not top > lower:
         return np.empty(0)
     edges = np.unique(np.concatenate([[lower, top], *seeds]))
     edges = edges[(edges >= lower) & (edges <= top)]
     left, right = edges[:-1], edges[1:]
-    scale = float(low[-1]) or 1.0
+    scale = float(low[-1] if low.size else top) or 1.0
     whole = _mass(thresholds, left, right, scale)
     known = _cdf_mass(thresholds, left, right)
     finished_left, finished_right = [], []
@@ -90,6 +95,13 @@ def panel_edges(thresholds: "Thresholds", upper: float = np.inf, accuracy: float
 def _middle(left: Array, right: Array) -> Array:
     """Arithmetic, but geometric over several decades, so that a spike far down is reached."""
     return np.where((left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right))
+
+
+def _reach(thresholds: "Thresholds", x: float, tail: float) -> float:
+    """x, or further out where survival is still above `tail`."""
+    while float(thresholds.sf(x)) > 1.01 * tail and x < 1e150:
+        x *= 2.0
+    return x
 
 
 def _mass(thresholds: "Thresholds", left: Array, right: Array, scale: float) -> Array:

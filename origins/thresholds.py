@@ -34,6 +34,8 @@ class Thresholds:
         power, or where nothing continuous begins there.
     onset_power_error : float
         Its error: 0 where the family states it, else that of the fit.
+    knows_breakpoints : bool
+        Whether `breakpoints` are all there are; a foreign law may bend or jump elsewhere.
     interface : Interface or None
         Load, contact density, stiffness and friction in SI units, where the law comes from a rough surface.
     """
@@ -41,6 +43,7 @@ class Thresholds:
     onset_power: float = np.inf
     onset_power_error: float = 0.0
     interface: "Interface | None" = None
+    knows_breakpoints: bool = True
     _lowest_atom: float = 0.0  # weight of an atom at the lower end of a support that reaches further
 
     # -- what a family states: x lies inside the support; densities are also asked at its finite ends ----

@@ -94,12 +94,7 @@ def test_no_point_is_far_off(witnessed: tuple[np.ndarray, ...]) -> None:
     assert (np.abs(forces.mean(axis=0) - expected) < 5.0 * together).all()
 
 
-def test_reported_error_is_the_spread_over_seeds(
-    witnessed: tuple[np.ndarray, ...], request: pytest.FixtureRequest
-) -> None:
-    if f"[{WIDE}]" in request.node.name:
-        reason = "the variance of the start is taken for the least there can be, though steady sliding has less"
-        request.applymarker(pytest.mark.xfail(strict=True, reason=reason))
+def test_reported_error_is_the_spread_over_seeds(witnessed: tuple[np.ndarray, ...]) -> None:
     forces, errors, _ = witnessed
     ratio = forces.var(axis=0, ddof=1) / (errors**2).mean(axis=0)
     # one in a million at each of some 120 points

@@ -137,7 +137,9 @@ def test_frozen_distributions(name: str) -> None:
     for function in FUNCTIONS:
         np.testing.assert_allclose(getattr(law, function)(x), getattr(frozen, function)(x), rtol=1e-8, atol=1e-15)
     for quantile in QUANTILES:
-        np.testing.assert_allclose(getattr(law, quantile)(q), getattr(frozen, quantile)(q), rtol=1e-15)
+        np.testing.assert_allclose(getattr(law, quantile)(q[1:]), getattr(frozen, quantile)(q[1:]), rtol=1e-15)
+        # where scipy's own quantile does not fit its cdf, as in some far tails, it is found again from that
+        np.testing.assert_allclose(getattr(law, quantile)(q[0]), getattr(frozen, quantile)(q[0]), rtol=1e-10)
     np.testing.assert_allclose(law.logsf(x), np.log1p(-frozen.cdf(x)), rtol=1e-9)
     assert law.mean() == frozen.mean() and law.std() == pytest.approx(frozen.std(), rel=1e-14)
     assert law.moment(2) == pytest.approx(frozen.moment(2), rel=1e-14, nan_ok=True)
