@@ -12,6 +12,7 @@ from master.renewal import LaterReleased
 from master.solve import MOST_NODES, estimate, first_step, round_off
 from master.steady import steady_state
 from origins import Contacts
+from origins.contacts import check_contacts
 from origins.errors import positive
 
 Array = npt.NDArray[np.float64]
@@ -64,6 +65,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8) -> Propensity:
     """
     began = time.perf_counter()
     tolerance = positive("tolerance", tolerance)
+    check_contacts(contacts)
     steady = steady_state(contacts)
     unit = contacts.mean_threshold
     kinetic = steady.force / unit

@@ -9,6 +9,7 @@ from master.problem import Problem
 from master.renewal import LaterReleased, bound
 from master.solution import Solution
 from origins import Contacts, Drive
+from origins.contacts import check_contacts
 from origins.errors import positive
 
 Array = npt.NDArray[np.float64]
@@ -45,6 +46,7 @@ def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> S
     """
     began = time.perf_counter()
     tolerance = positive("tolerance", tolerance)
+    check_contacts(contacts)
     drive = Drive(path)
     x = drive.path / contacts.mean_threshold
     problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance)

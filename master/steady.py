@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Contacts, InputError, Thresholds
+from origins.contacts import check_contacts
 from origins.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
@@ -43,6 +44,7 @@ def steady_state(contacts: Contacts) -> SteadyState:
 
     Raises InputError where <x_s^2> is infinite: then the force grows for ever and there is no steady state.
     """
+    check_contacts(contacts)
     thresholds = contacts.thresholds
     mean, square = contacts.mean_threshold, thresholds.moment(2)
     if not np.isfinite(square):

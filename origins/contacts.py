@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from origins.errors import InputError
+from origins.errors import InputError, refuse
 from origins.frozen import as_thresholds
 from origins.start import as_start
 
@@ -61,3 +61,9 @@ class Contacts:
         if self.start.is_single:
             return 1.0, upper
         return float(self.start.cdf(-upper) + self.start.sf(upper)), upper
+
+
+def check_contacts(contacts: object) -> None:
+    """Raise InputError for anything but Contacts, such as thresholds alone."""
+    if not isinstance(contacts, Contacts):
+        refuse("contacts", contacts, "must be contacts, such as origins.Contacts(origins.gaussian(mean=1.0, std=0.05))")

@@ -40,12 +40,13 @@ def write_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[...
 def test_run_prints_a_line_per_solver_and_writes(write_scene, capsys) -> None:
     scene = write_scene({**MASTER_ONLY, "eq": {"contacts": 200, "replicas": 3, "seed": 7}})
     assert main(["run", scene]) == 0
-    title, solved, simulated, where = capsys.readouterr().out.splitlines()
+    title, solved, simulated, apart, where = capsys.readouterr().out.splitlines()
     written = json.loads(Path("mine-output/summary.json").read_text())
     assert title == "one solver" and where == "written to mine-output"
     assert solved.startswith(f"master  error {written['master']['force_error']:.1e} of <x_s>  run time")
     assert simulated.startswith(f"eq      error {written['eq']['largest_standard_error']:.1e} of <x_s>")
     assert f"{written['eq']['breaks']:,} breaks on 1 rank" in simulated
+    assert apart.startswith("eq less master: at most")
     assert sorted(os.listdir("mine-output")) == ["picture.png", "result.h5", "summary.json"]
     assert toolkit.load("mine-output").text == Path(scene).read_text()
 

@@ -61,7 +61,7 @@ def test_ranks_prints_and_writes(write: Writer, capsys: pytest.CaptureFixture[st
     assert lines[-1] == "written to compare-output"
     assert sorted(os.listdir("compare-output")) == FILES
     assert Path("compare-output/compare.txt").read_text().splitlines() == lines[:-1]
-    assert [line.split()[:2] for line in lines[2:-1]] == [["1", "exact"], ["2", "narrow"], ["3", "wide"]]
+    assert [line.split()[:2] for line in lines[2:5]] == [["1", "exact"], ["2", "narrow"], ["3", "wide"]]
     assert lines[2].split().count("infinite") == 2 and "infinite" not in lines[3] + lines[4]
     content = json.loads(Path("compare-output/compare.json").read_text())["scenes"]
     assert [one["name"] for one in content] == ["exact", "narrow", "wide"]
@@ -90,7 +90,8 @@ def test_numbers_are_the_solvers_own_in_mean_thresholds(write: Writer) -> None:
 
 def test_table_says_what_each_number_is_worth() -> None:
     verdicts = compare([toolkit.load_scene(tables(thresholds)) for thresholds in (WIDE, NARROW)])
-    head, rule, first, second = table(verdicts)
+    head, rule, first, second, *notes = table(verdicts)
+    assert any(line.startswith("max |z|") for line in notes)
     assert len(rule) == len(head) and set(rule) == {"-"}
     assert len(first) == len(second) == len(head)
     assert first.count("±") == second.count("±") == 5

@@ -41,7 +41,7 @@ def integrals(q, law, start, at):
     closing = np.geomspace(1e-13, 0.02, 60)
     places = at - np.append(births, np.abs(begin))
     corners = [closing, at - closing, np.add.outer(places, closing).ravel(), np.subtract.outer(places, closing).ravel()]
-    edges = np.unique(np.concatenate([points, ends, begin + at, at - births, [0.0, at], *corners]))
+    edges = np.unique(np.concatenate([points, ends, begin + at, at - births, [0.0, 0.5 * at, at], *corners]))
     edges = edges[(edges >= -1.0) & (edges <= 4.5)]
     nodes, weights = np.polynomial.legendre.leggauss(10)
     half = 0.5 * np.diff(edges)[:, None]

@@ -71,7 +71,7 @@ def test_ranks_share_one_run_and_one_voice(ranks: int, mpirun, scene, tmp_path: 
     done = mpirun(ranks, SCRIPT, "run", scene, "--out", "many")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
-    assert [line.split()[0] for line in done.stdout.splitlines()] == ["small", "master", "eq", "written"]
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["small", "master", "eq", "eq", "written"]
     many, one = toolkit.load(tmp_path / "many").eq, toolkit.run(tmp_path / scene).eq
     assert many is not None and one is not None
     assert len(many.breaks_per_rank) == ranks and min(many.breaks_per_rank) > 0

@@ -88,7 +88,7 @@ def test_bar_is_for_long_runs_only(capsys: pytest.CaptureFixture[str], monkeypat
     for done in (1, 2, 3):
         short(done, 3)
     assert capsys.readouterr().err == ""
-    clock = iter([0.0, 0.5, 1.5, 1.6, 1.7])
+    clock = iter([0.0, 5.0, 15.0, 16.0, 17.0])  # stderr is no terminal here: ten seconds
     monkeypatch.setattr("toolkit.progress.time", SimpleNamespace(monotonic=lambda: next(clock)))
     long = Progress()
     long(1, 4)

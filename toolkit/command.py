@@ -45,10 +45,9 @@ def _parse(words: list[str]) -> argparse.Namespace:
 
 def _execute(parsed: argparse.Namespace, launched: Launch) -> int:
     module = import_module(f"toolkit.commands.{parsed.command}")
-    if not module.ALL_RANKS:
-        if launched.rank > 0:
-            return 0
-        launched = Launch()
-    from toolkit.ranks import end_together
+    from toolkit.ranks import end_together, on_root
 
-    return end_together(lambda comm: int(module.execute(parsed, comm)), launched)
+    if module.ALL_RANKS:
+        return end_together(lambda comm: int(module.execute(parsed, comm)), launched)
+    # the other ranks wait: what rank 0 imports may start MPI, which starts on all or on none
+    return end_together(lambda comm: on_root(comm, lambda: int(module.execute(parsed, None))), launched)

@@ -50,10 +50,10 @@ def plot_surface(axes: "Axes", heights: Any, sizes: tuple[float, float]) -> "Axe
 def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     """P_c of each scene in units of its own mean threshold."""
     reach = 0.0
-    for ink, verdict in _inked(verdicts):
+    for ink, dash, verdict in _inked(verdicts):
         curve, unit = verdict.result.thresholds, verdict.mean_threshold
         shown = np.isfinite(curve.density)
-        axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, color=ink, lw=1.3, label=verdict.name)
+        axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, color=ink, ls=dash, lw=1.3, label=verdict.name)
         if curve.atoms.size:
             axes.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=ink, lw=2)
         reach = max(reach, float(curve.x[curve.survival > 2e-3].max(initial=unit)) / unit)
@@ -64,12 +64,12 @@ def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
 
 def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     """F/F_k against X/<x_s>: master equation as lines, ensemble as error bars of one standard error."""
-    for ink, verdict in _inked(verdicts):
+    for ink, dash, verdict in _inked(verdicts):
         unit = verdict.mean_threshold
         scale = verdict.kinetic_force * unit
         solved, eq = verdict.result.master, verdict.result.eq
         if solved is not None:
-            axes.plot(solved.path / unit, solved.force / scale, color=ink, lw=1.3, label=verdict.name)
+            axes.plot(solved.path / unit, solved.force / scale, color=ink, ls=dash, lw=1.3, label=verdict.name)
         if eq is not None:
             shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
             axes.errorbar(
@@ -92,7 +92,7 @@ def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
 
 def plot_deviations(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
-    for ink, verdict in _inked(verdicts):
+    for ink, _, verdict in _inked(verdicts):
         solved, eq = verdict.result.master, verdict.result.eq
         if solved is None or eq is None or verdict.evidence is None:
             continue
@@ -109,7 +109,7 @@ def plot_springs(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     """K*/(N<k>) of each scene: a softer driving spring is unstable. Infinite ones reach the edge."""
     finite = [verdict.critical_spring for verdict in verdicts if 0.0 < verdict.critical_spring < np.inf]
     low, high = min([*finite, 1e-3]) / 3.0, max([*finite, 1.0]) * 3.0
-    for row, (ink, verdict) in enumerate(_inked(verdicts)):
+    for row, (ink, _, verdict) in enumerate(_inked(verdicts)):
         value = min(max(verdict.critical_spring, low), high)
         axes.barh(row, value - low, left=low, color=ink, height=0.6)
         text = "infinite" if np.isinf(verdict.critical_spring) else f"{verdict.critical_spring:.3g}"
@@ -121,5 +121,10 @@ def plot_springs(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     return axes
 
 
-def _inked(verdicts: Sequence[Verdict]) -> list[tuple[str, Verdict]]:
-    return [(_INK[index % len(_INK)], verdict) for index, verdict in enumerate(verdicts)]
+def _inked(verdicts: Sequence[Verdict]) -> list[tuple[str, str, Verdict]]:
+    """A colour and, once the colours repeat, another dash for each."""
+    dashes = ["-", "--", ":", "-."]
+    return [
+        (_INK[index % len(_INK)], dashes[index // len(_INK) % len(dashes)], verdict)
+        for index, verdict in enumerate(verdicts)
+    ]

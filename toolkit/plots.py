@@ -59,7 +59,7 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     if curve.atoms.size:
         axes.vlines(curve.atoms, 0.0, curve.atom_weights, color=_INK["thresholds"], lw=2, label="weight at one value")
         axes.legend()
-    axes.set(title="thresholds", xlabel=f"threshold $x${_unit(curve)}", ylabel="$P_c(x)$")
+    axes.set(title="thresholds", xlabel=f"threshold $x${_unit(curve)}", ylabel=f"$P_c(x)${_per_unit(curve)}")
     axes.set(xlim=_reach(curve), ylim=(0, None))
     return axes
 
@@ -76,13 +76,17 @@ def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     """P_c(x)/S(x), the rate of breaking per length at stretch x, up to where one contact in a thousand holds."""
     shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
     axes.plot(curve.x[shown], curve.density[shown] / curve.survival[shown], color=_INK["thresholds"], lw=1.2)
-    axes.set(title="hazard", xlabel=f"stretch $x${_unit(curve)}", ylabel="$P_c(x)/S(x)$")
+    axes.set(title="hazard", xlabel=f"stretch $x${_unit(curve)}", ylabel=f"$P_c(x)/S(x)${_per_unit(curve)}")
     axes.set(xlim=_reach(curve), ylim=(0, None))
     return axes
 
 
 def _unit(curve: ThresholdCurve) -> str:
     return "" if curve.unit == OWN_UNIT else f" ({curve.unit})"
+
+
+def _per_unit(curve: ThresholdCurve) -> str:
+    return "" if curve.unit == OWN_UNIT else f" (1/{curve.unit})"
 
 
 def _reach(curve: ThresholdCurve) -> tuple[float, float]:

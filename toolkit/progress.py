@@ -1,9 +1,10 @@
-"""A progress bar that appears only once a run has lasted a second."""
+"""A progress bar that appears only once a run has lasted a second; in a log file, or under mpirun, ten."""
 
+import sys
 import time
 from typing import Any
 
-_PATIENCE = 1.0
+_PATIENCE, _LOG_PATIENCE = 1.0, 10.0
 
 
 class Progress:
@@ -12,14 +13,16 @@ class Progress:
     def __init__(self) -> None:
         self._begun = time.monotonic()
         self._bar: Any = None
+        self._patience = _PATIENCE if sys.stderr.isatty() else _LOG_PATIENCE
 
     def __call__(self, done: int, total: int) -> None:
         if self._bar is None:
-            if done >= total or time.monotonic() - self._begun < _PATIENCE:
+            if done >= total or time.monotonic() - self._begun < self._patience:
                 return
             from tqdm import tqdm
 
-            self._bar = tqdm(total=total, initial=done, unit=" contacts", unit_scale=True, leave=False)
+            pace = 0.1 * self._patience
+            self._bar = tqdm(total=total, initial=done, unit=" contacts", unit_scale=True, leave=False, mininterval=pace)
         self._bar.update(done - self._bar.n)
         if done >= total:
             self._bar.close()

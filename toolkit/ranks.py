@@ -74,6 +74,8 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
         except InputError as error:
             _say(error)
             return 2
+        except KeyboardInterrupt:
+            return _interrupted()
     try:
         return work(comm)
     except InputError as error:
@@ -83,6 +85,8 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
         if not alike:
             _abort(comm, 2)
         return 2
+    except KeyboardInterrupt:
+        _abort(comm, _interrupted())
     except BaseException:
         # an exception that leaves one rank only would leave the others waiting for ever
         traceback.print_exc()
@@ -93,6 +97,11 @@ def _abort(comm: Any, status: int) -> NoReturn:
     sys.stderr.flush()
     comm.Abort(status)
     os._exit(status)  # some launchers take their time
+
+
+def _interrupted() -> int:
+    print("mesofriction: interrupted; nothing was written", file=sys.stderr, flush=True)
+    return 130
 
 
 def _say(error: InputError) -> None:

@@ -18,6 +18,7 @@ from toolkit import laws
 from toolkit.toml import to_toml
 
 SHIPPED = Path(__file__).parent / "scenes"
+_MOST_POINTS = 10_000_000
 
 
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -113,6 +114,8 @@ def _checked(name: str, text: str, tables: Mapping[str, Any], folder: Path) -> S
         raise InputError("scene: has neither [master] nor [eq], so nothing would be computed; add one of them")
     to = positive("drive.to", table.drive.to)
     points = whole("drive.points", table.drive.points, least=2)
+    if points > _MOST_POINTS:
+        refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
     if table.master is not None:
         positive("master.tolerance", table.master.tolerance)
     if table.eq is not None:

@@ -9,7 +9,7 @@ import numpy as np
 
 import origins
 from origins.errors import InputError, positive, refuse, whole
-from origins.topography import as_topography
+from origins.topography import as_topography, detrended
 from toolkit import laws
 
 if TYPE_CHECKING:
@@ -128,5 +128,7 @@ def shared_surface(scenes: "Sequence[Scene]") -> tuple[Any, tuple[float, float]]
     if any((table["surface"], scene.folder) != first for table, scene in zip(tables, scenes, strict=True)):
         return None
     scan = as_topography(*laws.build(SURFACES, first[0], "surface", first[1]))
+    if tables[0].get("detrend", "centre" if first[0]["kind"] == "self-affine" else "curvature") == "curvature":
+        scan = detrended(scan, "curvature")
     (nx, ny), (dx, dy) = scan.heights.shape, scan.pixel_size
     return scan.heights, (nx * dx, ny * dy)

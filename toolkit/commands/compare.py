@@ -15,6 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print the table; write compare.png, compare.txt and compare.json; 1 where a solver missed its tolerance."""
+    from origins.errors import refuse
     from toolkit.comparing import compare, table
     from toolkit.files import write_json
     from toolkit.folders import check_folder, write_folder
@@ -23,6 +24,9 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     from toolkit.scene import load_scene
 
     scenes = [load_scene(scene) for scene in arguments.scenes]
+    for index, scene in enumerate(scenes):
+        if scene.name in [other.name for other in scenes[:index]]:
+            refuse("scenes", scene.name, "two scenes of this name could not be told apart; rename one of the files")
     folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))
     first = comm is None or comm.Get_rank() == 0

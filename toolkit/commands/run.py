@@ -55,4 +55,9 @@ def report(result: Any) -> list[str]:
             f"eq      error {error:.1e} of <x_s> (largest standard error)  run time {eq.run_time:.4f} s, "
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
+    if result.master is not None and result.eq is not None:
+        from toolkit.comparing import worst_deviation
+
+        apart = worst_deviation(result)
+        lines.append(f"eq less master: at most {apart:.1f} standard errors over the path; chance makes about 3")
     return lines
