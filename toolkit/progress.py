@@ -22,7 +22,8 @@ class Progress:
             from tqdm import tqdm
 
             pace = 0.1 * self._patience
-            self._bar = tqdm(total=total, initial=done, unit=" contacts", unit_scale=True, leave=False, mininterval=pace)
+            shown = {"total": total, "initial": done, "unit": " contacts", "unit_scale": True, "mininterval": pace}
+            self._bar = tqdm(leave=False, **shown)
         self._bar.update(done - self._bar.n)
         if done >= total:
             self._bar.close()
