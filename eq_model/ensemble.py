@@ -192,10 +192,12 @@ def kernel_table(table: QuantileTable, unit: float) -> tuple[Any, ...]:
     from eq_model.kernel import FAR, MISSING
 
     factor = table.scale / unit
+    # above MISSING after rounding, and four of them beyond a position still below 2^63
+    missed = 1.25 * MISSING
     missing = table.hot_c0 >= HOT_MISSING
     far = ~missing & (np.abs(table.hot_c0) * factor > FAR)
     packed = np.zeros((table.hot_c0.size, 2))
-    packed[:, 0] = np.where(missing, 2.0 * MISSING / factor, np.where(far, FAR / factor, table.hot_c0))
+    packed[:, 0] = np.where(missing, missed / factor, np.where(far, FAR / factor, table.hot_c0))
     slopes = np.stack([table.hot_c1, table.hot_c2], axis=-1)
     packed.view(np.float32)[:, 2:] = np.where((missing | far)[:, None], 0.0, slopes)
     sides, firsts, edges, cubics = [], [], [], []

@@ -394,3 +394,13 @@ def test_limbs_are_exact_beyond_one_word() -> None:
     limbs = sum((split(parts) for _ in range(50)), np.zeros((2, 4), np.int64)).sum(axis=1)
     high, low = (int(limb) for limb in carried(limbs))
     assert high * 2**32 + low == total and abs(joined(limbs) / total - 1.0) < 1e-15
+
+
+def test_draws_that_the_hot_cells_do_not_hold_four_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A contact all of whose draws of a round are left to the fine cells keeps its place: nothing overflows."""
+    monkeypatch.setattr("origins.quantile._HOT_BITS", (3,))
+    law = origins.mixture([origins.rectangular(0.2, 0.5), origins.gaussian(1.0, 0.05)], [0.3, 0.7])
+    path = np.linspace(0.0, 60.0, 41)
+    found = eq_model.simulate(origins.Contacts(law), path, n_contacts=3000, seed=5)
+    kinetic = law.moment(2) / (2.0 * law.mean())
+    assert abs(found.force[-1] - kinetic) < 5.0 * found.force_standard_error[-1]
