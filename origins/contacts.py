@@ -7,6 +7,7 @@ from origins.frozen import as_thresholds
 from origins.start import as_start
 
 _CUT_LIMIT = 1e-6
+_UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
 _LEAST_SURVIVAL = 1e-300
 
 
@@ -37,7 +38,12 @@ class Contacts:
         self.thresholds = as_thresholds(thresholds)
         self.interface = self.thresholds.interface
         self.start = as_start(start)
-        self.mean_threshold = self.thresholds.mean()
+        try:
+            self.mean_threshold = self.thresholds.mean()
+        except (OverflowError, ZeroDivisionError) as error:
+            raise InputError(f"thresholds: {_UNIT}") from error
+        if np.isfinite(self.mean_threshold) and not 1e-150 < self.mean_threshold < 1e150:
+            raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {_UNIT}")
         if not np.isfinite(self.mean_threshold):
             raise InputError(
                 f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach "

@@ -87,7 +87,6 @@ BAD = [
         [],
         "contacts.thresholds.x_s = array of shape (0,): must be one-dimensional and not empty",
     ),
-    ({key: MASTER_ONLY[key] for key in ("contacts", "drive")}, "", [], "scene: has neither [master] nor [eq]"),
     (MASTER_ONLY, "", ["--out", "mine.toml/below"], "out = 'mine.toml/below': "),
 ]
 
@@ -186,3 +185,12 @@ def test_wrong_words_are_status_2(words: list[str], capsys) -> None:
     with pytest.raises(SystemExit) as end:
         main(words)
     assert end.value.code == 2 and "usage: mesofriction" in capsys.readouterr().err
+
+
+def test_thresholds_need_no_solver(write_scene, capsys) -> None:
+    scene = write_scene({key: value for key, value in MASTER_ONLY.items() if key != "master"})
+    assert main(["run", scene]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("mesofriction: scene: has neither [master] nor [eq]") and os.listdir(".") == ["mine.toml"]
+    assert main(["thresholds", scene]) == 0
+    assert "onset power" in capsys.readouterr().out

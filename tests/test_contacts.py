@@ -135,3 +135,9 @@ def test_bad_paths(path: object, begins: str) -> None:
     with pytest.raises(InputError) as refusal:
         Drive(path)  # type: ignore[arg-type]
     assert str(refusal.value).startswith(begins)
+
+
+@pytest.mark.parametrize("law", [(1e200, 1e199), (1e300, 1e299), (1e-200, 1e-201)])
+def test_lengths_whose_powers_overflow_are_refused(law: tuple[float, float]) -> None:
+    with pytest.raises(InputError, match="choose another unit of length"):
+        Contacts(origins.gaussian(*law))

@@ -76,8 +76,8 @@ def shipped_scenes() -> list[str]:
     return sorted(file.stem for file in SHIPPED.glob("*.toml"))
 
 
-def load_scene(scene: "Scene | Mapping[str, Any] | str | PathLike[str]") -> Scene:
-    """The scene of a dict, of a scene file, or of a shipped scene's name.
+def load_scene(scene: "Scene | Mapping[str, Any] | str | PathLike[str]", solved: bool = True) -> Scene:
+    """The scene of a dict, of a scene file, or of a shipped scene's name; one to be `solved` must name a solver.
 
     Raises InputError with the path of the bad key, such as ``contacts.thresholds.std = -1.0: must be above zero``.
     """
@@ -85,7 +85,7 @@ def load_scene(scene: "Scene | Mapping[str, Any] | str | PathLike[str]") -> Scen
         return scene
     if isinstance(scene, Mapping):
         text = to_toml(scene)
-        return _checked("scene", text, tomllib.loads(text), Path())
+        return _checked("scene", text, tomllib.loads(text), Path(), solved)
     file = _find(scene)
     try:
         text = file.read_text(encoding="utf-8")
@@ -94,7 +94,7 @@ def load_scene(scene: "Scene | Mapping[str, Any] | str | PathLike[str]") -> Scen
         raise InputError(f"scene = {str(scene)!r}: cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"scene = {str(scene)!r}: is not TOML: {error}") from error
-    return _checked(file.stem, text, tables, file.parent)
+    return _checked(file.stem, text, tables, file.parent, solved)
 
 
 def _find(scene: object) -> Path:
@@ -108,9 +108,9 @@ def _find(scene: object) -> Path:
     return file
 
 
-def _checked(name: str, text: str, tables: Mapping[str, Any], folder: Path) -> Scene:
+def _checked(name: str, text: str, tables: Mapping[str, Any], folder: Path, solved: bool) -> Scene:
     table = read_table(tables)
-    if table.master is None and table.eq is None:
+    if solved and table.master is None and table.eq is None:
         raise InputError("scene: has neither [master] nor [eq], so nothing would be computed; add one of them")
     to = positive("drive.to", table.drive.to)
     points = whole("drive.points", table.drive.points, least=2)

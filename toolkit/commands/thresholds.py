@@ -24,7 +24,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     from toolkit.results import sample_curve
     from toolkit.scene import load_scene
 
-    scene = load_scene(arguments.scene)
+    scene = load_scene(arguments.scene, solved=False)
     folder = arguments.out or f"{scene.name}-output"
     thresholds = scene.contacts.thresholds
     numbers = table(thresholds)
