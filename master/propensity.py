@@ -9,7 +9,7 @@ import numpy.typing as npt
 from master.decoherence import decoherence_length
 from master.problem import Problem
 from master.renewal import LaterReleased
-from master.solve import MOST_NODES, estimate, first_step, round_off
+from master.solve import MOST_NODES, SMOOTH, estimate, first_step, round_off
 from master.steady import steady_state
 from origins import Contacts
 from origins.contacts import check_contacts
@@ -118,7 +118,7 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
         if len(found) >= 3:
             last, before = np.abs(found[-1] - found[-2]), np.abs(found[-2] - found[-3])
             diverges = problem.law.diverges
-            error = np.array([estimate(float(a), float(b), False, diverges) for a, b in zip(last, before, strict=True)])
+            error = np.array([estimate(float(a), float(b), SMOOTH, diverges) for a, b in zip(last, before, strict=True)])
             if rough:  # a single value beside a jump converges unevenly: one small change proves nothing
                 error = 4.0 * np.maximum(last, before / 16.0)
             error += floor + later.left_out

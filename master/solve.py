@@ -16,6 +16,7 @@ Array = npt.NDArray[np.float64]
 
 ROUND_OFF = 1e-13
 MOST_NODES = 2**20
+SMOOTH = 1.0 / 32.0  # four times what is left of a difference at eighth order would be 1/64
 _FEWEST_NODES = 64
 _STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
 _BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
@@ -100,7 +101,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 around = around[later.step_at(around) < coarser[0].step_at(around)]
                 difference = max(difference, float(np.abs(later(around) - coarser[0](around)).max(initial=0.0)))
             handed_over = 1.5 * float(change[~finer].max(initial=0.0))
-            error = max(estimate(difference, before, rough, problem.law.diverges), handed_over)
+            error = max(estimate(difference, before, _least(problem, step), problem.law.diverges), handed_over)
             error += later.left_out + floor
             if np.isfinite(before):
                 if best is None or error < best[1]:
@@ -123,6 +124,15 @@ def round_off(problem: Problem) -> float:
     return ROUND_OFF * (1.0 + problem.end) + 2e-16 * problem.end**2 + problem.first.error
 
 
+def _least(problem: Problem, step: float) -> float:
+    """The smallest part of the last difference that is believed to be the error left."""
+    if not problem.rough:
+        return SMOOTH
+    tallest = np.abs(np.concatenate([problem.law.jump_sizes, problem.first.jump_sizes])).max(initial=0.0)
+    # what stands between two jumps closer than some nodes is not resolved: there nothing falls evenly yet
+    return 2.0 if tallest * step > 0.25 else 0.25
+
+
 def _around(x: Array, step: float) -> Array:
     """Some nodes to either side of the positions x: beside jumps, errors depend on where among nodes a point falls."""
     near = (x[:: 1 + x.size // _MOST_AROUND, None] + step * _BESIDE).ravel()
@@ -141,16 +151,16 @@ def first_step(problem: Problem, end: float, tolerance: float) -> float:
     return step
 
 
-def estimate(difference: float, before: float, rough: bool, diverges: bool) -> float:
+def estimate(difference: float, before: float, least: float, diverges: bool) -> float:
     """Error of the last of three lattices from the two differences between them.
 
     With errors that fall by r from each lattice to the next, the last error is r/(1-r) of the last difference. The
-    ratio seen is taken with a margin of 4; one below 1/128 (beside jumps, where convergence is slower, 1/16) may be
-    luck and counts as that. Beside a diverging density errors may fall by less than half from lattice to lattice.
+    ratio seen is taken with a margin of 4, but never for less than `least`: a small one may be luck. Beside a
+    diverging density errors fall unevenly, and by less than half each time.
     """
     if difference == 0.0:
         return 0.0
     if diverges:
-        return 8.0 * max(difference, 0.5 * min(before, difference * 8.0))
+        return 4.0 * max(difference, 0.25 * before if np.isfinite(before) else 0.0)
     ratio = difference / before if before > 0.0 else 1.0
-    return difference * max(4.0 * ratio if ratio < 0.25 else 2.0, 0.25 if rough else 0.03125)
+    return difference * max(4.0 * ratio if ratio < 0.25 else 2.0, least)

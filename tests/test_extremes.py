@@ -87,7 +87,9 @@ def test_weight_at_a_point_that_no_node_can_reach_is_not_lost(law) -> None:
     contacts = origins.Contacts(law)
     found = master.solve(contacts, [0.0, 30.0 * contacts.mean_threshold], 1e-4)
     kinetic = master.steady_state(contacts).force
-    assert abs(found.force[-1] - kinetic) <= max(found.force_error, 1e-3) * contacts.mean_threshold
+    assert abs(found.force[-1] - kinetic) <= found.force_error * contacts.mean_threshold
+    # without that weight the force drifts by several mean thresholds
+    assert found.force_error < 0.1
 
 
 @pytest.mark.parametrize(

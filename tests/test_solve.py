@@ -303,21 +303,41 @@ def test_a_thousand_mean_thresholds(tolerance):
     assert error <= solution.force_error
 
 
+def first_generation(start: float, path: np.ndarray) -> np.ndarray:
+    """F on rectangular(0.5, 1.5) from one stretch, before any contact can break twice: thresholds are uniform
+    between the larger of 0.5 and |start| and 1.5, so a contact breaks evenly over X, and restarts at 0."""
+    least = max(0.5, abs(start))
+    onset, width = least - start, 1.5 - least
+    broken = np.clip(path - onset, 0.0, width)
+    reborn = ((path - onset) ** 2 - (path - onset - broken) ** 2) / (2.0 * width)
+    return (start + path) * (1.0 - broken / width) + np.where(broken > 0.0, reborn, 0.0)
+
+
+@pytest.mark.parametrize("start", [1.4999, -1.4999, 0.5, -0.5, 1.2])
+def test_single_starts_on_a_bounded_law(start):
+    path = np.linspace(0.0, max(0.5, abs(start)) - start + 0.5, 81)
+    found = master.solve(origins.Contacts(origins.rectangular(0.5, 1.5), start), path, 1e-9)
+    assert found.success
+    assert np.abs(found.force - first_generation(start, path)).max() <= found.force_error
+
+
 @pytest.mark.parametrize(
-    "start",
-    [1.4999, -1.4999, 0.5, -0.5, 1.2, origins.gaussian_start(1.4, 0.012), scipy.stats.uniform(-0.3, 0.6)],
-    ids=["near the end", "far behind", "at the onset", "behind the onset", "within", "gaussian", "uniform"],
+    "start", [origins.gaussian_start(1.3, 0.02), scipy.stats.uniform(-0.3, 0.6)], ids=["gaussian", "uniform"]
 )
-def test_starts_on_a_bounded_law(start):
-    """The second road: before the second generation, thresholds are conditional on exceeding the start's size."""
+def test_spread_starts_on_a_bounded_law(start):
     contacts = origins.Contacts(origins.rectangular(0.5, 1.5), start)
-    fine = master.solve(contacts, np.linspace(0.0, 4.03, 81), 1e-9)
-    loose = master.solve(contacts, np.linspace(0.0, 4.0, 81), 1e-6)
-    assert fine.success
-    assert loose.success
-    again = master.solve(contacts, np.linspace(0.0, 4.0, 81), 1e-9)
-    assert np.abs(again.force - loose.force).max() <= 1e-6
-    assert fine.force[0] == pytest.approx(contacts.start.mean(), abs=1e-12)
+    low, high = contacts.start.span
+    # where |x| = 0.5 or a first break begins, the average over the start has a bend: many short panels
+    path = np.linspace(0.0, 0.5, 21) if low > 0.5 else np.linspace(0.0, 0.65, 21)
+    edges = np.linspace(low, high, 4001)
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    half = 0.5 * np.diff(edges)[:, None]
+    x = (0.5 * (edges[1:] + edges[:-1])[:, None] + half * nodes).ravel()
+    weight = (half * weights).ravel() * contacts.start.pdf(x)
+    exact = sum(w * first_generation(one, path) for one, w in zip(x, weight, strict=True))
+    found = master.solve(contacts, path, 1e-9)
+    assert found.success
+    assert np.abs(found.force - exact).max() <= found.force_error + 1e-8  # panels bent inside
 
 
 @pytest.mark.parametrize(
