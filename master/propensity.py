@@ -118,7 +118,8 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
         if len(found) >= 3:
             last, before = np.abs(found[-1] - found[-2]), np.abs(found[-2] - found[-3])
             diverges = problem.law.diverges
-            error = np.array([estimate(float(a), float(b), SMOOTH, diverges) for a, b in zip(last, before, strict=True)])
+            pairs = zip(last, before, strict=True)
+            error = np.array([estimate(float(a), float(b), SMOOTH, diverges) for a, b in pairs])
             if rough:  # a single value beside a jump converges unevenly: one small change proves nothing
                 error = 4.0 * np.maximum(last, before / 16.0)
             error += floor + later.left_out
