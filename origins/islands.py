@@ -144,7 +144,7 @@ def _cut(
         refuse("lattice_constant", lattice_constant, f"gives more than {_MOST_ATOMS} atoms; take a smaller island")
     j = np.arange(-ceil(reach[1] / row) - 1, ceil(reach[1] / row) + 2)
     i = np.arange(-ceil(reach[0] / a) - 2, ceil(reach[0] / a) + 2)
-    slant = 0.5 * (j % 2) if lattice == "triangular" else np.zeros(j.size)
+    slant = 0.5 * (j % 2) * float(lattice == "triangular")
     x = (i + slant[:, None] + shift[0]) * a
     y = np.repeat((j + shift[1]) * row, i.size).reshape(x.shape)
     kept = inside(x, y, _EDGE * a)
@@ -155,7 +155,8 @@ def _atoms(points: Array) -> "ase.Atoms":
     import ase
 
     # element 0 is ASE's own dummy, of mass 1
-    return ase.Atoms(numbers=np.zeros(len(points), dtype=int), positions=np.column_stack([points, np.zeros(len(points))]))
+    flat = np.zeros(len(points))
+    return ase.Atoms(numbers=np.zeros(len(points), dtype=int), positions=np.column_stack([points, flat]))
 
 
 def positions_of(atoms: object) -> Array:
