@@ -10,11 +10,12 @@ import numpy.typing as npt
 
 from eq_model import layout
 from eq_model.beginning import redraw, tables
-from eq_model.lattice import Whole, force, joined, make_lattice, split
+from eq_model.lattice import Whole, force, joined, make_lattice, split, variance
 from eq_model.rare import unseen_variance
 from origins import Contacts, Drive
 from origins.errors import refuse, whole
-from origins.quantile import FINE_BITS, HOT_MISSING, QuantileTable
+from origins.hot_cells import HOT_MISSING, MOST_PIECES, WHOLE, HotCells
+from origins.quantile import FINE_BITS, QuantileTable
 from origins.streams import MOST_REPLICAS, key_of
 
 Array = npt.NDArray[np.float64]
@@ -29,6 +30,7 @@ class EnsembleResult:
     path : the path asked for, shape (n,), lengths.
     force : mean stretch over all contacts and replicas at each X, shape (n,), a length (force per N_c <k>).
     force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for one contact.
+        The variance is that of the first 2^18 contacts and of every eighth 2^16 of the others.
         Where fewer than 100 breaks are expected, it is at least what they add to the variance, seen or not.
     holding : fraction of contacts that hold, shape (n,): all.
     breaks : breaks in all; breaks_per_rank : of each rank.
@@ -87,9 +89,10 @@ class Ensemble:
         self.lattice = make_lattice(
             positions, origin, self._table.scale, longest + furthest, exact=contacts.thresholds.atoms[0].size > 0
         )
-        self._births, self._squares, self.breaks = np.zeros(2, np.int64), np.zeros(2, np.int64), 0
         bins = self.lattice.bin_cell.size
-        self._sums = np.zeros((2, 2 * bins), np.int64)
+        self.breaks = 0
+        # limbs of all births and of each bin's thresholds; of those measured also squared births and second moments
+        self._sums, self._measured = np.zeros((2, 1 + bins), np.int64), np.zeros((2, 2 + 2 * bins), np.int64)
         self._block_sums = np.zeros(2 * (bins + 1), np.int64)
         self._run_time = time.perf_counter() - started
         started = time.perf_counter()
@@ -109,27 +112,27 @@ class Ensemble:
     def result(self) -> EnsembleResult:
         """What all ranks found; every rank must call, and gets the same bits."""
         started = time.perf_counter()
-        sums = np.concatenate([self._births, self._squares, self._sums.ravel()])
+        sums = np.concatenate([self._sums, self._measured], axis=1)
         breaks_per_rank = [self.breaks]
         if self.comm is not None:
             mine, sums = sums, np.empty_like(sums)
             self.comm.Allreduce(mine, sums)  # whole numbers: the order does not matter
             breaks_per_rank = self.comm.allgather(self.breaks)
-        births, squares, limbs = sums[:2], sums[2:4], sums[4:].reshape(2, -1)
+        bins = self.lattice.bin_cell.size
+        total, part = sums[:, : bins + 1], sums[:, bins + 1 :]
+        births, squares, n = part[:, 0], part[:, 1], layout.measured(self.total)
         # squared distances were taken from the expected mean: this brings them to the mean found
-        from_expected = joined(births) - self.total * self._expected_birth()
-        square_births = joined(squares) / self.lattice.square - from_expected**2 / self.total
-        unseen = unseen_variance(self.contacts, self.lattice.path, self.total)
-        mean, error = force(
-            self.lattice, self.total, births, float(square_births), limbs[:, ::2], limbs[:, 1::2], unseen
-        )
+        from_expected = joined(births) - n * self._expected_birth()
+        square_births = float(joined(squares) / self.lattice.square - from_expected**2 / n)
+        unseen = unseen_variance(self.contacts, self.lattice.path, n)
+        spread = variance(self.lattice, n, births, square_births, part[:, 2::2], part[:, 3::2], unseen)
         run_time = self._run_time + time.perf_counter() - started
         if self.comm is not None:
             run_time = max(self.comm.allgather(run_time))
         return EnsembleResult(
             path=self.lattice.path,
-            force=mean,
-            force_standard_error=error,
+            force=force(self.lattice, self.total, total[:, 0], total[:, 1:]),
+            force_standard_error=np.sqrt(spread / self.total),
             holding=np.ones(self.lattice.path.size),
             breaks=sum(breaks_per_rank),
             breaks_per_rank=breaks_per_rank,
@@ -145,14 +148,15 @@ class Ensemble:
 
         births, firsts = self._begin(block)
         total, squares = kernel.spread(births, self._expected_birth(), self.lattice.square)
-        self._births += split(np.array(total))
-        self._squares += split(np.array(squares))
         self._block_sums[:] = 0
-        path = self.lattice.for_kernel
+        path, measured, sums = self.lattice.for_kernel, layout.is_measured(block.start), self._block_sums
         self.breaks += kernel.run(
-            block.start, len(block), self.n_contacts, self._key, self._main, births, firsts, path, self._block_sums
+            block.start, len(block), self.n_contacts, self._key, self._main, births, firsts, path, measured, sums
         )
-        self._sums += split(self._block_sums[:-2])
+        bins = split(sums[:-2])
+        self._sums += np.concatenate([split(np.array([total])), bins[:, ::2]], axis=1)
+        if measured:
+            self._measured += np.concatenate([split(np.array([total, squares])), bins], axis=1)
 
     def _begin(self, block: range) -> tuple[Whole, Whole]:
         """Starting positions and first thresholds of a block; empty where all start relaxed."""
@@ -194,11 +198,12 @@ def kernel_table(table: QuantileTable, unit: float) -> tuple[Any, ...]:
     factor = table.scale / unit
     # above MISSING after rounding, and four of them beyond a position still below 2^63
     missed = 1.25 * MISSING
-    missing = table.hot_c0 >= HOT_MISSING
-    far = ~missing & (np.abs(table.hot_c0) * factor > FAR)
-    packed = np.zeros((table.hot_c0.size, 2))
-    packed[:, 0] = np.where(missing, missed / factor, np.where(far, FAR / factor, table.hot_c0))
-    slopes = np.stack([table.hot_c1, table.hot_c2], axis=-1)
+    hot = table.hot
+    missing = hot.c0 >= HOT_MISSING
+    far = ~missing & (np.abs(hot.c0) * factor > FAR)
+    packed = np.zeros((hot.c0.size, 2))
+    packed[:, 0] = np.where(missing, missed / factor, np.where(far, FAR / factor, hot.c0))
+    slopes = np.stack([hot.c1, hot.c2], axis=-1)
     packed.view(np.float32)[:, 2:] = np.where((missing | far)[:, None], 0.0, slopes)
     sides, firsts, edges, cubics = [], [], [], []
     place, cells = 0, 0
@@ -212,7 +217,16 @@ def kernel_table(table: QuantileTable, unit: float) -> tuple[Any, ...]:
         cubics += [side.cubics, np.zeros((1, 6))]  # one cell less than edges: kept in step
         place, cells = place + first.size, cells + side.edges.size
     fine = np.array(sides, dtype=np.int64), np.concatenate(firsts), np.concatenate(edges), np.concatenate(cubics)
-    return packed.view(np.int64).ravel(), np.int64(52 - table.hot_bits), factor, *fine
+    return packed.view(np.int64).ravel(), np.int64(52 - hot.bits), _pieces(hot), factor, *fine
+
+
+def _pieces(hot: HotCells) -> npt.NDArray[np.uint32]:
+    """Rows of the pieces as the kernel takes them: two, or with some that no number reaches MOST_PIECES."""
+    n = hot.ends.size - 1
+    ends = np.where(np.arange(n) % 2 == 1, hot.ends[1:], hot.ends[:-1])
+    rows = np.stack([hot.ends[:-1] - 1, ends, np.arange(n) * hot.per_piece], axis=-1)
+    unreached = np.tile([WHOLE - 1, 0, 0], (0 if n == 2 else MOST_PIECES - n, 1))
+    return (np.concatenate([rows, unreached]) % WHOLE).astype(np.uint32)
 
 
 def simulate(

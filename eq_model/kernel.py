@@ -16,7 +16,8 @@ import numpy as np
 from numba import njit, types
 from numba.extending import intrinsic
 
-from origins.quantile import FINE_BITS, HOT_MISSING, HOT_OCTAVES
+from origins.hot_cells import HOT_MISSING, HOT_OCTAVES
+from origins.quantile import FINE_BITS
 from origins.streams import (
     KEY_STEPS,
     MULTIPLIERS,
@@ -37,11 +38,11 @@ MISSING = int(HOT_MISSING)
 _U = np.uint64
 _ONE, _TWO, _HALF, _MASK = _U(1), _U(2), _U(32), _U(0xFFFFFFFF)
 _M0, _M1 = (_U(m) for m in MULTIPLIERS)
-# rows of the scratch array: four thresholds, four second moments of each lane
+# rows of the scratch array: four thresholds of each lane, then four second moments
 _X0, _X1, _X2, _X3 = (_U(k * ROW) for k in range(4))
-_Q0, _Q1, _Q2, _Q3 = (_U(k * ROW) for k in range(4, 8))
+_MOMENTS = _U(4 * ROW)
 _W0, _W1 = (_U(w) for w in KEY_STEPS)
-_LOW31, _TOP = np.uint32(0x7FFFFFFF), np.uint32(31)
+_LOW31, _TOP, _SIGN = np.uint32(0x7FFFFFFF), np.uint32(31), np.int32(31)
 _TAIL, _HALF_WAY = np.uint32(1 << (31 - HOT_OCTAVES)), _U(1 << 31)
 _EXPONENT_ONE = np.int64(0x3FF0000000000000)
 _FINE_SHIFT = np.int64(52 - FINE_BITS)
@@ -100,20 +101,58 @@ def _draw(n, block, second, contact, k0, k1, words):  # type: ignore[no-untyped-
 
 
 @_compiled
-def _find(n, row, words, shift, hot, cell, place, got):  # type: ignore[no-untyped-def]
+def _count(n, row, words, pieces, count, base):  # type: ignore[no-untyped-def]
+    """Where a row of n words lies in pieces: the distance from the piece's end in 2^-32, and its first place.
+
+    pieces : MOST_PIECES rows: one less than a piece's first whole number, the end it is counted from, its first place.
+    """
+    start = _U(row * ROW)
+    b1, b2, b3, b4, b5 = pieces[1, 0], pieces[2, 0], pieces[3, 0], pieces[4, 0], pieces[5, 0]
+    e0, e1, e2, e3, e4, e5 = pieces[0, 1], pieces[1, 1], pieces[2, 1], pieces[3, 1], pieces[4, 1], pieces[5, 1]
+    p1, p2, p3, p4, p5 = pieces[1, 2], pieces[2, 2], pieces[3, 2], pieces[4, 2], pieces[5, 2]
+    for i in range(_U(n)):
+        word = words[i + start]
+        m = np.uint32(word ^ (np.uint32(np.int32(word) >> _SIGN) & _LOW31))  # in the order of u
+        end, first = e0, np.uint32(0)
+        if m > b1:
+            end, first = e1, p1
+        if m > b2:
+            end, first = e2, p2
+        if m > b3:
+            end, first = e3, p3
+        if m > b4:
+            end, first = e4, p4
+        if m > b5:
+            end, first = e5, p5
+        # below its end a distance is the complement
+        apart = np.int32(m - end)
+        count[i] = np.uint32(apart ^ (apart >> _SIGN))
+        base[i] = first
+
+
+@_compiled
+def _find(n, row, words, shift, hot, pieces, count, base, cell, place, got):  # type: ignore[no-untyped-def]
     """The hot cells of a row of n words, side by side, and the place of each word in its cell.
 
-    The top bit of a word is the side, the rest counts v in 2^-32.
+    The top bit of a word is the side, the rest counts v in 2^-32; two pieces are the two sides.
     """
     least = _FIRST_OCTAVE << (np.int64(52) - shift)
     fraction = (np.int64(1) << shift) - np.int64(1)
-    start = _U(row * ROW)
-    for i in range(_U(n)):
-        count = words[i + start]
-        bits = _bits(np.float64(np.int32(count & _LOW31)) + 0.5)
-        k = max((bits >> shift) - least, np.int64(-1)) + 1
-        cell[i] = np.uint32((k << 1) | np.int64(count >> _TOP))
-        place[i] = _double((bits & fraction) | _EXPONENT_ONE) - 1.0
+    start, stride = _U(row * ROW), np.int64(pieces[1, 2])
+    if pieces.shape[0] == 2:
+        for i in range(_U(n)):
+            word = words[i + start]
+            bits = _bits(np.float64(np.int32(word & _LOW31)) + 0.5)
+            k = max((bits >> shift) - least, np.int64(-1)) + 1
+            cell[i] = np.uint32(k + (np.int64(np.int32(word) >> _SIGN) & stride))
+            place[i] = _double((bits & fraction) | _EXPONENT_ONE) - 1.0
+    else:
+        _count(n, row, words, pieces, count, base)
+        for i in range(_U(n)):
+            bits = _bits(np.float64(np.int32(count[i])) + 0.5)
+            k = max((bits >> shift) - least, np.int64(-1)) + 1
+            cell[i] = np.uint32(k + np.int64(base[i]))
+            place[i] = _double((bits & fraction) | _EXPONENT_ONE) - 1.0
     # sixteen bytes copied at a time are faster than what a vector unit gathers
     for i in range(_U(n)):
         k, j = _U(cell[i]) << _ONE, i << _ONE
@@ -139,27 +178,33 @@ def _moment(x, c, low, square):  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _advance(n, position, offset, shift, top, square, work, bins):  # type: ignore[no-untyped-def]
-    """Move n lanes on by four thresholds each: second moments, and twice the lattice cells, at most `top`."""
-    low = (np.int64(1) << shift) - np.int64(1)
+def _advance(n, position, offset, shift, top, work, bins):  # type: ignore[no-untyped-def]
+    """Move n lanes on by four thresholds each; twice the lattice cells of the breaks, at most `top`."""
     for i in range(_U(n)):
-        x = work[i + _X0]
-        c = position[i] + offset + x
-        work[i + _Q0] = _moment(x, c, low, square)
+        c = position[i] + offset + work[i + _X0]
         bins[i + _X0] = np.int32(min(c >> shift, top) << 1)
-        x = work[i + _X1]
-        c += x
-        work[i + _Q1] = _moment(x, c, low, square)
+        c += work[i + _X1]
         bins[i + _X1] = np.int32(min(c >> shift, top) << 1)
-        x = work[i + _X2]
-        c += x
-        work[i + _Q2] = _moment(x, c, low, square)
+        c += work[i + _X2]
         bins[i + _X2] = np.int32(min(c >> shift, top) << 1)
-        x = work[i + _X3]
-        c += x
-        work[i + _Q3] = _moment(x, c, low, square)
+        c += work[i + _X3]
         bins[i + _X3] = np.int32(min(c >> shift, top) << 1)
         position[i] = c - offset
+
+
+@_compiled
+def _measure(n, position, offset, shift, square, work):  # type: ignore[no-untyped-def]
+    """Second moments of the four breaks of n lanes, from where these have moved to."""
+    low = (np.int64(1) << shift) - np.int64(1)
+    for i in range(_U(n)):
+        c, x = position[i] + offset, work[i + _X3]
+        work[i + _MOMENTS + _X3] = _moment(x, c, low, square)
+        c, x = c - x, work[i + _X2]
+        work[i + _MOMENTS + _X2] = _moment(x, c, low, square)
+        c, x = c - x, work[i + _X1]
+        work[i + _MOMENTS + _X1] = _moment(x, c, low, square)
+        c, x = c - x, work[i + _X0]
+        work[i + _MOMENTS + _X0] = _moment(x, c, low, square)
 
 
 @_compiled
@@ -208,21 +253,13 @@ def spread(births, expected, square):  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _collect(n, work, bins, sums):  # type: ignore[no-untyped-def]
-    """Sum four breaks of each of n lanes into their bins."""
+def _collect(n, work, rows, bins, sums, column):  # type: ignore[no-untyped-def]
+    """Sum four rows of n lanes, from work[rows] on, into a column of their bins."""
     for i in range(_U(n)):
-        h = _U(bins[i + _X0])
-        sums[h] += work[i + _X0]
-        sums[h + _ONE] += work[i + _Q0]
-        h = _U(bins[i + _X1])
-        sums[h] += work[i + _X1]
-        sums[h + _ONE] += work[i + _Q1]
-        h = _U(bins[i + _X2])
-        sums[h] += work[i + _X2]
-        sums[h + _ONE] += work[i + _Q2]
-        h = _U(bins[i + _X3])
-        sums[h] += work[i + _X3]
-        sums[h + _ONE] += work[i + _Q3]
+        sums[_U(bins[i + _X0]) + column] += work[i + rows + _X0]
+        sums[_U(bins[i + _X1]) + column] += work[i + rows + _X1]
+        sums[_U(bins[i + _X2]) + column] += work[i + rows + _X2]
+        sums[_U(bins[i + _X3]) + column] += work[i + rows + _X3]
 
 
 @_compiled
@@ -273,11 +310,12 @@ def begin(first, n_contacts, key, table, start_table, single, births, thresholds
     each of P_c, -1 where it does not exceed the starting stretch and must be drawn again, knowing that.
     """
     (k0, k1), many = key, _U(n_contacts)
-    hot, hot_shift, factor, sides, fine, edges, cubics = table
+    hot, hot_shift, pieces, factor, sides, fine, edges, cubics = table
     n = births.size
     second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
     words = np.empty(4 * ROW, np.uint32)
     cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
+    count, base = np.empty(LANES, np.uint32), np.empty(LANES, np.uint32)
     for done in range(0, n, LANES):
         m = min(LANES, n - done)
         for i in range(m):
@@ -286,9 +324,9 @@ def begin(first, n_contacts, key, table, start_table, single, births, thresholds
             second[i], contact[i] = _START | replica, index - replica * many
         _draw(m, block, second, contact, k0, k1, words)
         if not single:
-            _find(m, 0, words, start_table[1], start_table[0], cell, place, got)
-            _values(m, got, place, start_table[2], _U(done), births)
-        _find(m, 1, words, hot_shift, hot, cell, place, got)
+            _find(m, 0, words, start_table[1], start_table[0], start_table[2], count, base, cell, place, got)
+            _values(m, got, place, start_table[3], _U(done), births)
+        _find(m, 1, words, hot_shift, hot, pieces, count, base, cell, place, got)
         _values(m, got, place, factor, _U(done), thresholds)
         for i in range(m):
             j, tail = done + i, second[i] ^ _START ^ _START_TAILS
@@ -296,7 +334,7 @@ def begin(first, n_contacts, key, table, start_table, single, births, thresholds
                 if births[j] >= MISSING:
                     more = _more(words[i], 0, 0, tail, contact[i], k0, k1)
                     births[j] = _exact(
-                        words[i], more, start_table[2], start_table[3], start_table[4], start_table[5], start_table[6]
+                        words[i], more, start_table[3], start_table[4], start_table[5], start_table[6], start_table[7]
                     )
                 births[j] = -births[j]
             if thresholds[j] >= MISSING:
@@ -313,7 +351,7 @@ def _finish(n, words, work, position, block, second, contact, key, table, lattic
     Lanes whose contact is done are listed in free. Returns their number and that of all breaks of n lanes.
     """
     end, (k0, k1) = lattice[2], key
-    _, _, factor, sides, fine, edges, cubics = table
+    _, _, _, factor, sides, fine, edges, cubics = table
     n_free, breaks = 0, 4 * n
     for j in range(n):
         if position[j] <= end:
@@ -369,20 +407,22 @@ def _refill(n_free, free, taken, n, first, many, births, thresholds, position, b
 
 
 @_compiled
-def run(first, n, n_contacts, key, table, births, thresholds, lattice, sums):  # type: ignore[no-untyped-def]
+def run(first, n, n_contacts, key, table, births, thresholds, lattice, measured, sums):  # type: ignore[no-untyped-def]
     """Follow contacts first ... first + n - 1 to the path's end; the number of breaks on the way.
 
     births, thresholds : the contacts' starting positions and first thresholds; empty where all start relaxed at 0.
     lattice : (offset, shift, end, top, square, bound, crowds, points); sums : shape (2 (top + 1),), increased by
-    the thresholds that broke in each bin and by their second moments, in turn; the last bin holds no sense.
+    the thresholds that broke in each bin and by their second moments, in turn; the last bin holds no sense, nor do the
+    moments unless `measured`.
     """
     offset, shift, end, top, square = lattice[:5]
-    hot, hot_shift, factor = table[:3]
+    hot, hot_shift, pieces, factor = table[:4]
     (k0, k1), many, aligned = key, _U(n_contacts), lattice[5].size == 0
     second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
     position, free = np.empty(LANES, np.int64), np.arange(LANES)
     words, bins = np.empty(4 * ROW, np.uint32), np.empty(4 * ROW, np.int32)
     cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
+    count, base = np.empty(LANES, np.uint32), np.empty(LANES, np.uint32)
     work = np.empty(8 * ROW, np.int64)
     breaks, taken, lanes, n_free = 0, 0, LANES, LANES
     while True:
@@ -405,12 +445,15 @@ def run(first, n, n_contacts, key, table, births, thresholds, lattice, sums):  #
             return breaks
         _draw(lanes, block, second, contact, k0, k1, words)
         for k in range(4):
-            _find(lanes, k, words, hot_shift, hot, cell, place, got)
+            _find(lanes, k, words, hot_shift, hot, pieces, count, base, cell, place, got)
             _values(lanes, got, place, factor, _U(k * ROW), work)
-        _advance(lanes, position, offset, shift, top if aligned else np.int64(0), square, work, bins)
+        _advance(lanes, position, offset, shift, top if aligned else np.int64(0), work, bins)
         if not aligned:
             _bin_all(lanes, position, work, lattice, bins)
-        _collect(lanes, work, bins, sums)
+        _collect(lanes, work, _X0, bins, sums, _X0)
+        if measured:
+            _measure(lanes, position, offset, shift, square, work)
+            _collect(lanes, work, _MOMENTS, bins, sums, _ONE)
         n_free, done = _finish(
             lanes, words, work, position, block, second, contact, key, table, lattice, sums, free
         )

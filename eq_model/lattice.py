@@ -148,17 +148,31 @@ def joined(limbs: Whole) -> Array:
     return limbs[0] * 2.0**_LIMB + limbs[1]
 
 
-def force(
-    lattice: Lattice, n: int, births: Whole, square_births: float, moved: Whole, moments: Whole, unseen: Array
-) -> tuple[Array, Array]:
-    """Mean stretch of n contacts at each path point and its standard error (lengths, shape (n_points,)).
+def force(lattice: Lattice, n: int, births: Whole, moved: Whole) -> Array:
+    """Mean stretch of n contacts at each path point (lengths, shape (n_points,)).
 
-    births : limbs (2,) of the sum of the starting positions; square_births : sum of their squared distances from
-    their mean, in units^2; moved, moments : limbs (2, bins) of the thresholds broken in each bin and of the
-    second moments, (b - r)^2 - (b - x - r)^2 with r the last position of the bin's cell.
-    unseen : where it is above zero, the variance at a path point is at least this and that of the start, lengths^2.
+    births : limbs (2,) of the sum of the starting positions; moved : limbs (2, bins) of the thresholds broken in each
+    bin.
     """
-    order = np.lexsort((lattice.bin_point, lattice.bin_cell))
+    order, last = _order(lattice)
+    total = joined(carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None]))
+    position = np.concatenate([joined(carried(births))[None], total])
+    return (lattice.path - lattice.origin) - lattice.unit * (position[last] / n)[lattice.place]
+
+
+def variance(
+    lattice: Lattice, n: int, births: Whole, square_births: float, moved: Whole, moments: Whole, unseen: Array
+) -> Array:
+    """Variance of the stretch between n contacts at each path point (lengths^2, shape (n_points,)); inf for n = 1.
+
+    births, moved : as for `force`; square_births : sum of the squared distances of the starting positions from their
+    mean, in units^2; moments : limbs (2, bins) of the second moments of the thresholds broken in each bin,
+    (b - r)^2 - (b - x - r)^2 with r the last position of the bin's cell.
+    unseen : where it is above zero, the variance is at least this and that of the start, lengths^2.
+    """
+    if n == 1:
+        return np.full(lattice.path.shape, np.inf)
+    order, last = _order(lattice)
     total = carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None])
     # the bins in the order of the path: b is the sum of all births before each bin, relative to its cell
     before = joined(np.concatenate([carried(births)[:, None], total[:, :-1]], axis=1))
@@ -167,13 +181,12 @@ def force(
     change = joined(carried(moved))[order]
     spread = joined(carried(moments))[order] / lattice.square - change * (2.0 * start + change) / n
     spread = np.concatenate([[square_births], square_births + np.cumsum(spread)])
-    position = np.concatenate([joined(carried(births))[None], joined(total)])
-    # the last bin of each path point
-    last = np.searchsorted(lattice.bin_point[order], np.arange(lattice.points.size), side="right")
-    mean = (lattice.path - lattice.origin) - lattice.unit * (position[last] / n)[lattice.place]
-    if n == 1:
-        return mean, np.full(mean.shape, np.inf)
     scale = lattice.unit**2 / (n - 1)
     least = np.where(unseen > 0.0, square_births * scale + unseen, 0.0)
-    variance = np.maximum(np.maximum(spread[last], 0.0)[lattice.place] * scale, least)
-    return mean, np.sqrt(variance / n)
+    return np.maximum(np.maximum(spread[last], 0.0)[lattice.place] * scale, least)
+
+
+def _order(lattice: Lattice) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """The bins in the order of the path, and how many of them lie up to each path point."""
+    order = np.lexsort((lattice.bin_point, lattice.bin_cell))
+    return order, np.searchsorted(lattice.bin_point[order], np.arange(lattice.points.size), side="right")

@@ -8,7 +8,8 @@ import numpy.typing as npt
 
 from eq_model.lattice import Lattice, Whole
 from origins import streams
-from origins.quantile import HOT_MISSING, HOT_OCTAVES, QuantileTable
+from origins.hot_cells import HOT_MISSING, HOT_OCTAVES
+from origins.quantile import QuantileTable
 
 Words = npt.NDArray[np.uint32]
 
@@ -18,13 +19,9 @@ def values(table: QuantileTable, unit: float, words: Words, more: Words) -> Whol
     factor = table.scale / unit
     count = (words & np.uint32(0x7FFFFFFF)).astype(np.int64)
     above = words >> np.uint32(31) == 1
-    bits = (count + 0.5).view(np.int64)
-    shift = 52 - table.hot_bits
-    cell = np.maximum((bits >> shift) - ((1023 + 31 - HOT_OCTAVES) << table.hot_bits), -1) + 1
-    cell = 2 * cell + above
-    place = ((bits & ((1 << shift) - 1)) | (1023 << 52)).view(np.float64) - 1.0
-    y = table.hot_c0[cell] + place * (table.hot_c1[cell] + place * table.hot_c2[cell])
-    missing = table.hot_c0[cell] == HOT_MISSING
+    cell, t = table.hot.find(np.where(above, (1 << 32) - 1 - count, count))
+    y = table.hot.value(cell, t)
+    missing = y >= HOT_MISSING
     rest = np.where(count < 1 << (31 - HOT_OCTAVES), more, 1 << 31).astype(np.int64)
     v = (((count << 32) | rest)[missing].astype(float) + 0.5) * 2.0**-64
     y[missing] = np.where(above[missing], table.upper(v), table.lower(v))

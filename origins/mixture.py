@@ -53,6 +53,7 @@ class Mixture(Thresholds):
         if self._support[0] < self._support[1]:
             self._lowest_atom = float(self._atoms[1][self._atoms[0] == self._support[0]].sum())
         self._steps = self._find_steps()
+        self._order = np.argsort([float(component.ppf(0.5)) for component in self.components])
 
     def _collect_atoms(self) -> tuple[Array, Array]:
         pairs = [(c.atoms[0], w * c.atoms[1]) for c, w in zip(self.components, self.weights, strict=True)]
@@ -110,14 +111,27 @@ class Mixture(Thresholds):
         # a component alone holds weight * cdf <= q at the quantile, which bounds it from above
         for c, w in zip(self.components, self.weights, strict=True):
             right = np.where(q < w, np.minimum(right, c.ppf(np.minimum(q / w, 1.0))), right)
-        return self._solve(q, -np.log1p(-q), left, right, right, 1)
+        return self._solve(q, -np.log1p(-q), left, right, self._side_by_side(q, self._order, False), 1)
 
     def _isf(self, q: Array) -> Array:
         own = np.stack([c.isf(q) for c in self.components])
         left, right = own.min(axis=0), own.max(axis=0)
         for c, w in zip(self.components, self.weights, strict=True):
             left = np.where(q < w, np.maximum(left, c.isf(np.minimum(q / w, 1.0))), left)
-        return self._solve(q, -np.log(q), left, right, left, 2)
+        return self._solve(q, -np.log(q), left, right, self._side_by_side(q, self._order[::-1], True), 2)
+
+    def _side_by_side(self, q: Array, order: npt.NDArray[np.intp], from_above: bool) -> Array:
+        """Quantiles as if no component reached into the next: a guess, the better the further apart they are."""
+        ends = np.cumsum(self.weights[order])
+        turn = np.minimum(np.searchsorted(ends, q), ends.size - 1)
+        out = np.empty(q.shape)
+        for k, index in enumerate(order):
+            here, component, weight = turn == k, self.components[index], self.weights[index]
+            near = np.clip((q[here] - (ends[k] - weight)) / weight, 0.0, 1.0)
+            far = np.clip((ends[k] - q[here]) / weight, 0.0, 1.0)
+            first, second = (component.isf, component.ppf) if from_above else (component.ppf, component.isf)
+            out[here] = np.where(near < far, first(near), second(far))
+        return out
 
     def _solve(self, q: Array, hazard: Array, left: Array, right: Array, guess: Array, column: int) -> Array:
         out, known = np.empty(q.shape), np.zeros(q.shape, dtype=bool)

@@ -14,7 +14,7 @@ from scipy.special import ndtr
 
 import eq_model
 import origins
-from eq_model import kernel, twin
+from eq_model import kernel, layout, simulate, twin
 from eq_model.beginning import redraw, tables
 from eq_model.closest import closest, draw_start
 from eq_model.ensemble import Ensemble, kernel_table
@@ -55,7 +55,12 @@ def test_compiled_philox_equals_the_published_one() -> None:
         assert [int(w) for w in one(*counter, np.uint64(key[0]), np.uint64(key[1]))] == words.tolist()
 
 
-@pytest.mark.parametrize("law", [GAUSSIAN, GAP, ATOM, origins.gw_elastic(1.0)], ids=["gaussian", "gap", "atom", "gw"])
+PEAKS = origins.mixture([origins.gaussian(m, 0.1) for m in (1.0, 2.5, 4.0)], [0.2, 0.3, 0.5])
+
+
+@pytest.mark.parametrize(
+    "law", [GAUSSIAN, GAP, PEAKS, ATOM, origins.gw_elastic(1.0)], ids=["gaussian", "gap", "peaks", "atom", "gw"]
+)
 @pytest.mark.parametrize("path", [np.linspace(0.0, 7.0, 36), IRREGULAR], ids=["even", "irregular"])
 def test_kernel_equals_its_plain_twin_bit_by_bit(law: Any, path: np.ndarray) -> None:
     table, start = quantile_table(law), quantile_table(GAUSSIAN_START)
@@ -70,7 +75,7 @@ def test_kernel_equals_its_plain_twin_bit_by_bit(law: Any, path: np.ndarray) -> 
     none = np.empty(0, np.int64)
     for births, thresholds in ((begins, np.maximum(firsts, np.abs(begins))), (none, none)):
         sums = np.zeros(2 * lattice.bin_cell.size + 2, np.int64)
-        breaks = kernel.run(first, n, n_contacts, words, compiled, births, thresholds, lattice.for_kernel, sums)
+        breaks = kernel.run(first, n, n_contacts, words, compiled, births, thresholds, lattice.for_kernel, True, sums)
         expected_breaks, expected_sums = twin.run(first, n, n_contacts, key, table, births, thresholds, lattice)
         assert breaks == expected_breaks > 0
         assert (sums[:-2].reshape(-1, 2) == expected_sums).all()
@@ -398,9 +403,36 @@ def test_limbs_are_exact_beyond_one_word() -> None:
 
 def test_draws_that_the_hot_cells_do_not_hold_four_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     """A contact all of whose draws of a round are left to the fine cells keeps its place: nothing overflows."""
-    monkeypatch.setattr("origins.quantile._HOT_BITS", (3,))
+    monkeypatch.setattr("origins.hot_cells._BITS", (3,))
     law = origins.mixture([origins.rectangular(0.2, 0.5), origins.gaussian(1.0, 0.05)], [0.3, 0.7])
     path = np.linspace(0.0, 60.0, 41)
     found = eq_model.simulate(origins.Contacts(law), path, n_contacts=3000, seed=5)
     kinetic = law.moment(2) / (2.0 * law.mean())
     assert abs(found.force[-1] - kinetic) < 5.0 * found.force_standard_error[-1]
+
+
+@pytest.mark.parametrize("total", [1, 70_000, 1 << 18, (1 << 18) + 5, 1 << 19, (1 << 19) + 70_000, 3_000_000])
+@pytest.mark.parametrize("size", [1, 3])
+def test_blocks_are_measured_whole_and_counted_once(total: int, size: int) -> None:
+    covered, measured = 0, 0
+    for rank in range(size):
+        for block in layout.blocks(layout.share(total, rank, size), 100.0):
+            assert block.start == covered
+            covered = block.stop
+            kinds = {layout.is_measured(contact) for contact in (block.start, block.stop - 1)}
+            assert len(kinds) == 1
+            measured += len(block) if kinds.pop() else 0
+    assert covered == total and measured == layout.measured(total)
+
+
+@pytest.mark.parametrize("start", [None, GAUSSIAN_START], ids=["relaxed", "gaussian"])
+def test_the_part_that_is_measured_speaks_for_all(start: Any) -> None:
+    contacts, path = origins.Contacts(origins.gw_elastic(1.0), start=start), np.linspace(0.0, 2.0, 9)[1:]
+    few = simulate(contacts, path, n_contacts=1 << 18, seed=5)
+    many = simulate(contacts, path, n_contacts=3 << 19, seed=5)
+    # the variances are those of 2^18 and of 3 * 2^17 contacts, the first part the same
+    ratio = many.force_standard_error / few.force_standard_error * np.sqrt(6.0)
+    kurtosis = 9.0
+    assert np.abs(ratio - 1.0).max() < 5.0 * np.sqrt((kurtosis - 1.0) / 4.0 * (1.0 - 2.0 / 3.0) / 2.0**18)
+    # the mean is that of all
+    assert (np.abs(many.force - few.force) > 0.0).all()

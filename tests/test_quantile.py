@@ -7,7 +7,8 @@ import pytest
 from scipy import stats
 
 import origins
-from origins.quantile import HOT_MISSING, HOT_OCTAVES, QuantileTable, quantile_table
+from origins.hot_cells import HOT_MISSING, MOST_PIECES, WHOLE
+from origins.quantile import QuantileTable, quantile_table
 
 LAWS: dict[str, Any] = {
     "narrow": lambda: origins.gaussian(mean=1.0, std=1e-3),
@@ -19,6 +20,10 @@ LAWS: dict[str, Any] = {
     "persson": lambda: origins.persson(1.0, 0.3),
     "gap": lambda: origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.3, 0.7]),
     "even gap": lambda: origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.5, 0.5]),
+    "two peaks": lambda: origins.mixture([origins.gaussian(0.95, 0.01), origins.gaussian(1.05, 0.01)], [0.4, 0.6]),
+    "two gaps": lambda: origins.mixture([origins.gaussian(m, 0.1) for m in (1.0, 2.5, 4.0)], [0.2, 0.3, 0.5]),
+    "two kinds": lambda: origins.mixture([origins.rectangular(0.2, 0.5), origins.gaussian(2.0, 0.1)], [0.3, 0.7]),
+    "valley": lambda: origins.mixture([origins.gaussian(1.0, 0.2), origins.gaussian(2.0, 0.2)], [0.5, 0.5]),
     "atom in a gaussian": lambda: origins.mixture([origins.identical(0.95), origins.gaussian(1.05, 0.1)], [0.25, 0.75]),
     "heavy tail": lambda: stats.pareto(1.5),
     "unknown gap": lambda: stats.rv_histogram(
@@ -49,15 +54,12 @@ def _off(law: Any, x: np.ndarray, v: np.ndarray, from_above: bool) -> np.ndarray
     return np.maximum(np.maximum(low - v, v - high), 0.0) / v
 
 
-def _hot(table: QuantileTable, v: np.ndarray, from_above: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Values of the hot cells at v >= 2^-12, found by arithmetic, and where there are none."""
-    octave = np.floor(np.log2(v))
-    octave = np.where(2.0**octave > v, octave - 1.0, octave)
-    many = 1 << table.hot_bits
-    inside = (v / 2.0**octave - 1.0) * many
-    cell = 2 * ((octave + 1 + HOT_OCTAVES) * many + np.floor(inside) + 1).astype(int) + from_above
-    values = table.hot(cell, (inside - np.floor(inside)) / many)
-    return values, table.hot_c0[cell] == HOT_MISSING
+def _hot(table: QuantileTable, v: np.ndarray, from_above: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values of the hot cells near v, the v of which they are, and where there are none."""
+    m = np.clip(np.round(v * WHOLE - 0.5), 0, WHOLE // 2 - 1).astype(np.int64)
+    place, t = table.hot.find(WHOLE - 1 - m if from_above else m)
+    values = table.hot.value(place, t)
+    return values * table.scale, (m + 0.5) / WHOLE, values >= HOT_MISSING
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -69,10 +71,29 @@ def test_both_layers_keep_their_promise_at_random_points(name: str) -> None:
         off = _off(law, table.value(v, from_above), v, from_above)
         # between the ten points of a cell the error may be a little larger than at them
         assert off.max() < 1.3e-6
-        frequent = v[(v >= 2.0**-12) & (v < 0.5)]
-        values, missing = _hot(table, frequent, from_above)
-        assert _off(law, values[~missing], frequent[~missing], from_above).max() < 1.3e-6
-        assert missing.mean() < 0.02
+        values, exact, missing = _hot(table, v, from_above)
+        assert _off(law, values[~missing], exact[~missing], from_above).max() < 1.3e-6
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_few_draws_are_left_to_the_fine_cells(name: str) -> None:
+    hot = quantile_table(_law(name)).hot
+    place, _ = hot.find(np.random.default_rng(9).integers(0, WHOLE, 1_000_000))
+    pieces = hot.ends.size - 1
+    tails = pieces * 2.0**-12
+    assert (hot.c0[place] == HOT_MISSING).mean() < 1.1 * (hot.missed + tails) and hot.missed < 0.005
+    assert 2 <= pieces <= MOST_PIECES and pieces % 2 == 0 and hot.ends[0] == 0 and hot.ends[-1] == WHOLE
+
+
+@pytest.mark.parametrize(
+    ("name", "gaps"), [("gap", [0.3]), ("even gap", [0.5]), ("two gaps", [0.2, 0.5]), ("two peaks", [0.4])]
+)
+def test_stretches_end_where_no_threshold_lies(name: str, gaps: list[float]) -> None:
+    hot = quantile_table(_law(name)).hot
+    assert hot.bits == 5
+    # an even gap lies between the two sides as it is
+    inner = hot.ends[2:-1:2] if name != "even gap" else hot.ends[1:-1]
+    assert np.abs(inner / WHOLE - gaps).max() < 1e-5
 
 
 @pytest.mark.parametrize("name", ["gap", "even gap", "unknown gap"])
@@ -85,8 +106,7 @@ def test_no_value_lies_inside_a_gap(name: str) -> None:
     v = np.concatenate([_probabilities(100_000), near[near <= 0.5]])
     for from_above in (False, True):
         values = table.value(v, from_above)
-        frequent = v[(v >= 2.0**-12) & (v < 0.5)]
-        hot, missing = _hot(table, frequent, from_above)
+        hot, _, missing = _hot(table, v, from_above)
         for x in (values, hot[~missing]):
             assert not ((x > left * (1 + 1e-15)) & (x < right * (1 - 1e-15))).any()
 
@@ -103,7 +123,7 @@ def test_values_rise_with_probability() -> None:
 def test_exact_values_come_out_exact() -> None:
     table = quantile_table(origins.identical(0.7))
     assert (table.value(_probabilities(1000), True) == 0.7).all()
-    assert (table.hot_c0[2:] * table.scale == 0.7).all()
+    assert (table.hot.c0[table.hot.c0 < HOT_MISSING] * table.scale == 0.7).all()
     pair = origins.mixture([origins.identical(0.95), origins.identical(1.05)], [0.3, 0.7])
     table = quantile_table(pair)
     v = _probabilities(10_000)
