@@ -1,20 +1,25 @@
 """What one contact is and what is asked of it: thresholds, where they come from, starts, the drive."""
 
+from origins.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.contacts import Contacts
 from origins.drive import Drive
 from origins.errors import InputError
 from origins.gaussian import gaussian
+from origins.greenwood_williamson import pressure_of_separation, separation_of_pressure
+from origins.gw_gaussian import gw_gaussian
 from origins.identical import identical
 from origins.interface import Interface
 from origins.lubricated import lubricated
 from origins.material import Material
 from origins.mixture import mixture
 from origins.persson import persson
+from origins.power_law import PowerLaw
 from origins.rectangular import rectangular
-from origins.rough_contact import from_topography, resolution_study
+from origins.rough_contact import from_moments, from_topography, resolution_study
 from origins.samples import from_samples
 from origins.self_affine import self_affine_surface
-from origins.spectral_moments import SpectralMoments, spectral_moments
+from origins.spectral_moments import SpectralMoments, moments_of_summits, spectral_moments
+from origins.spectrum import moments_of_spectrum
 from origins.start import Start, gaussian_start
 from origins.thresholds import Thresholds
 from origins.weibull import gw_elastic, gw_plastic
@@ -25,21 +30,31 @@ __all__ = [
     "InputError",
     "Interface",
     "Material",
+    "PowerLaw",
     "SpectralMoments",
     "Start",
     "Thresholds",
+    "column_stiffness",
+    "from_moments",
     "from_samples",
     "from_topography",
     "gaussian",
     "gaussian_start",
     "gw_elastic",
+    "gw_gaussian",
     "gw_plastic",
     "identical",
     "lubricated",
+    "mindlin_stiffness",
     "mixture",
+    "moments_of_spectrum",
+    "moments_of_summits",
     "persson",
+    "pressure_of_separation",
     "rectangular",
     "resolution_study",
     "self_affine_surface",
+    "separation_of_pressure",
+    "sound_stiffness",
     "spectral_moments",
 ]

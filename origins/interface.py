@@ -2,8 +2,17 @@
 
 from dataclasses import dataclass
 
+import numpy.typing as npt
+
+from origins.errors import InputError, non_negative
 from origins.material import Material
+from origins.power_law import Array, Bend
 from origins.spectral_moments import SpectralMoments
+
+BOLTZMANN = 1.380649e-23  # J/K, exact in the SI
+_APART = 0.1  # area fraction beyond which summits are hardly apart: this toolkit's choice
+_ISOTROPIC = 1.5  # ratio of rms slopes along the axes, likewise
+_PLASTIC = 0.01  # fraction of contacts, likewise
 
 
 @dataclass(frozen=True)
@@ -25,18 +34,26 @@ class Interface:
         Real over nominal area of contact.
     contact_density : float
         Contacts per nominal area, 1/m².
+    mean_radius : float
+        <(A/pi)^(1/2)> over the contacts, m.
     mean_stiffness : float
         <k> over fresh contacts, k = f_s/x_s, N/m.
+    mean_force_threshold : float
+        <f_s> over fresh contacts, N.
     friction_coefficient : float
         Kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of x_i (paper,
         Eq. Q6). Where k is proportional to x_s it is <f_s>/(2 <load>) exactly: half the sum of all thresholds.
         Number, load and <k> are those of the fresh interface; sliding favours large thresholds, which is left out.
+    force_law : Bend
+        f_s in N as a function of x_s in m: force_threshold.
     plasticity_index : float or None
-        psi = (E*/Y)(sigma_h/r)^(1/2) with Y = H/3; None without a hardness. Thresholds are those of elastic
-        contacts at any psi.
+        psi = (E*/Y)(sigma_h/r)^(1/2) with Y = H/3; None without a hardness. The paper's has E and the mean height
+        of exponential summits; Greenwood and Williamson's, with H in place of Y, is a third of this one.
     plastic_fraction : float or None
-        Fraction of contacts whose elastic solution exceeds the hardness: compression above r (3 pi H/4E*)² (gw),
-        stress above H (persson). None without a hardness.
+        gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime "mixed"; all of
+        them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
+    regime : str
+        gw only, else "elastic": "elastic", "plastic" or "mixed".
     separation : float or None
         gw only: height of the flat above the summits' mean plane, m; below zero where it lies beneath.
     patch_area : float or None
@@ -50,10 +67,14 @@ class Interface:
     pressure: float
     area_fraction: float
     contact_density: float
+    mean_radius: float
     mean_stiffness: float
+    mean_force_threshold: float
     friction_coefficient: float
+    force_law: Bend
     plasticity_index: float | None
     plastic_fraction: float | None
+    regime: str = "elastic"
     separation: float | None = None
     patch_area: float | None = None
 
@@ -71,3 +92,36 @@ class Interface:
     def mean_plane_separation(self) -> float | None:
         """gw only: height of the flat above the surface's own mean plane, m."""
         return None if self.separation is None else self.separation + self.moments.summit_offset
+
+    def force_threshold(self, threshold: npt.ArrayLike) -> Array:
+        """f_s in N of contacts that break at the stretches `threshold` in m; shape as given. Their k is f_s/x_s."""
+        return self.force_law(threshold)
+
+    def temperature(self, kelvin: float | None = None, energy: float | None = None) -> float:
+        """k_BT/<k> in m², the temperature of a contact's laws, of `kelvin` (K) or of `energy` = k_BT (J).
+
+        Raises InputError for both, for neither, and for values below zero.
+        """
+        if (kelvin is None) == (energy is None):
+            raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them, such as kelvin=300.0")
+        joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else non_negative("energy", energy)
+        return joules / self.mean_stiffness
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """Where the surface or the load strains the theory, in words; empty where nothing does."""
+        said = []
+        if self.model == "gw" and self.area_fraction > _APART:
+            said.append(
+                f"contacts cover {self.area_fraction:.0%} of the surface: Greenwood and Williamson's summits are far "
+                "apart and do not feel each other"
+            )
+        along, across = sorted(self.moments.m2_axes)
+        if across > _ISOTROPIC**2 * along:
+            said.append(
+                f"rms slopes along the two axes differ by a factor {(across / along) ** 0.5:.2g}: the theories are "
+                "isotropic"
+            )
+        if self.regime == "elastic" and (self.plastic_fraction or 0.0) > _PLASTIC:
+            said.append(f"{self.plastic_fraction:.0%} of the contacts would be plastic, and are taken as elastic")
+        return tuple(said)

@@ -3,8 +3,12 @@
 from dataclasses import dataclass
 
 from origins.errors import InputError, positive, refuse
+from origins.power_law import PowerLaw
 
-_ONE_OF = "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s)"
+_ONE_OF = (
+    "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness, such as "
+    "origins.mindlin_stiffness(shear_modulus=1e9, poisson_ratio=0.3)"
+)
 
 
 @dataclass(frozen=True)
@@ -19,18 +23,20 @@ class Material:
         mu, the shear force at which one contact breaks per normal force it bears.
     shear_modulus : float
         G in Pa; a contact of area A has the stiffness k = G A^(1/2) (paper, Sec. II and App. A, G = rho c²).
-        Mindlin's 8 a G* for equal bodies is 4/((2 - nu) pi^(1/2)) times that, 1.33 for nu = 0.3; k only sets the
-        scale of x_s, and cancels from the friction coefficient.
+        Mindlin's 8 a G* for equal bodies is 4/((2 - nu) pi^(1/2)) times that, 1.33 for nu = 0.3.
     density, sound_velocity : float
         rho in kg/m³ and the transverse sound velocity c in m/s: another way of writing G = rho c².
     hardness : float
-        H in Pa, about 3 Y; only for the plasticity index and the fraction of plastic contacts.
+        H in Pa, about 3 Y: the mean pressure of a plastic contact.
     shear_strength : float
         tau in Pa, f_s = tau A.
     force_coefficient : float
         c in Pa, f_s = c x_s² (the paper's law); G²/tau is its value where f_s = tau A and k = G A^(1/2).
+    contact_stiffness : PowerLaw
+        Or k in N/m as a power of A in m²: sound_stiffness, mindlin_stiffness, column_stiffness, or your own. The
+        coefficient only sets the scale of x_s, and cancels from the friction coefficient; the exponent shapes P_c.
 
-    Raises InputError for a value not above zero, and where G is given both ways or only half of the second.
+    Raises InputError for a value not above zero, and where k is given in two ways or only half of one.
     """
 
     contact_modulus: float
@@ -41,6 +47,7 @@ class Material:
     hardness: float | None = None
     shear_strength: float | None = None
     force_coefficient: float | None = None
+    contact_stiffness: PowerLaw | None = None
 
     def __post_init__(self) -> None:
         positive("contact_modulus", self.contact_modulus)
@@ -56,8 +63,14 @@ class Material:
             value = getattr(self, name)
             if value is not None:
                 positive(name, value)
-        if self.shear_modulus is not None and (self.density is not None or self.sound_velocity is not None):
+        other = self.density is not None or self.sound_velocity is not None
+        if self.shear_modulus is not None and other:
             refuse("shear_modulus", self.shear_modulus, f"given twice; {_ONE_OF}")
+        if self.contact_stiffness is not None:
+            if not isinstance(self.contact_stiffness, PowerLaw):
+                refuse("contact_stiffness", self.contact_stiffness, "must be a law, such as mindlin_stiffness(...)")
+            if self.shear_modulus is not None or other:
+                refuse("contact_stiffness", self.contact_stiffness, f"given twice; {_ONE_OF}")
         if (self.density is None) != (self.sound_velocity is None):
             name = "sound_velocity" if self.sound_velocity is None else "density"
             refuse(name, None, _ONE_OF)
@@ -65,9 +78,16 @@ class Material:
     def needed(self, name: str, law: str) -> float:
         """The constant `name`, in SI units; InputError where it was left out though the threshold law needs it."""
         value = getattr(self, name)
-        if name == "shear_modulus" and value is None and self.density is not None and self.sound_velocity is not None:
-            value = self.density * self.sound_velocity**2
         if value is None:
-            hint = _ONE_OF if name == "shear_modulus" else f"write Material(..., {name}=...)"
-            raise InputError(f'material.{name} = None: law = "{law}" needs it; {hint}')
+            raise InputError(f'material.{name} = None: law = "{law}" needs it; write Material(..., {name}=...)')
         return float(value)
+
+    def stiffness(self, law: str) -> PowerLaw:
+        """k in N/m as a power of the contact's area in m²; InputError where the law needs it and nothing tells it."""
+        if self.contact_stiffness is not None:
+            return self.contact_stiffness
+        if self.density is not None and self.sound_velocity is not None:
+            return PowerLaw(self.density * self.sound_velocity**2, 0.5)
+        if self.shear_modulus is None:
+            raise InputError(f'material.shear_modulus = None: law = "{law}" needs it; {_ONE_OF}')
+        return PowerLaw(self.shear_modulus, 0.5)

@@ -3,21 +3,29 @@
 import numpy as np
 from scipy.special import erf, erfc, erfcinv, erfcx, exprel, gamma
 
-from origins.errors import non_negative, positive
+from origins.errors import non_negative, positive, refuse
 from origins.inversion import invert_hazard
 from origins.thresholds import Array, Thresholds
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
+_FURTHEST = 1e6  # centre over width
+_HEAVY = 40.0  # a above which the second Gaussian is nothing, and x is smooth over the first
+_DEVIATIONS, _BELL = np.polynomial.hermite.hermgauss(64)
+_BELL = _BELL / _BELL.sum()
 
 
 def persson(centre: float, width: float) -> Thresholds:
     """P_c ~ x {exp[-((x^2 - c^2)/w^2)^2] - exp[-((x^2 + c^2)/w^2)^2]} (paper, Eq. PcPersson3).
 
     c = centre >= 0 and w = width > 0 are lengths, else InputError. centre = 0 is the limit of light load,
-    P_c ~ x^3 exp(-(x/w)^4).
+    P_c ~ x^3 exp(-(x/w)^4). Heavy load tends to a normal law of standard deviation w²/(2^(3/2) c); centre/width above
+    1e6, where that nears the round-off of x, is refused.
     """
-    return Persson(non_negative("centre", centre), positive("width", width))
+    centre, width = non_negative("centre", centre), positive("width", width)
+    if centre > _FURTHEST * width:
+        refuse("centre", centre, f"is more than {_FURTHEST:g} widths: one value, identical({centre:g}), to round-off")
+    return Persson(centre, width)
 
 
 class Persson(Thresholds):
@@ -36,8 +44,10 @@ class Persson(Thresholds):
 
     def _f(self, x: Array) -> tuple[Array, Array]:
         """f and f - a, the latter without cancellation near x = c."""
-        u, c = np.minimum(x / self.width, 1e75), self.centre / self.width
-        return u * u, (u - c) * (u + c)
+        x = np.minimum(x, 1e75 * self.width)
+        u = x / self.width
+        # the difference of the lengths themselves is exact
+        return u * u, (x - self.centre) / self.width * ((x + self.centre) / self.width)
 
     def _pdf(self, x: Array) -> Array:
         f, away = self._f(x)
@@ -119,4 +129,16 @@ class Persson(Thresholds):
     def _moment(self, n: int) -> float:
         if self._a == 0.0:
             return self.width**n * float(gamma(1.0 + n / 4.0))
+        if self._a > _HEAVY:
+            return self.centre**n * float((_BELL * (1.0 + self._offset()) ** n).sum())
         return super()._moment(n)
+
+    def _variance(self) -> float:
+        if self._a > _HEAVY:
+            offset = self._offset()
+            return self.centre**2 * float((_BELL * (offset - float((_BELL * offset).sum())) ** 2).sum())
+        return super()._variance()
+
+    def _offset(self) -> Array:
+        """x/c - 1 where f - a stands at the nodes of a normal law, which f - a follows at heavy load."""
+        return np.expm1(0.5 * np.log1p(_DEVIATIONS / self._a))

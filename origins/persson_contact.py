@@ -8,6 +8,7 @@ from scipy.special import erf
 from origins.errors import refuse
 from origins.material import Material
 from origins.persson import persson
+from origins.power_law import PowerLaw
 from origins.powered import Powered
 from origins.spectral_moments import SpectralMoments
 from origins.thresholds import Thresholds
@@ -28,9 +29,10 @@ class StressedContact:
         """Real over nominal area of contact, erf(p/D): the norm of P(s), whose first moment is p itself."""
         return float(erf(self.pressure / self.width))
 
-    def thresholds(self, scale: float, exponent: float) -> Thresholds:
-        """The law of scale * s^exponent, exponent 1/2 (PcPersson3) or 1."""
-        if exponent == 0.5:
+    def thresholds(self, threshold: PowerLaw) -> Thresholds:
+        """P_c where a patch under the stress s breaks at threshold(s), exponent 1/2 (PcPersson3) or 1."""
+        scale = threshold.coefficient
+        if threshold.exponent == 0.5:
             return persson(centre=scale * np.sqrt(self.pressure), width=scale * np.sqrt(self.width))
         root = np.sqrt(scale)
         return Powered(persson(centre=root * np.sqrt(self.pressure), width=root * np.sqrt(self.width)), 1.0, 2.0)
@@ -41,20 +43,20 @@ def stressed(moments: SpectralMoments, contact_modulus: float, pressure: float) 
     return StressedContact(pressure=pressure, width=float(contact_modulus * np.sqrt(moments.m2)))
 
 
-def power_of_stress(law: str, material: Material, patch_area: float) -> tuple[float, float]:
-    """(a, b) of x_s = a s^b under a threshold law; see rough_contact.from_topography.
+def thresholds_of_stress(law: str, material: Material, patch_area: float) -> tuple[PowerLaw, PowerLaw]:
+    """x_s in m and f_s in N against the stress in Pa, under a threshold law; see rough_contact.from_topography.
 
     Raises InputError for "strength": patches of one area would all break at one threshold.
     """
     if law == "strength":
-        value = material.needed("shear_strength", law) * np.sqrt(patch_area) / material.needed("shear_modulus", law)
+        value = material.needed("shear_strength", law) * patch_area / float(material.stiffness(law)(patch_area))
         refuse(
             "law",
             law,
             f"f_s = tau A is one value, {value:.3g} m, on Persson's patches of one area; write law='amontons', or "
             "model='gw', whose areas differ",
         )
-    mu = material.needed("local_friction", law)
+    force = PowerLaw(material.needed("local_friction", law) * patch_area, 1.0)
     if law == "amontons":
-        return float(mu * np.sqrt(patch_area) / material.needed("shear_modulus", law)), 1.0
-    return float(np.sqrt(mu * patch_area / material.needed("force_coefficient", law))), 0.5
+        return force.times(1.0 / float(material.stiffness(law)(patch_area))), force
+    return force.times(1.0 / material.needed("force_coefficient", law)).power(0.5), force

@@ -3,10 +3,17 @@
 import numpy as np
 
 from origins.errors import positive, refuse, whole
-from origins.greenwood_williamson import critical_compression, power_of_compression, pressed
+from origins.greenwood_williamson import (
+    critical_compression,
+    plasticity_index,
+    pressed,
+    summits_of,
+    thresholds_of_compression,
+)
 from origins.interface import Interface
 from origins.material import Material
-from origins.persson_contact import power_of_stress, stressed
+from origins.persson_contact import stressed, thresholds_of_stress
+from origins.power_law import Bend
 from origins.spectral_moments import SpectralMoments, spectral_moments
 from origins.thresholds import Thresholds
 from origins.topography import as_topography
@@ -23,6 +30,7 @@ def from_topography(
     law: str,
     material: Material,
     pressure: float,
+    regime: str = "elastic",
     patch_area: float | None = None,
     height_law: str = "gaussian",
     detrend: str = "curvature",
@@ -52,10 +60,16 @@ def from_topography(
         paper       delta^(3/4)      s^(1/2) (PcPersson3)
         amontons    delta            s
         strength    delta^(1/2)      refused: patches of one area would break at one threshold
+
+        for k ~ A^(1/2); plastic summits go as delta^(1/2) under every law. Another k: Material(contact_stiffness=...).
     material : Material
         SI units; what the law needs and is not there is asked for by name.
     pressure : float
         Nominal pressure, Pa.
+    regime : "elastic", "plastic" or "mixed"
+        gw only. "plastic": every summit bears hardness times area, pi r delta H (paper, Eq. GW2); "mixed": those
+        compressed by more than r (3 pi H/4E*)² do, where that meets Hertz' load. Area and load are continuous
+        there, and so is x_s; P_c jumps. Persson's stresses are elastic.
     patch_area : float
         persson only, and needed there: area of one contact, m². The theory has stresses but no contacts; x_s goes
         as its square root and the contact density as its inverse, while shape and friction coefficient stay.
@@ -72,28 +86,32 @@ def from_topography(
     Raises InputError for values outside these and for combinations without meaning, with what to write instead.
     """
     moments = spectral_moments(heights, pixel_size, detrend=detrend, periodic=periodic, step=step)
-    return thresholds_of_moments(
+    return from_moments(
         moments,
         model=model,
         law=law,
         material=material,
         pressure=pressure,
+        regime=regime,
         patch_area=patch_area,
         height_law=height_law,
     )
 
 
-def thresholds_of_moments(
+def from_moments(
     moments: SpectralMoments,
     *,
     model: str,
     law: str,
     material: Material,
     pressure: float,
+    regime: str = "elastic",
     patch_area: float | None = None,
     height_law: str = "gaussian",
 ) -> Thresholds:
-    """As from_topography, for a surface whose spectral moments are known."""
+    """from_topography for a surface known by its moments alone: moments_of_spectrum, moments_of_summits."""
+    if not isinstance(moments, SpectralMoments):
+        refuse("moments", moments, "must be SpectralMoments, such as origins.moments_of_summits(...)")
     if model not in MODELS:
         refuse("model", model, 'must be "gw" or "persson"')
     if law not in LAWS:
@@ -104,16 +122,15 @@ def thresholds_of_moments(
     if model == "gw":
         if patch_area is not None:
             refuse("patch_area", patch_area, 'model = "gw" counts its own contacts; leave it out')
-        return _on_summits(moments, law, material, pressure, height_law)
+        return _on_summits(moments, law, material, pressure, regime, height_law)
     if height_law != "gaussian":
         refuse("height_law", height_law, 'model = "persson" has stresses, not summits; leave it out')
+    if regime != "elastic":
+        refuse("regime", regime, 'model = "persson" has elastic stresses; leave it out, or write model="gw"')
     if patch_area is None:
-        dx, dy = moments.pixel_size
-        refuse(
-            "patch_area",
-            patch_area,
-            f'model = "persson" needs the area of one contact in m², such as the pixel\'s, patch_area={dx * dy:.3g}',
-        )
+        pixels = moments.pixel_size
+        such = "patch_area=1e-14" if pixels is None else f"the pixel's, patch_area={pixels[0] * pixels[1]:.3g}"
+        refuse("patch_area", patch_area, f'model = "persson" needs the area of one contact in m², such as {such}')
     return _on_patches(moments, law, material, pressure, positive("patch_area", patch_area))
 
 
@@ -149,18 +166,18 @@ def resolution_study(
     return tuple(from_topography(surface, step=step, **options) for step in steps)  # type: ignore[arg-type]
 
 
-def _on_summits(moments: SpectralMoments, law: str, material: Material, pressure: float, height_law: str) -> Thresholds:
-    scale, exponent = power_of_compression(law, material, moments.summit_radius)
-    contact = pressed(moments, material.contact_modulus, pressure, height_law)
-    thresholds = contact.thresholds(scale, exponent)
-    if law == "paper":
-        stiffness = material.needed("force_coefficient", law) * thresholds.mean()
-    else:
-        stiffness = material.needed("shear_modulus", law) * np.sqrt(np.pi * moments.summit_radius) * contact.mean_root
+def _on_summits(
+    moments: SpectralMoments, law: str, material: Material, pressure: float, regime: str, height_law: str
+) -> Thresholds:
+    contact = pressed(summits_of(moments, material, regime, height_law), pressure)
+    threshold, force = thresholds_of_compression(contact.summits, material, law)
+    thresholds = contact.thresholds(threshold)
     plastic = None
     if material.hardness is not None:
         limit = critical_compression(moments.summit_radius, material.contact_modulus, material.hardness)
-        plastic = float(thresholds.sf(scale * limit**exponent))
+        plastic = 1.0 if regime == "plastic" else contact.fraction_beyond(limit)
+    stiffness = contact.mean(force.over(threshold))
+    radius = contact.summits.area.each(lambda area: area.times(1.0 / np.pi).power(0.5))
     thresholds.interface = Interface(
         model="gw",
         law=law,
@@ -169,10 +186,14 @@ def _on_summits(moments: SpectralMoments, law: str, material: Material, pressure
         pressure=pressure,
         area_fraction=contact.area_fraction,
         contact_density=contact.contact_density,
-        mean_stiffness=float(stiffness),
-        friction_coefficient=_friction(thresholds, contact.contact_density, float(stiffness), pressure),
-        plasticity_index=_plasticity_index(moments, material),
+        mean_radius=contact.mean(radius),
+        mean_stiffness=stiffness,
+        mean_force_threshold=contact.mean(force),
+        friction_coefficient=_friction(thresholds, contact.contact_density, stiffness, pressure),
+        force_law=force.seen_from(threshold),
+        plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
         plastic_fraction=plastic,
+        regime=regime,
         separation=contact.separation,
     )
     return thresholds
@@ -181,16 +202,15 @@ def _on_summits(moments: SpectralMoments, law: str, material: Material, pressure
 def _on_patches(
     moments: SpectralMoments, law: str, material: Material, pressure: float, patch_area: float
 ) -> Thresholds:
-    scale, exponent = power_of_stress(law, material, patch_area)
+    threshold, force = thresholds_of_stress(law, material, patch_area)
     contact = stressed(moments, material.contact_modulus, pressure)
-    thresholds = contact.thresholds(scale, exponent)
-    if law == "paper":
-        stiffness = material.needed("force_coefficient", law) * thresholds.mean()
-    else:
-        stiffness = material.needed("shear_modulus", law) * np.sqrt(patch_area)
+    thresholds = contact.thresholds(threshold)
+    of_threshold = force.after(threshold.inverse)
+    mean_force = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent))
+    stiffness = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent - 1.0))
     plastic = None
     if material.hardness is not None:
-        plastic = float(thresholds.sf(scale * material.hardness**exponent))
+        plastic = float(thresholds.sf(threshold(material.hardness)))
     density = contact.area_fraction / patch_area
     thresholds.interface = Interface(
         model="persson",
@@ -200,9 +220,12 @@ def _on_patches(
         pressure=pressure,
         area_fraction=contact.area_fraction,
         contact_density=density,
-        mean_stiffness=float(stiffness),
-        friction_coefficient=_friction(thresholds, density, float(stiffness), pressure),
-        plasticity_index=_plasticity_index(moments, material),
+        mean_radius=float(np.sqrt(patch_area / np.pi)),
+        mean_stiffness=stiffness,
+        mean_force_threshold=mean_force,
+        friction_coefficient=_friction(thresholds, density, stiffness, pressure),
+        force_law=Bend(of_threshold, of_threshold, np.inf),
+        plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
         plastic_fraction=plastic,
         patch_area=patch_area,
     )
@@ -213,10 +236,3 @@ def _friction(thresholds: Thresholds, density: float, stiffness: float, pressure
     """N<k> <x_s²>/(2<x_s>) over the pressure: the steady state's force, k_i independent of x_i (paper, Eq. Q6)."""
     kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
     return density * stiffness * kinetic / pressure
-
-
-def _plasticity_index(moments: SpectralMoments, material: Material) -> float | None:
-    if material.hardness is None:
-        return None
-    sharpness = np.sqrt(moments.summit_std / moments.summit_radius)
-    return float(3.0 * material.contact_modulus / material.hardness * sharpness)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origins.errors import InputError, refuse, whole
+from origins.errors import InputError, positive, refuse, whole
 from origins.topography import Array, Topography, as_topography, detrended
 
 _LEAST_USED = 0.5
@@ -25,9 +25,9 @@ class SpectralMoments:
         Mean square profile curvature, averaged over both axes, in 1/m².
     m2_axes, m4_axes : (float, float)
         The same for profiles along the first and along the second axis: how isotropic the surface is.
-    step : int
-        Pixels between the neighbours that were differenced.
-    pixel_size : (float, float)
+    step : int or None
+        Pixels between the neighbours that were differenced; None where there was no scan.
+    pixel_size : (float, float) or None
         Distances between those neighbours, in metres.
     missing_fraction : float
         Fraction of the points that are missing.
@@ -38,10 +38,10 @@ class SpectralMoments:
     m0: float
     m2_axes: tuple[float, float]
     m4_axes: tuple[float, float]
-    step: int
-    pixel_size: tuple[float, float]
-    missing_fraction: float
-    used_fraction: float
+    step: int | None = None
+    pixel_size: tuple[float, float] | None = None
+    missing_fraction: float = 0.0
+    used_fraction: float = 1.0
 
     def __post_init__(self) -> None:
         if not self.bandwidth > _BANDWIDTH_LIMIT:
@@ -94,6 +94,19 @@ class SpectralMoments:
     def summit_offset(self) -> float:
         """Height of the summits' mean plane above the surface's, 4 (m0/(pi alpha))^(1/2), in metres."""
         return float(4.0 * np.sqrt(self.m0 / (np.pi * self.bandwidth)))
+
+
+def moments_of_summits(radius: float, std: float, density: float) -> SpectralMoments:
+    """The isotropic Gaussian surface whose summits have this radius (m), height spread (m) and density (1/m²).
+
+    McCool's relations backwards, for Greenwood and Williamson's parameters where they are known as such:
+    m4 = pi (0.375/r)², m2 = m4/(6 pi 3^(1/2) density), m0 = std² + 0.8968 m2²/m4.
+    Raises InputError for values not above zero.
+    """
+    m4 = np.pi * (0.375 / positive("radius", radius)) ** 2
+    m2 = float(m4 / (6.0 * np.pi * np.sqrt(3.0) * positive("density", density)))
+    m0 = positive("std", std) ** 2 + _BANDWIDTH_LIMIT * m2 * m2 / m4
+    return SpectralMoments(m0=float(m0), m2_axes=(m2, m2), m4_axes=(float(m4), float(m4)))
 
 
 def spectral_moments(

@@ -125,6 +125,51 @@ def gaussian(mean: float, std: float) -> Reference:
     )
 
 
+def gw_gaussian(separation: float, scale: float, law: str, regime: str, index: float | None = None) -> Reference:
+    """Summits: survival Phi_c(z + delta)/Phi_c(z), x = scale delta^b with a bend where contacts turn plastic."""
+    z, unit = _number(separation), _number(scale)
+    elastic, plastic = {"paper": (0.75, 0.5), "amontons": (1.0, 0.5), "strength": (0.5, 0.5)}[law]
+    first, last = _number(plastic if regime == "plastic" else elastic), _number(plastic)
+    at = mp.inf if index is None else (9 * mp.pi / (4 * _number(index))) ** 2
+    mark = unit * at ** (first if at > 1 else last) if index is not None else mp.inf
+
+    def tail(height: mp.mpf) -> mp.mpf:
+        return mp.erfc(height / mp.sqrt(2)) / 2
+
+    def part(x: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
+        if index is None:
+            return (x / unit) ** (1 / first), first
+        power = first if x < mark else last
+        return at * (x / mark) ** (1 / power), power
+
+    def pdf(x: mp.mpf) -> mp.mpf:
+        delta, power = part(x)
+        return mp.npdf(z + delta) / tail(z) * delta / (power * x)
+
+    def moment(n: int) -> mp.mpf:
+        with mp.workdps(30):
+            step, touching = 1 / max(abs(z), mp.mpf(1)), tail(z)
+            marks = {mp.mpf(0), *[max(-z, mp.mpf(0)) + k * step for k in (1, 4, 12, 40)]}
+            marks |= {at} if index is not None else set()
+
+            def integrand(s: mp.mpf) -> mp.mpf:
+                # heights in delta = s^4, where every power of them is smooth
+                delta = s**4
+                power = first if delta < at else last
+                own = unit * delta**power if index is None else mark * (delta / at) ** power
+                return 4 * s**3 * own**n * mp.npdf(z + delta) / touching
+
+            return mp.quad(integrand, sorted(mp.root(m, 4) for m in marks))
+
+    return Reference(
+        origins.gw_gaussian(separation, scale, law=law, regime=regime, plasticity_index=index),
+        pdf,
+        lambda x: (tail(z) - tail(z + part(x)[0])) / tail(z),
+        lambda x: tail(z + part(x)[0]) / tail(z),
+        moment,
+    )
+
+
 def chord_gaussian(mean: float, std: float, upper: float) -> Reference:
     m, s, top = _number(mean), _number(std), _number(upper)
 

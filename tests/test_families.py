@@ -7,6 +7,7 @@ from references import (
     chord_gaussian,
     gaussian,
     gw_elastic,
+    gw_gaussian,
     gw_plastic,
     lubricated,
     mixture,
@@ -30,6 +31,11 @@ CASES = {
     "gw_elastic stiff": lambda: gw_elastic(3.7e11),
     "gw_plastic": lambda: gw_plastic(1.0),
     "gw_plastic soft": lambda: gw_plastic(2.3e-14),
+    "gw_gaussian": lambda: gw_gaussian(1.5, 1.0, "paper", "elastic"),
+    "gw_gaussian light": lambda: gw_gaussian(40.0, 2e-8, "amontons", "elastic"),
+    "gw_gaussian heavy": lambda: gw_gaussian(-3.0, 1.0, "strength", "plastic"),
+    "gw_gaussian mixed": lambda: gw_gaussian(0.5, 3e-8, "amontons", "mixed", 9.0),
+    "gw_gaussian mixed light": lambda: gw_gaussian(10.0, 1.0, "paper", "mixed", 25.0),
     "rectangular": lambda: rectangular(0.5, 1.5),
     "rectangular from 0": lambda: rectangular(0.0, 2.0),
     "lubricated": lambda: lubricated(1.0),
@@ -43,6 +49,7 @@ CASES = {
     "persson 2": lambda: persson(2.0, 1.0),
     "persson narrow": lambda: persson(1.0, 0.1),
     "persson narrowest": lambda: persson(1.0, 0.01),
+    "persson lighter": lambda: persson(1e-3, 1.0),
     "gaussian": lambda: gaussian(1.0, 0.05),
     "gaussian narrow": lambda: gaussian(1.0, 1e-3),
     "gaussian broad": lambda: gaussian(1.0, 0.4),
@@ -154,6 +161,7 @@ def test_onset_power(case: Reference) -> None:
 
 SAMPLED = [
     "gw_elastic",
+    "gw_gaussian mixed light",
     "gw_plastic",
     "rectangular",
     "lubricated",
@@ -190,6 +198,7 @@ def test_breakpoints_are_inside_and_sorted(case: Reference) -> None:
 SCALED = {
     "gw_elastic": lambda s, u: origins.gw_elastic((1.0 + u) * s ** (-4.0 / 3.0)),
     "gw_plastic": lambda s, u: origins.gw_plastic((1.0 + u) * s**-2.0),
+    "gw_gaussian": lambda s, u: origins.gw_gaussian(6.0 * u - 3.0, s, regime="mixed", plasticity_index=1.0 + 20.0 * u),
     "rectangular": lambda s, u: origins.rectangular(u * s, (u + 0.7) * s),
     "lubricated": lambda s, u: origins.lubricated((0.1 + u) * s),
     "persson": lambda s, u: origins.persson(s, (0.2 + 2.0 * u) * s),
@@ -275,6 +284,26 @@ def test_persson_limits() -> None:
     assert heavy.sf(1.0 + 2.0 * width) == pytest.approx(stats.norm.sf(2.0), rel=1e-5)
 
 
+@pytest.mark.parametrize("ratio", [30.0, 1e3, 1e6])
+def test_persson_far_narrower_than_its_centre(ratio: float) -> None:
+    """Relative 1e-10 down to 1e-280 at any ratio that is taken, and the weight where no node is rounded."""
+    exact = persson(1.0, 1.0 / ratio)
+    law, spread = exact.law, 1.0 / (2.0 * np.sqrt(2.0) * ratio**2)
+    upper, lower = law.isf(UPPER), law.ppf(LOWER)
+    assert_close(law.sf(upper), exactly(exact.sf, upper), 1e-10)
+    assert_close(law.cdf(lower), exactly(exact.cdf, lower), 1e-10)
+    assert_close(law.pdf(upper), exactly(exact.pdf, upper), 1e-10)
+    with mp.workdps(40):
+        variance = float(exact.moment(2) - exact.moment(1) ** 2)
+    assert law.std() == pytest.approx(np.sqrt(variance), rel=1e-10) and law.std() == pytest.approx(spread, rel=3e-6)
+    for n in (1, 2, 3, 4):
+        assert law.moment(n) == pytest.approx(float(exact.moment(n)), rel=1e-13)
+    # the trapezoidal rule on steps of a power of 2, which are exact, converges faster than any power
+    step = 2.0 ** np.floor(np.log2(0.3 * spread))
+    x = 1.0 + step * np.arange(-100, 101)
+    assert step * law.pdf(x).sum() == pytest.approx(1.0, abs=1e-12)
+
+
 def test_paper_form_is_the_printed_one() -> None:
     """N {G(x) - G(0) - (x/x_m)[G(x_m) - G(0)]}, 0 at both ends, cut where it falls below 0."""
     law = origins.gaussian(1.0, 0.2, form="paper", upper=2.0)
@@ -355,6 +384,7 @@ BAD = [
     (lambda: origins.lubricated(-2.0), "width = -2.0: "),
     (lambda: origins.persson(-1.0, 1.0), "centre = -1.0: "),
     (lambda: origins.persson(1.0, 0.0), "width = 0.0: "),
+    (lambda: origins.persson(1.1e6, 1.0), "centre = 1100000.0: is more than 1e+06 widths"),
     (lambda: origins.mixture([], []), "components = []: "),
     (lambda: origins.mixture(origins.identical(1.0), [1.0]), "components = "),
     (lambda: origins.mixture([origins.identical(1.0)], [0.5, 0.5]), "weights = [0.5, 0.5]: "),

@@ -1,4 +1,4 @@
-"""Greenwood and Williamson's summits with Gaussian heights: the family and its load against mpmath."""
+"""Integrals over summits, load against separation in every regime, and the plastic branch, each against mpmath."""
 
 import mpmath
 import numpy as np
@@ -6,22 +6,47 @@ import pytest
 from scipy.special import log_ndtr
 
 import origins
-from origins.greenwood_williamson import GaussianSummits, log_height_integral, separation_of_load
+from origins.greenwood_williamson import Summits, critical_compression, pressed, summits_of
+from origins.height_integrals import log_height_integral
+from origins.power_law import Bend, PowerLaw
 from origins.powered import Powered
-from origins.weibull import Weibull
+
+MOMENTS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
+MATERIAL = origins.Material(contact_modulus=3e9, hardness=6e7)
 
 
-def mp_integral(order: float, z: float) -> mpmath.mpf:
+def mp_whole(order: float, z: float) -> mpmath.mpf:
     """By the parabolic cylinder function: Gamma(n+1) e^(-z²/4) D_{-n-1}(z)/(2 pi)^(1/2)."""
     mpmath.mp.dps = 40
     n, z = mpmath.mpf(order), mpmath.mpf(z)
     return mpmath.gamma(n + 1) * mpmath.exp(-z * z / 4) * mpmath.pcfd(-n - 1, z) / mpmath.sqrt(2 * mpmath.pi)
 
 
+def mp_beyond(order: int, z: float, lower: float) -> mpmath.mpf:
+    """Whole orders from `lower` on, by parts: J_n = a^(n-1) phi + (n-1) J_{n-2} - z J_{n-1}, at digits to cancel."""
+    mpmath.mp.dps = 80
+    z, a = mpmath.mpf(z), mpmath.mpf(lower)
+    values = [mpmath.ncdf(-(z + a)), mpmath.npdf(z + a) - z * mpmath.ncdf(-(z + a))]
+    for n in range(2, order + 1):
+        values.append(a ** (n - 1) * mpmath.npdf(z + a) + (n - 1) * values[n - 2] - z * values[n - 1])
+    return values[order]
+
+
+def mp_below(order: float, z: float, upper: float) -> mpmath.mpf:
+    """By the power series of e^(-zt) and of e^(-t²/2), for an upper end that is not large."""
+    mpmath.mp.dps = 60
+    z, a, n = mpmath.mpf(z), mpmath.mpf(upper), mpmath.mpf(order)
+    coefficients = [mpmath.mpf(1), -z]
+    for k in range(2, 220):
+        coefficients.append((-z * coefficients[-1] - coefficients[-2]) / k)
+    total = mpmath.fsum(c * a ** (n + 1 + k) / (n + 1 + k) for k, c in enumerate(coefficients))
+    return total * mpmath.npdf(z)
+
+
 @pytest.mark.parametrize("z", [-20.0, -3.0, 0.0, 1.3, 5.0, 20.0, 37.0])
-@pytest.mark.parametrize("order", [0.0, 0.5, 0.75, 1.0, 1.5, 3.0])
+@pytest.mark.parametrize("order", [0.0, 0.3, 0.5, 0.75, 1.0, 1.5, 3.0])
 def test_height_integrals_against_mpmath(order: float, z: float) -> None:
-    exact = mpmath.log(mp_integral(order, z))
+    exact = mpmath.log(mp_whole(order, z))
     assert log_height_integral(order, z) == pytest.approx(float(exact), rel=1e-13, abs=2e-13)
 
 
@@ -30,43 +55,100 @@ def test_height_integral_of_order_zero_is_the_normal_tail(z: float) -> None:
     assert log_height_integral(0.0, z) == pytest.approx(float(log_ndtr(-z)), rel=1e-13, abs=1e-13)
 
 
-@pytest.mark.parametrize("z", [-20.0, -3.0, 0.0, 0.7, 5.0, 20.0, 37.0])
-def test_separation_comes_back_from_the_load(z: float) -> None:
-    log_load = float(mpmath.log(mp_integral(1.5, z)))
-    assert separation_of_load(log_load) == pytest.approx(z, rel=1e-12, abs=1e-12)
+@pytest.mark.parametrize("z", [-12.0, -3.0, 0.0, 5.0, 37.0])
+@pytest.mark.parametrize("at", [1e-9, 0.02, 0.6, 5.0])
+def test_parts_of_height_integrals_against_mpmath(at: float, z: float) -> None:
+    for order in (0, 1, 2, 3):
+        beyond = mpmath.log(mp_beyond(order, z, at))
+        assert log_height_integral(order, z, lower=at) == pytest.approx(float(beyond), rel=1e-13, abs=1e-12)
+    if abs(z) * at < 40.0:
+        for order in (0.0, 0.3, 0.5, 0.75, 1.5):
+            below = mpmath.log(mp_below(order, z, at))
+            assert log_height_integral(order, z, upper=at) == pytest.approx(float(below), rel=1e-13, abs=1e-12)
 
 
-@pytest.mark.parametrize("z", [-3.0, 0.0, 2.0, 20.0, 40.0])
-@pytest.mark.parametrize("exponent", [0.5, 0.75, 1.0])
-def test_gaussian_summits_against_mpmath(z: float, exponent: float) -> None:
-    std, scale = 2e-8, 3.0 * (2e-8) ** (1.0 - exponent)
-    law = GaussianSummits(z, std, scale, exponent)
-    mpmath.mp.dps = 40
-    touching = mpmath.ncdf(-z)
-    for t in (1e-6, 1e-3, 0.1, 1.0, 5.0, 20.0):
-        height = mpmath.mpf(t) / max(z, 1.0)
-        x = float(scale * (std * height) ** exponent)
-        height = (mpmath.mpf(x) / scale) ** (1 / mpmath.mpf(exponent)) / std
-        survival = mpmath.ncdf(-(z + height)) / touching
-        density = mpmath.npdf(z + height) / touching * height / (exponent * x)
-        assert float(law.sf(x)) == pytest.approx(float(survival), rel=2e-12, abs=0.0)
-        assert float(law.pdf(x)) == pytest.approx(float(density), rel=2e-12, abs=0.0)
-        assert float(law.cdf(x)) == pytest.approx(float(1 - survival), rel=1e-11, abs=0.0)
-        assert float(law.logsf(x)) == pytest.approx(float(mpmath.log(survival)), rel=1e-10)
-    q = np.array([1e-12, 1e-6, 0.01, 0.5, 0.99])
-    assert law.cdf(law.ppf(q)) == pytest.approx(q, rel=1e-10)
-    assert law.sf(law.isf(q)) == pytest.approx(q, rel=1e-10)
-    # the moments are quadratures over heights; the panels of the base class integrate x^n P_c
-    for n in (1, 2, 3):
-        assert law.moment(n) == pytest.approx(super(GaussianSummits, law)._moment(n), rel=1e-10)
-    assert law.onset_power == pytest.approx(1.0 / exponent - 1.0, abs=1e-15)
+@pytest.mark.parametrize("at", [1e-9, 0.02, 1.7, 40.0])
+@pytest.mark.parametrize("order", [0.0, 0.5, 0.75, 1.5])
+def test_exponential_heights_are_incomplete_gamma_functions(order: float, at: float) -> None:
+    for z in (0.0, 3.0, 500.0):
+        mpmath.mp.dps = 40
+        below = mpmath.log(mpmath.gammainc(order + 1, 0, at)) - z
+        beyond = mpmath.log(mpmath.gammainc(order + 1, at)) - z
+        found = (log_height_integral(order, z, *ends, heights="exponential") for ends in ((0.0, at), (at, np.inf)))
+        assert list(found) == pytest.approx([float(below), float(beyond)], rel=1e-13, abs=1e-12)
 
 
-def test_density_at_zero_is_its_limit() -> None:
-    for z in (-3.0, 0.0, 20.0):
-        height = float(mpmath.npdf(z) / mpmath.ncdf(-z))
-        assert float(GaussianSummits(z, 2e-8, 3.0, 1.0).pdf(0.0)) == pytest.approx(height / 6e-8, rel=1e-12)
-        assert float(GaussianSummits(z, 2e-8, 3.0, 0.75).pdf(0.0)) == 0.0
+@pytest.mark.parametrize("heights", ["gaussian", "exponential"])
+@pytest.mark.parametrize("regime", ["elastic", "plastic", "mixed"])
+def test_pressure_and_separation_undo_each_other(regime: str, heights: str) -> None:
+    options = {"material": MATERIAL, "regime": regime, "height_law": heights}
+    for z in (0.0, 0.7, 5.0, 20.0, 37.0) if heights == "exponential" else (-1.0, 0.0, 0.7, 5.0, 20.0, 37.0):
+        height = z * MOMENTS.summit_std
+        pressure = origins.pressure_of_separation(MOMENTS, height, **options)
+        again = origins.separation_of_pressure(MOMENTS, pressure, **options)
+        assert again == pytest.approx(height, rel=1e-12, abs=1e-12 * MOMENTS.summit_std)
+    # and where a summit that does not touch makes the pressure 1e-290 Pa
+    far = origins.separation_of_pressure(MOMENTS, 1e-290, **options)
+    assert far > 30.0 * MOMENTS.summit_std
+    assert origins.pressure_of_separation(MOMENTS, far, **options) == pytest.approx(1e-290, rel=1e-10)
+
+
+@pytest.mark.parametrize("z", [-30.0, -3.0, 0.5, 10.0, 37.0])
+@pytest.mark.parametrize("index", [0.3, 7.0, 40.0])
+def test_mixed_load_against_mpmath(z: float, index: float) -> None:
+    """Load (4/3) E* r^(1/2) delta^(3/2) up to delta_c, then pi r delta H, each an integral of its own."""
+    std, radius, density, e_star = MOMENTS.summit_std, MOMENTS.summit_radius, MOMENTS.summit_density, 3e9
+    hardness = 3.0 * e_star / index * np.sqrt(std / radius)
+    at = critical_compression(radius, e_star, hardness) / std
+    assert at == pytest.approx((2.25 * np.pi / index) ** 2, rel=1e-12)
+    elastic = mp_whole(1.5, z)
+    if abs(z) * at < 40.0:
+        below = mp_below(1.5, z, at)
+    else:
+        mpmath.mp.dps = 30
+        edges = [at, *(at + k / max(z, 1.0) for k in (0.3, 1, 3, 8, 20, 60)), *([-z] if -z > at else [])]
+        below = elastic - mpmath.quad(lambda t: t**1.5 * mpmath.npdf(z + t), sorted(edges))
+    exact = density * std * (
+        4.0 / 3.0 * e_star * np.sqrt(radius * std) * below + np.pi * radius * hardness * mp_beyond(1, z, at)
+    )
+    summits = summits_of(MOMENTS, origins.Material(contact_modulus=e_star, hardness=hardness), "mixed", "gaussian")
+    assert np.log(summits.pressure(z)) == pytest.approx(float(mpmath.log(exact)), rel=1e-13, abs=1e-12)
+    assert summits.separation(summits.pressure(z)) == pytest.approx(z, rel=1e-11)
+
+
+def test_plastic_load_is_hardness_times_area() -> None:
+    for heights in ("gaussian", "exponential"):
+        contact = pressed(summits_of(MOMENTS, MATERIAL, "plastic", heights), 2e6)
+        assert contact.area_fraction == pytest.approx(2e6 / 6e7, rel=1e-12)
+    # exponential heights, in closed form: elastic contacts below delta_c, e^-tau of them beyond
+    tau = critical_compression(MOMENTS.summit_radius, 3e9, 6e7) / MOMENTS.summit_std
+    contact = pressed(summits_of(MOMENTS, MATERIAL, "mixed", "exponential"), 2e6)
+    assert contact.fraction_beyond(tau * MOMENTS.summit_std) == pytest.approx(np.exp(-tau), rel=1e-12)
+    per_contact = mpmath.gammainc(2.5, 0, tau) + mpmath.sqrt(tau) * mpmath.gammainc(2, tau)
+    hertz = 4 / 3 * 3e9 * np.sqrt(MOMENTS.summit_radius) * MOMENTS.summit_std**1.5
+    assert contact.contact_density == pytest.approx(2e6 / float(hertz * per_contact), rel=1e-12)
+
+
+def test_the_branches_meet_in_load_and_area() -> None:
+    radius, limit = MOMENTS.summit_radius, critical_compression(MOMENTS.summit_radius, 3e9, 6e7)
+    elastic, plastic = 4 / 3 * 3e9 * np.sqrt(radius) * limit**1.5, np.pi * radius * limit * 6e7
+    assert elastic == pytest.approx(plastic, rel=1e-14)
+    load = summits_of(MOMENTS, MATERIAL, "mixed", "gaussian").load
+    assert load([limit * (1 - 1e-13), limit * (1 + 1e-13)]) == pytest.approx([elastic, elastic], rel=1e-12)
+    # above it the plastic load is the smaller one
+    assert float(load(4 * limit)) == pytest.approx(float(plastic * 4), rel=1e-12) and 4 * plastic < 8 * elastic
+
+
+def test_summits_by_their_parameters() -> None:
+    assert MOMENTS.summit_radius == pytest.approx(20e-6, rel=1e-14)
+    assert MOMENTS.summit_std == pytest.approx(0.2e-6, rel=1e-14)
+    assert MOMENTS.summit_density == pytest.approx(3e9, rel=1e-14)
+    for bad in ({"radius": 0.0}, {"std": -1.0}, {"density": np.inf}):
+        with pytest.raises(origins.InputError, match=next(iter(bad))):
+            origins.moments_of_summits(**{"radius": 1e-5, "std": 1e-7, "density": 1e10, **bad})
+
+
+def test_density_at_zero_of_a_power() -> None:
     # an exponential written as the square of a Rayleigh
     square = Powered(origins.gw_plastic(B=4.0), 1.0, 2.0)
     assert square.onset_power == 0.0 and square.pdf(0.0) == pytest.approx(4.0, rel=1e-12)
@@ -76,12 +158,47 @@ def test_density_at_zero_is_its_limit() -> None:
     assert [square.moment(n) for n in (1, 2, 3)] == pytest.approx([1 / 4, 2 / 16, 6 / 64], rel=1e-12)
 
 
-@pytest.mark.parametrize("exponent", [0.5, 0.75, 1.0])
-def test_light_loads_tend_to_exponential_heights(exponent: float) -> None:
-    far = []
-    for z in (10.0, 20.0, 40.0):
-        limit = Weibull(1.0 / exponent, z, 1.0 / exponent - 1.0)
-        x = limit.isf(np.array([0.9, 0.5, 0.1, 0.01]))
-        far.append(np.abs(GaussianSummits(z, 1.0, 1.0, exponent).sf(x) - limit.sf(x)).max())
-    orders = np.log2(np.array(far[:-1]) / far[1:])
-    assert np.abs(orders - 2.0).max() < 0.05 and far[-1] < 1e-3
+def test_a_bend_that_does_not_bend_is_one_piece() -> None:
+    one, other = PowerLaw(2.0, 0.5), PowerLaw(1.0, 1.0)
+    assert Bend(one, one, 3.0).pieces == Bend(one, other, np.inf).pieces == ((one, 0.0, np.inf),)
+    assert Bend(one, other, 0.0).pieces == ((other, 0.0, np.inf),)
+    bend = Bend(other, one, 4.0)
+    assert bend([1.0, 4.0, 9.0]) == pytest.approx([1.0, 4.0, 6.0])
+    # a quantity seen from itself is the identity, on both sides
+    assert bend.seen_from(bend)([0.5, 4.0, 30.0]) == pytest.approx([0.5, 4.0, 30.0])
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: origins.separation_of_pressure(MOMENTS, -1.0, material=MATERIAL), "pressure = -1.0"),
+        (lambda: origins.separation_of_pressure(MOMENTS, 1e9, material=MATERIAL), "would cover"),
+        (lambda: origins.separation_of_pressure(MOMENTS, 1.0, material=MATERIAL, regime="both"), "regime = 'both'"),
+        (lambda: origins.separation_of_pressure(MOMENTS, 1.0, material=MATERIAL, height_law="x"), "height_law = 'x'"),
+        (
+            lambda: origins.separation_of_pressure(
+                MOMENTS, 1.0, material=origins.Material(contact_modulus=1e9), regime="mixed"
+            ),
+            "material.hardness = None",
+        ),
+        (lambda: origins.pressure_of_separation(MOMENTS, np.nan, material=MATERIAL), "separation = nan"),
+        (lambda: origins.pressure_of_separation(MOMENTS, -1e-4, material=MATERIAL), "raise it"),
+        (lambda: origins.pressure_of_separation(MOMENTS, 1e-4, material=MATERIAL), "where no summit reaches"),
+        (
+            lambda: origins.pressure_of_separation(MOMENTS, -1e-9, material=MATERIAL, height_law="exponential"),
+            "every summit touches",
+        ),
+    ],
+)
+def test_what_has_no_meaning_is_refused_in_one_line(call, says: str) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(origins.InputError) as caught:
+        call()
+    assert says in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_summits_that_touch_in_full_bear_their_mean_load() -> None:
+    """Far below their mean plane every summit is compressed by h - h0: <delta> = -z sigma_h."""
+    one = PowerLaw(1.0, 1.0)
+    summits = Summits(1.0, 1.0, 1.0, "gaussian", Bend(one, one, np.inf))
+    assert summits.pressure(-50.0) == pytest.approx(50.0, rel=1e-13)
+    assert summits.separation(50.0) == pytest.approx(-50.0, rel=1e-13)

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 
 import origins
 from origins.greenwood_williamson import critical_compression
-from origins.rough_contact import thresholds_of_moments
+from origins.rough_contact import from_moments
 from origins.spectral_moments import SpectralMoments
 
 MOMENTS = SpectralMoments(
@@ -29,14 +29,14 @@ PATCH = 5e-12
 
 def test_lightest_and_heaviest_loads() -> None:
     options = {"law": "amontons", "material": MATERIAL}
-    lightest = thresholds_of_moments(MOMENTS, model="gw", pressure=1e-290, **options)
+    lightest = from_moments(MOMENTS, model="gw", pressure=1e-290, **options)
     i = lightest.interface
     assert i is not None and i.separation is not None and i.separation > 35 * MOMENTS.summit_std
     # exponential heights of mean sigma_h²/h0, up to (sigma_h/h0)²: F_k/load is 2/3 mu
     assert lightest.std() / lightest.mean() == pytest.approx(1.0, abs=1e-3)
     assert i.friction_coefficient == pytest.approx(2 / 3 * MU, rel=1e-3)
     light, heavy = (
-        thresholds_of_moments(MOMENTS, model="persson", pressure=p, patch_area=PATCH, **options) for p in (1e-290, 1e11)
+        from_moments(MOMENTS, model="persson", pressure=p, patch_area=PATCH, **options) for p in (1e-290, 1e11)
     )
     # stresses s exp(-(s/D)²), and a normal law of mean p and variance D²/2
     assert light.std() / light.mean() == pytest.approx(np.sqrt(4 / np.pi - 1), rel=1e-9)
@@ -45,12 +45,14 @@ def test_lightest_and_heaviest_loads() -> None:
     assert heavy.std() / heavy.mean() == pytest.approx(width / np.sqrt(2) / 1e11, rel=1e-9)
     assert heavy.interface is not None and heavy.interface.area_fraction == 1.0
     with pytest.raises(origins.InputError, match=r"summits would cover"):
-        thresholds_of_moments(MOMENTS, model="gw", pressure=1e30, **options)
+        from_moments(MOMENTS, model="gw", pressure=1e30, **options)
 
 
-def hertz(law: str, delta: float, radius: float) -> tuple[float, float, float]:
+def one_summit(law: str, delta: float, radius: float, regime: str = "elastic") -> tuple[float, float, float]:
     """(load, area, threshold) of one summit, written out; stiffness is f_s/x_s."""
     load, area = 4.0 / 3.0 * E_STAR * np.sqrt(radius) * delta**1.5, np.pi * radius * delta
+    if regime == "plastic" or (regime == "mixed" and load > H * area):
+        load = H * area
     if law == "amontons":
         return load, area, MU * load / (G * np.sqrt(area))
     if law == "strength":
@@ -58,16 +60,25 @@ def hertz(law: str, delta: float, radius: float) -> tuple[float, float, float]:
     return load, area, np.sqrt(MU * load / C)
 
 
+REGIMES = [
+    *((pressure, "elastic") for pressure in (1.0, 1e5, 5e6)),
+    *((pressure, "mixed") for pressure in (1.0, 5e6)),
+    (5e6, "plastic"),
+]
+
+
 @pytest.mark.parametrize("law", ["paper", "amontons", "strength"])
 @pytest.mark.parametrize("height_law", ["gaussian", "exponential"])
-@pytest.mark.parametrize("pressure", [1.0, 1e5, 5e6])
-def test_summits_against_sums_over_heights(law: str, height_law: str, pressure: float) -> None:
-    found = thresholds_of_moments(
-        MOMENTS, model="gw", law=law, material=MATERIAL, pressure=pressure, height_law=height_law
+@pytest.mark.parametrize(("pressure", "regime"), REGIMES)
+def test_summits_against_sums_over_heights(law: str, height_law: str, pressure: float, regime: str) -> None:
+    found = from_moments(
+        MOMENTS, model="gw", law=law, material=MATERIAL, pressure=pressure, height_law=height_law, regime=regime
     )
     i = found.interface
     assert i is not None and i.separation is not None
     std, radius = MOMENTS.summit_std, MOMENTS.summit_radius
+    limit = critical_compression(radius, E_STAR, H)
+    summit = lambda d: one_summit(law, d, radius, regime)  # noqa: E731
 
     def per_area(function) -> float:  # type: ignore[no-untyped-def]
         if height_law == "gaussian":
@@ -75,22 +86,24 @@ def test_summits_against_sums_over_heights(law: str, height_law: str, pressure: 
         else:
             density = lambda h: np.exp(-h / std) / std if h >= 0 else 0.0  # noqa: E731
         step = std / max(i.separation / std, 1.0) if height_law == "gaussian" else std
+        # with an edge where contacts turn plastic, if that is in reach
+        edges = sorted({0.0, step, 8 * step, 60 * step, *([limit] if limit < 60 * step else [])})
         parts = (
             quad(lambda d: function(d) * density(i.separation + d), a, b, epsabs=0.0, epsrel=1e-12, limit=200)[0]
-            for a, b in ((0.0, step), (step, 8 * step), (8 * step, 60 * step))
+            for a, b in itertools.pairwise(edges)
         )
         return MOMENTS.summit_density * sum(parts)
 
-    threshold = lambda d: hertz(law, d, radius)[2]  # noqa: E731
+    threshold = lambda d: summit(d)[2]  # noqa: E731
     number = per_area(lambda d: 1.0)
-    assert per_area(lambda d: hertz(law, d, radius)[0]) == pytest.approx(pressure, rel=1e-9)
+    assert per_area(lambda d: summit(d)[0]) == pytest.approx(pressure, rel=1e-9)
     assert i.contact_density == pytest.approx(number, rel=1e-9)
-    assert i.area_fraction == pytest.approx(per_area(lambda d: hertz(law, d, radius)[1]), rel=1e-9)
+    assert i.area_fraction == pytest.approx(per_area(lambda d: summit(d)[1]), rel=1e-9)
     assert found.mean() == pytest.approx(per_area(threshold) / number, rel=1e-9)
     assert found.moment(2) == pytest.approx(per_area(lambda d: threshold(d) ** 2) / number, rel=1e-9)
 
     def strength(d: float) -> float:
-        load, area, _ = hertz(law, d, radius)
+        load, area, _ = summit(d)
         return TAU * area if law == "strength" else MU * load
 
     stiffness = per_area(lambda d: strength(d) / threshold(d) if d > 0 else 0.0) / number
@@ -113,11 +126,16 @@ def test_summits_against_sums_over_heights(law: str, height_law: str, pressure: 
         )
         assert float(found.sf(threshold(d))) == pytest.approx(beyond / number, rel=1e-8)
     # plastic where the elastic load exceeds what the hardness bears over the plastic area, pi r delta H
-    limit = critical_compression(radius, E_STAR, H)
-    assert hertz(law, limit, radius)[0] == pytest.approx(np.pi * radius * limit * H, rel=1e-12)
-    assert i.plastic_fraction == pytest.approx(float(found.sf(threshold(limit))), rel=1e-12)
+    assert one_summit(law, limit, radius)[0] == pytest.approx(np.pi * radius * limit * H, rel=1e-12)
+    plastic = 1.0 if regime == "plastic" else float(found.sf(threshold(limit)))
+    assert i.plastic_fraction == pytest.approx(plastic, rel=1e-10) and i.regime == regime
     assert i.plasticity_index == pytest.approx(E_STAR / (H / 3) * np.sqrt(std / radius), rel=1e-12)
     assert i.mean_load == pytest.approx(pressure / number, rel=1e-9)
+    assert i.mean_area == pytest.approx(i.area_fraction / number, rel=1e-9)
+    assert i.mean_radius == pytest.approx(per_area(lambda d: np.sqrt(radius * d)) / number, rel=1e-9)
+    assert i.mean_force_threshold == pytest.approx(per_area(strength) / number, rel=1e-9)
+    for d in (0.1 * limit, 0.9 * limit, 1.1 * limit, 7 * limit, 0.3 * std):
+        assert float(i.force_threshold(threshold(d))) == pytest.approx(strength(d), rel=1e-12)
     assert i.mean_plane_separation == i.separation + MOMENTS.summit_offset
 
 
@@ -126,18 +144,18 @@ def test_exponential_heights_are_the_papers_families_and_know_no_load() -> None:
     x = np.linspace(1e-10, 1e-7, 7)
     for law, shape in (("paper", 4 / 3), ("amontons", 1.0), ("strength", 2.0)):
         light, heavy = (
-            thresholds_of_moments(MOMENTS, model="gw", law=law, material=MATERIAL, pressure=p, height_law="exponential")
+            from_moments(MOMENTS, model="gw", law=law, material=MATERIAL, pressure=p, height_law="exponential")
             for p in (1.0, 1e6)
         )
         assert (light.pdf(x) == heavy.pdf(x)).all() and light.onset_power == pytest.approx(shape - 1.0)
-        one = hertz(law, std, radius)[2]
+        one = one_summit(law, std, radius)[2]
         assert light.sf(x) == pytest.approx(np.exp(-((x / one) ** shape)), rel=1e-10)
 
 
 @pytest.mark.parametrize("law", ["paper", "amontons"])
 @pytest.mark.parametrize("pressure", [1e3, 1e7, 1.5e8, 5e8])
 def test_stresses_against_sums_over_the_stress_distribution(law: str, pressure: float) -> None:
-    found = thresholds_of_moments(
+    found = from_moments(
         MOMENTS, model="persson", law=law, material=MATERIAL, pressure=pressure, patch_area=PATCH
     )
     i = found.interface
@@ -174,6 +192,9 @@ def test_stresses_against_sums_over_the_stress_distribution(law: str, pressure: 
     assert i.mean_stiffness == pytest.approx(stiffness, rel=1e-8)
     kinetic = i.contact_density * stiffness * found.moment(2) / (2 * found.mean())
     assert i.friction_coefficient == pytest.approx(kinetic / pressure, rel=1e-8)
+    assert i.mean_radius == pytest.approx(np.sqrt(PATCH / np.pi), rel=1e-14)
+    assert i.mean_force_threshold == pytest.approx(MU * pressure * PATCH / norm, rel=1e-9)
+    assert float(i.force_threshold(threshold(width))) == pytest.approx(MU * width * PATCH, rel=1e-12)
     assert i.plastic_fraction == pytest.approx(over(lambda s: 1.0, H) / norm, rel=1e-8)
     assert found.onset_power == (1.0 if law == "amontons" else 3.0)
     assert float(found.pdf(0.0)) == 0.0 and found.std() > 0.0
@@ -182,11 +203,11 @@ def test_stresses_against_sums_over_the_stress_distribution(law: str, pressure: 
 @pytest.mark.parametrize(("model", "patch"), [("gw", None), ("persson", PATCH)])
 def test_stiffness_in_step_with_threshold_gives_half_the_sum_of_thresholds(model: str, patch: float | None) -> None:
     p = 2e5
-    paper = thresholds_of_moments(
+    paper = from_moments(
         MOMENTS, model=model, law="paper", material=MATERIAL, pressure=p, patch_area=patch
     ).interface
     assert paper is not None and paper.friction_coefficient == pytest.approx(MU / 2, rel=1e-10)
-    strength = thresholds_of_moments(MOMENTS, model="gw", law="strength", material=MATERIAL, pressure=p).interface
+    strength = from_moments(MOMENTS, model="gw", law="strength", material=MATERIAL, pressure=p).interface
     assert strength is not None
     assert strength.friction_coefficient == pytest.approx(TAU * strength.area_fraction / (2 * p), rel=1e-10)
 
@@ -236,7 +257,7 @@ def test_lengths_and_moduli_scale(model: str, law: str) -> None:
 def test_density_and_sound_velocity_are_the_shear_modulus() -> None:
     by_sound = origins.Material(contact_modulus=E_STAR, local_friction=MU, density=1100.0, sound_velocity=1000.0)
     found, plain = (
-        thresholds_of_moments(MOMENTS, model="gw", law="amontons", material=m, pressure=1e5)
+        from_moments(MOMENTS, model="gw", law="amontons", material=m, pressure=1e5)
         for m in (by_sound, MATERIAL)
     )
     assert found.mean() == pytest.approx(plain.mean(), rel=1e-14)
@@ -246,7 +267,7 @@ def test_density_and_sound_velocity_are_the_shear_modulus() -> None:
 
 def test_patch_area_sets_the_scale_of_thresholds_and_nothing_else() -> None:
     small, large = (
-        thresholds_of_moments(
+        from_moments(
             MOMENTS, model="persson", law="amontons", material=MATERIAL, pressure=1e5, patch_area=PATCH * f
         )
         for f in (1.0, 4.0)
@@ -271,6 +292,65 @@ def test_resolution_study_is_the_same_call_at_each_step() -> None:
     assert m4[0] > 2 * m4[1] > 4 * m4[2]
 
 
+def test_plastic_summits_bear_the_hardness_and_break_in_step_with_their_stiffness() -> None:
+    p, options = 2e5, {"model": "gw", "material": MATERIAL, "regime": "plastic"}
+    for height_law in ("gaussian", "exponential"):
+        for law in ("paper", "amontons", "strength"):
+            found = from_moments(MOMENTS, law=law, pressure=p, height_law=height_law, **options)
+            i = found.interface
+            assert i is not None and i.area_fraction == pytest.approx(p / H, rel=1e-12) and i.plastic_fraction == 1.0
+            # k ~ A^(1/2) ~ x_s under every law, so that friction is half the sum of all thresholds
+            half = TAU / (2 * H) if law == "strength" else MU / 2
+            assert i.friction_coefficient == pytest.approx(half, rel=1e-11)
+            assert found.onset_power == pytest.approx(1.0) and found.breakpoints.tolist() == [0.0]
+    # the paper's law and Amontons' are one where c = G²/(mu H)
+    consistent = origins.Material(
+        contact_modulus=E_STAR, local_friction=MU, shear_modulus=G, hardness=H, force_coefficient=G**2 / (MU * H)
+    )
+    q = np.array([1e-9, 0.3, 0.9])
+    one, other = (
+        from_moments(MOMENTS, model="gw", law=law, material=consistent, pressure=p, regime="plastic")
+        for law in ("paper", "amontons")
+    )
+    assert one.isf(q) == pytest.approx(other.isf(q), rel=1e-12)
+
+
+def test_mixed_summits_bear_the_lesser_load_and_join_both_ends() -> None:
+    def made(hardness: float, regime: str) -> origins.Interface:
+        material = origins.Material(contact_modulus=E_STAR, local_friction=MU, shear_modulus=G, hardness=hardness)
+        found = from_moments(MOMENTS, model="gw", law="amontons", material=material, pressure=1e5, regime=regime)
+        assert found.interface is not None
+        return found.interface
+
+    names = ("area_fraction", "contact_density", "mean_radius", "mean_stiffness", "friction_coefficient")
+    for hardness, end in ((1e12, "elastic"), (4e5, "plastic")):
+        mixed, pure = made(hardness, "mixed"), made(hardness, end)
+        for name in names:
+            assert getattr(mixed, name) == pytest.approx(getattr(pure, name), rel=1e-4)
+    plastic = [made(hardness, "mixed").plastic_fraction for hardness in (1e6, 1e7, 1e8, 1e9)]
+    assert all(a is not None and b is not None and a > b for a, b in itertools.pairwise(plastic))
+    # each summit bears the smaller of the two loads, so that more of them are needed than in either regime
+    for hardness in (5e7, 1e8):
+        for name in ("area_fraction", "contact_density"):
+            elastic, between, soft = (getattr(made(hardness, r), name) for r in ("elastic", "mixed", "plastic"))
+            assert between > 1.005 * max(elastic, soft)
+
+
+def test_what_strains_the_theory_is_said() -> None:
+    def cautions(moments: SpectralMoments, pressure: float, hardness: float, regime: str) -> tuple[str, ...]:
+        material = origins.Material(contact_modulus=E_STAR, local_friction=MU, shear_modulus=G, hardness=hardness)
+        found = from_moments(moments, model="gw", law="amontons", material=material, pressure=pressure, regime=regime)
+        assert found.interface is not None
+        return found.interface.cautions
+
+    assert cautions(MOMENTS, 1e5, 1e10, "elastic") == ()
+    steep = SpectralMoments(m0=4e-14, m2_axes=(0.004, 0.001), m4_axes=(2e9, 3e9))
+    said = cautions(steep, 3e7, 2.5e8, "elastic")
+    assert len(said) == 3
+    assert all(part in line for part, line in zip(("contacts cover", "factor 2:", "plastic"), said, strict=True))
+    assert not any("plastic" in line for line in cautions(steep, 1e6, 2.5e8, "mixed"))
+
+
 GOOD = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
 
 
@@ -286,6 +366,10 @@ GOOD = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
         ({"pressure": 1e9, "height_law": "exponential"}, "bear at most"),
         ({"height_law": "flat"}, "height_law = 'flat'"),
         ({"patch_area": 1e-12}, "patch_area = 1e-12"),
+        ({"regime": "brittle"}, "regime = 'brittle'"),
+        ({"regime": "mixed", "material": origins.Material(contact_modulus=1e9)}, "material.hardness = None"),
+        ({"model": "persson", "patch_area": 1e-12, "regime": "mixed"}, 'model="gw"'),
+        ({"moments": 3.0}, "moments = 3.0"),
         ({"model": "persson"}, "patch_area = None"),
         ({"model": "persson", "patch_area": -1.0}, "patch_area = -1.0"),
         ({"model": "persson", "patch_area": 1e-12, "height_law": "exponential"}, "height_law"),
@@ -304,7 +388,7 @@ GOOD = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
 )
 def test_what_has_no_meaning_is_refused_in_one_line(change: dict, says: str) -> None:
     with pytest.raises(origins.InputError) as caught:
-        thresholds_of_moments(MOMENTS, **{**GOOD, **change})
+        from_moments(**{"moments": MOMENTS, **GOOD, **change})
     assert says in str(caught.value) and "\n" not in str(caught.value)
 
 

@@ -1,0 +1,54 @@
+"""Integrals over the summits that touch: powers of the compression, weighted by the law of the heights."""
+
+import numpy as np
+
+from origins.errors import refuse
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(200)
+_FALL = 60.0  # the integrand is left where the density has fallen by e^-60
+_LOG_ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
+
+
+def log_height_integral(
+    order: float, z: float, lower: float = 0.0, upper: float = np.inf, heights: str = "gaussian"
+) -> float:
+    """log of the integral over lower < t < upper of t^order times the density of heights at z + t.
+
+    Greenwood and Williamson's F_n(z) for a flat at z, lengths in units of the heights' standard deviation;
+    order >= 0. Gaussian heights have the standard normal density, exponential ones e^-h above h = 0, where z >= 0.
+    Nothing under- or overflows, whether the load is light (z >> 1) or heavy (z < 0).
+    """
+    return log_touching_integral(order, z, lower, upper, heights) + log_common_density(z, heights)
+
+
+def log_common_density(z: float, heights: str) -> float:
+    """log of the density of heights where the flat is, or at its peak where the flat lies below that."""
+    if heights == "exponential":
+        return -z
+    return -0.5 * max(z, 0.0) ** 2 - _LOG_ROOT_TWO_PI
+
+
+def log_touching_integral(order: float, z: float, lower: float, upper: float, heights: str) -> float:
+    """log_height_integral over the common density: quotients of two orders lose no digits where z is large."""
+    slope, curvature = (1.0, 0.0) if heights == "exponential" else (z, 1.0)
+    # where the density is largest in between, and how far on either side it counts
+    peak = min(max(lower, -slope * curvature), upper)
+    tilt = slope + curvature * peak
+    reach = 2.0 * _FALL / (abs(tilt) + np.sqrt(tilt * tilt + 2.0 * _FALL * curvature))
+    near, far = max(lower, peak - reach), min(upper, peak + reach)
+    # t = s^4 makes every quarter order smooth at 0, and other orders smooth enough
+    low, high = near**0.25, far**0.25
+    s = low + 0.5 * (high - low) * (_NODES + 1.0)
+    away = s**4 - peak
+    logs = np.log(4.0) + (4.0 * order + 3.0) * np.log(s) - away * (tilt + 0.5 * curvature * away)
+    top = float(logs.max())
+    inner = 0.5 * (high - low) * float((_WEIGHTS * np.exp(logs - top)).sum())
+    at_peak = 0.5 * tilt * tilt if slope < 0.0 else peak * (slope + 0.5 * curvature * peak)
+    return top + float(np.log(inner)) - at_peak
+
+
+def check_height_law(heights: object) -> str:
+    """`heights` if it names a law, else InputError."""
+    if heights not in ("gaussian", "exponential"):
+        refuse("height_law", heights, 'must be "gaussian" or "exponential"')
+    return str(heights)
