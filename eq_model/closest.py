@@ -7,6 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Contacts, Drive
+from origins.births import Births
+from origins.contacts import check_contacts
 from origins.errors import whole
 
 Array = npt.NDArray[np.float64]
@@ -17,6 +19,7 @@ def closest(contacts: Contacts, path: npt.ArrayLike, *, n_contacts: int, seed: i
 
     Raises InputError for a path that does not go forward from 0 and for n_contacts below 1.
     """
+    check_contacts(contacts, "eq_model.closest")
     positions = Drive(path).path
     generator = np.random.default_rng(whole("seed", seed, 0))
     x, gap = draw_start(contacts, whole("n_contacts", n_contacts, 1), generator)
@@ -46,15 +49,5 @@ def closest(contacts: Contacts, path: npt.ArrayLike, *, n_contacts: int, seed: i
 
 def draw_start(contacts: Contacts, n: int, generator: np.random.Generator) -> tuple[Array, Array]:
     """Starting stretches and what each contact lacks to its threshold, P_c conditional on x_s > |x|; shape (n,)."""
-    start, thresholds = contacts.start, contacts.thresholds
-    if start.is_single:
-        x = np.full(n, start.mean())
-    else:
-        x = start.ppf(generator.random(n))
-        upper = thresholds.support()[1]
-        while (np.abs(x) >= upper).any():
-            beyond = np.abs(x) >= upper
-            x[beyond] = start.ppf(generator.random(int(beyond.sum())))
-    held = np.abs(x)
-    threshold = np.maximum(thresholds.isf(thresholds.sf(held) * (1.0 - generator.random(n))), held)
+    x, threshold = Births("start", contacts.start, contacts.thresholds).draw(n, generator)
     return x, threshold - x

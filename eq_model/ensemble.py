@@ -13,6 +13,7 @@ from eq_model.beginning import redraw, tables
 from eq_model.lattice import Whole, force, joined, make_lattice, split, variance
 from eq_model.rare import unseen_variance
 from origins import Contacts, Drive
+from origins.contacts import check_contacts
 from origins.errors import refuse, whole
 from origins.hot_cells import HOT_MISSING, MOST_PIECES, WHOLE, HotCells
 from origins.quantile import FINE_BITS, QuantileTable
@@ -68,8 +69,7 @@ class Ensemble:
         seed: int = 0,
         comm: Any = None,
     ) -> None:
-        if not isinstance(contacts, Contacts):
-            refuse("contacts", contacts, "must be an origins.Contacts, such as Contacts(gaussian(mean=1.0, std=0.05))")
+        check_contacts(contacts, "eq_model.simulate")
         started = time.perf_counter()
         self.contacts, self.comm = contacts, comm
         self.n_contacts, replicas = whole("n_contacts", n_contacts, 1), whole("n_replicas", n_replicas, 1)

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Contacts, Drive
+from origins.contacts import check_contacts
 from origins.errors import positive, refuse
 from origins.thresholds import Thresholds
 
@@ -73,6 +74,7 @@ def explicit(contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Bre
         steps, an unknown `breaking`, and "printed" for thresholds with exact single values, which have no P(x).
     """
     began = time.perf_counter()
+    check_contacts(contacts, "master.explicit")
     drive = Drive(path)
     step = positive("step", step)
     if breaking not in ("survival", "printed"):

@@ -65,7 +65,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8) -> Propensity:
     """
     began = time.perf_counter()
     tolerance = positive("tolerance", tolerance)
-    check_contacts(contacts)
+    check_contacts(contacts, "master.propensity")
     steady = steady_state(contacts)
     unit = contacts.mean_threshold
     kinetic = steady.force / unit

@@ -47,7 +47,7 @@ def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> S
     """
     began = time.perf_counter()
     tolerance = positive("tolerance", tolerance)
-    check_contacts(contacts)
+    check_contacts(contacts, "master.solve")
     drive = Drive(path)
     x = drive.path / contacts.mean_threshold
     problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance)

@@ -44,7 +44,7 @@ def steady_state(contacts: Contacts) -> SteadyState:
 
     Raises InputError where <x_s^2> is infinite: then the force grows for ever and there is no steady state.
     """
-    check_contacts(contacts)
+    check_contacts(contacts, "master.steady_state")
     thresholds = contacts.thresholds
     mean, square = contacts.mean_threshold, thresholds.moment(2)
     if not np.isfinite(square):

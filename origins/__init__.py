@@ -1,7 +1,9 @@
 """What one contact is and what is asked of it: thresholds, where they come from, starts, the drive."""
 
 from origins.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
+from origins.ageing import Ageing
 from origins.contacts import Contacts
+from origins.delay import Delay
 from origins.drive import Drive
 from origins.errors import InputError
 from origins.gaussian import gaussian
@@ -15,17 +17,21 @@ from origins.mixture import mixture
 from origins.persson import persson
 from origins.power_law import PowerLaw
 from origins.rectangular import rectangular
+from origins.reforming import boltzmann_reforming
 from origins.rough_contact import from_moments, from_topography, resolution_study
 from origins.samples import from_samples
 from origins.self_affine import self_affine_surface
 from origins.spectral_moments import SpectralMoments, moments_of_summits, spectral_moments
 from origins.spectrum import moments_of_spectrum
 from origins.start import Start, gaussian_start
+from origins.thermal import Thermal
 from origins.thresholds import Thresholds
 from origins.weibull import gw_elastic, gw_plastic
 
 __all__ = [
+    "Ageing",
     "Contacts",
+    "Delay",
     "Drive",
     "InputError",
     "Interface",
@@ -33,7 +39,9 @@ __all__ = [
     "PowerLaw",
     "SpectralMoments",
     "Start",
+    "Thermal",
     "Thresholds",
+    "boltzmann_reforming",
     "column_stiffness",
     "from_moments",
     "from_samples",

@@ -1,18 +1,24 @@
 """Contacts: what one contact is, and how all of them stand at X = 0."""
 
-import numpy as np
+from typing import Literal
 
+import numpy as np
+import numpy.typing as npt
+
+from origins.ageing import Ageing
+from origins.births import Births
+from origins.delay import Delay
 from origins.errors import InputError, refuse
 from origins.frozen import as_thresholds
 from origins.start import as_start
+from origins.thermal import Thermal
+from origins.thresholds import Array
 
-_CUT_LIMIT = 1e-6
 _UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
-_LEAST_SURVIVAL = 1e-300
 
 
 class Contacts:
-    """Contacts that break at random thresholds and re-form at once at x = 0.
+    """Contacts that break at random thresholds, or before, and form again; what is None is not there.
 
     Parameters
     ----------
@@ -21,6 +27,18 @@ class Contacts:
     start : None, float, Start or frozen scipy.stats distribution
         Stretches at X = 0, of contacts that hold; None: all relaxed, x = 0. A contact that starts at x has a
         threshold from P_c conditional on x_s > |x|.
+    thermal : Thermal, optional
+        Breaking below the threshold, at a rate.
+    ageing : Ageing, optional
+        Diffusion of the threshold while the contact holds.
+    delay : Delay, optional
+        How long a broken contact stays out.
+    reforming : None, float, Start or frozen scipy.stats distribution
+        Stretches at which broken contacts form again, such as origins.boltzmann_reforming(temperature); None: x = 0.
+        The threshold follows P_c conditional on x_s > |x|.
+    stiffness : "independent" or "linked"
+        "independent": k_i does not depend on the threshold, and counts as <k> (paper, Eq. Q6). "linked": k_i is
+        proportional to x_si, as where f_s ~ A and k ~ A^(1/2): k_i = <k> x_si/<x_s>, <k> being the mean at birth.
 
     Attributes
     ----------
@@ -30,11 +48,24 @@ class Contacts:
         Load, contact density, <k> and friction in SI units, where the thresholds come from a rough surface.
     cut_weight : float
         Starting weight that lay beyond every threshold and was cut off; 0 unless said.
+    reforming : Births or None
+        None where contacts form again at x = 0.
 
-    Raises InputError where more than 1e-6 of the start lies beyond every threshold: such contacts hold nothing.
+    Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold: such contacts
+    hold nothing; for linked stiffness with thermal closure "paper", which gives all contacts one rate, or with ageing,
+    where the source does not say whether k_i follows; and for fresh thresholds where the final law has no weight.
     """
 
-    def __init__(self, thresholds: object, start: object = None) -> None:
+    def __init__(
+        self,
+        thresholds: object,
+        start: object = None,
+        thermal: Thermal | None = None,
+        ageing: Ageing | None = None,
+        delay: Delay | None = None,
+        reforming: object = None,
+        stiffness: Literal["independent", "linked"] = "independent",
+    ) -> None:
         self.thresholds = as_thresholds(thresholds)
         self.interface = self.thresholds.interface
         self.start = as_start(start)
@@ -49,27 +80,51 @@ class Contacts:
                 f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach "
                 "a steady state"
             )
-        self.cut_weight, reach = self._weight_beyond()
-        if self.cut_weight > _CUT_LIMIT:
-            raise InputError(
-                f"start: a weight of {self.cut_weight:.3g} lies beyond every threshold, at |x| >= {reach:.6g}; start "
-                "from stretches below it"
-            )
+        self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
+        again = as_start(reforming, "reforming")
+        self.reforming = Births("reforming", again, self.thresholds) if again.span != (0.0, 0.0) else None
+        self.thermal, self.ageing, self.delay, self.stiffness = thermal, ageing, delay, stiffness
+        self._check_laws()
 
-    def _weight_beyond(self) -> tuple[float, float]:
-        """Starting weight where no threshold is left, or fewer than floating point can tell; and where that begins."""
-        upper = self.thresholds.support()[1]
-        furthest = max(abs(end) for end in self.start.span)
-        if float(self.thresholds.sf(furthest)) > 0.0:
-            return 0.0, upper
-        if not np.isfinite(upper):
-            upper = float(self.thresholds.isf(_LEAST_SURVIVAL))
-        if self.start.is_single:
-            return 1.0, upper
-        return float(self.start.cdf(-upper) + self.start.sf(upper)), upper
+    def relative_stiffness(self, threshold: npt.ArrayLike) -> Array:
+        """k_i/<k> of contacts with these thresholds (lengths): 1 if independent, x_si/<x_s> if linked; same shape."""
+        threshold = np.asarray(threshold, dtype=float)
+        return threshold / self.mean_threshold if self.stiffness == "linked" else np.ones_like(threshold)[()]
+
+    def _check_laws(self) -> None:
+        if self.thermal is not None and not isinstance(self.thermal, Thermal):
+            refuse("thermal", self.thermal, 'must be an origins.Thermal, such as Thermal("soft", temperature=0.1)')
+        if self.ageing is not None and not isinstance(self.ageing, Ageing):
+            refuse("ageing", self.ageing, "must be an origins.Ageing, such as Ageing(gaussian(1.0, 0.02), rate=5e-4)")
+        if self.delay is not None and not isinstance(self.delay, Delay):
+            refuse("delay", self.delay, "must be an origins.Delay, such as Delay(time=0.2)")
+        if self.stiffness not in ("independent", "linked"):
+            refuse("stiffness", self.stiffness, 'must be "independent" or "linked"')
+        if self.stiffness == "linked":
+            if self.thermal is not None and self.thermal.closure == "paper":
+                refuse(
+                    "stiffness",
+                    self.stiffness,
+                    'not defined with thermal closure = "paper", which breaks all contacts at one mean rate; use '
+                    'closure = "exact"',
+                )
+            if self.ageing is not None:
+                refuse(
+                    "stiffness",
+                    self.stiffness,
+                    "not defined with ageing: nothing says whether k_i follows a threshold that changes; use "
+                    '"independent"',
+                )
+        if self.ageing is not None:
+            self.ageing.check_fresh(self.thresholds)
 
 
-def check_contacts(contacts: object) -> None:
-    """Raise InputError for anything but Contacts, such as thresholds alone."""
+def check_contacts(contacts: object, solver: str) -> None:
+    """Raise InputError for anything but Contacts, such as thresholds alone, and for what `solver` does not take."""
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts, such as origins.Contacts(origins.gaussian(mean=1.0, std=0.05))")
+    for name in ("thermal", "ageing", "delay", "reforming"):
+        if getattr(contacts, name) is not None:
+            raise InputError(f"contacts.{name}: {solver} does not take it yet; leave {name} out of the contacts")
+    if contacts.stiffness != "independent":
+        refuse("contacts.stiffness", contacts.stiffness, f'{solver} does not take it yet; leave it "independent"')

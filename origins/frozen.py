@@ -12,21 +12,21 @@ _BELOW_ZERO = 1e-15
 _LOOSE = 1e-9
 
 
-def as_thresholds(law: object) -> Thresholds:
+def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
     """`law` itself if it is a Thresholds, else the frozen continuous scipy.stats distribution, wrapped.
 
-    Raises InputError for anything else, for weight below x = 0 and for an infinite mean.
+    Raises InputError, which says `name`, for anything else, for weight below x = 0 and for an infinite mean.
     """
     if isinstance(law, Thresholds):
         return law
     if not is_frozen_continuous(law):
         refuse(
-            "thresholds",
+            name,
             law,
             "must come from origins, such as origins.gaussian(mean=1.0, std=0.05), or be a frozen continuous "
             "scipy.stats distribution",
         )
-    return FrozenThresholds(law)
+    return FrozenThresholds(law, name)
 
 
 def is_frozen_continuous(law: object) -> bool:
@@ -52,23 +52,23 @@ class FrozenThresholds(Thresholds):
 
     knows_breakpoints = False
 
-    def __init__(self, frozen) -> None:  # type: ignore[no-untyped-def]
-        self.frozen = frozen
-        check_single("thresholds", frozen)
+    def __init__(self, frozen, name: str = "thresholds") -> None:  # type: ignore[no-untyped-def]
+        self.frozen, self._name = frozen, name
+        check_single(name, frozen)
         lower, upper = (float(end) for end in frozen.support())
         if not (np.isfinite(lower) or lower == -np.inf) or np.isnan(upper) or upper <= lower:
-            raise InputError("thresholds: the frozen distribution has no valid support; check its parameters")
+            raise InputError(f"{name}: the frozen distribution has no valid support; check its parameters")
         below = float(frozen.cdf(0.0))
         if upper <= 0.0 or below > _BELOW_ZERO:
             raise InputError(
-                f"thresholds: the distribution has weight {below:.3g} at or below x = 0; a threshold is a positive "
+                f"{name}: the distribution has weight {below:.3g} at or below x = 0; a threshold is a positive "
                 "length, so cut it there, or use origins.gaussian, which does"
             )
         self._support = (max(lower, 0.0), upper)
         mean = float(frozen.mean())
         if not np.isfinite(mean):
             raise InputError(
-                f"thresholds: the mean is {mean}; with an infinite mean contacts never reach a steady state"
+                f"{name}: the mean is {mean}; with an infinite mean contacts never reach a steady state"
             )
         # a law cut at 0 starts there at a finite density, however small
         self.onset_power = self._fit_onset() if below == 0.0 else 0.0
@@ -98,7 +98,7 @@ class FrozenThresholds(Thresholds):
                 return getattr(self.frozen, method)(x)
             except OverflowError as error:
                 own = f"the distribution's own {method} overflows"
-                raise InputError(f"thresholds: {own}; use milder parameters") from error
+                raise InputError(f"{self._name}: {own}; use milder parameters") from error
 
     def _pdf(self, x: Array) -> Array:
         return self._ask("pdf", x)

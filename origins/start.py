@@ -94,13 +94,13 @@ class GaussianStart(Start):
 class FrozenStart(Start):
     """A frozen continuous scipy.stats distribution on the real line."""
 
-    def __init__(self, frozen) -> None:  # type: ignore[no-untyped-def]
+    def __init__(self, frozen, name: str) -> None:  # type: ignore[no-untyped-def]
         self._frozen = frozen
-        check_single("start", frozen)
+        check_single(name, frozen)
         self._mean = float(frozen.mean())
         if not np.isfinite(self._mean):
             raise InputError(
-                f"start: the mean of the distribution is {self._mean}; a start needs a finite mean stretch"
+                f"{name}: the mean of the distribution is {self._mean}; stretches need a finite mean"
             )
         lower, upper = (float(end) for end in frozen.support())
         self.breakpoints = np.array([end for end in (lower, upper) if np.isfinite(end)])
@@ -137,18 +137,19 @@ def gaussian_start(mean: float, std: float) -> Start:
     return GaussianStart(mean, std) if std > 0.0 else SingleStart(mean)
 
 
-def as_start(start: object) -> Start:
-    """None (all relaxed, x = 0), a number, a Start or a frozen scipy.stats distribution, as a Start."""
+def as_start(start: object, name: str = "start") -> Start:
+    """None (all relaxed, x = 0), a number, a Start or a frozen scipy.stats distribution, as a Start; InputErrors say
+    `name`."""
     if start is None:
         return SingleStart(0.0)
     if isinstance(start, Start):
         return start
     if isinstance(start, int | float | np.number) and not isinstance(start, bool):
-        return SingleStart(finite("start", start))
+        return SingleStart(finite(name, start))
     if is_frozen_continuous(start):
-        return FrozenStart(start)
+        return FrozenStart(start, name)
     refuse(
-        "start",
+        name,
         start,
         "must be None, a stretch, origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution",
     )

@@ -1,0 +1,76 @@
+"""Contacts that stand at stretches of a given law: their thresholds follow P_c conditional on x_s > |x|."""
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import InputError, refuse
+from origins.start import Start
+from origins.thresholds import Array, Thresholds
+
+_CUT_LIMIT = 1e-6
+_LEAST_SURVIVAL = 1e-300
+
+
+class Births:
+    """Stretches from `law`, each with a threshold from P_c conditional on x_s > |x|.
+
+    So the contacts that hold at X = 0 stand, and so broken contacts form again.
+
+    Attributes
+    ----------
+    law : Start
+        Of the stretches (lengths): `is_single` and `mean()`, or density and quantiles.
+    thresholds : Thresholds
+        P_c.
+    cut_weight : float
+        Weight of the law beyond every threshold, which is cut off; 0 unless said.
+
+    Raises InputError, named `name`, where more than 1e-6 lies there: such contacts hold nothing.
+    """
+
+    def __init__(self, name: str, law: Start, thresholds: Thresholds) -> None:
+        self.law, self.thresholds = law, thresholds
+        self.cut_weight, reach = self._weight_beyond()
+        if self.cut_weight > _CUT_LIMIT:
+            raise InputError(
+                f"{name}: a weight of {self.cut_weight:.3g} lies beyond every threshold, at |x| >= {reach:.6g}; use "
+                "stretches below it"
+            )
+
+    def survival(self, x: npt.ArrayLike, birth: npt.ArrayLike) -> Array:
+        """S(max(|birth|, |x|))/S(|birth|): probability that a contact born at `birth` and moved straight to x holds.
+
+        By thresholds alone, without thermal breaking or ageing. Lengths that broadcast; InputError where no threshold
+        lies beyond |birth|.
+        """
+        least = np.abs(np.asarray(birth, dtype=float))
+        log_birth = np.asarray(self.thresholds.logsf(least))
+        if not np.isfinite(log_birth).all():
+            refuse("birth", least[~np.isfinite(log_birth)].flat[0], "no threshold lies beyond; use a smaller stretch")
+        furthest = np.maximum(least, np.abs(np.asarray(x, dtype=float)))
+        return np.exp(self.thresholds.logsf(furthest) - log_birth)
+
+    def draw(self, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
+        """Independent stretches and thresholds (lengths), shapes (size,); those beyond every threshold drawn again."""
+        upper = self.thresholds.support()[1]
+        if self.law.is_single:
+            x = np.full(size, self.law.mean())
+        else:
+            x = self.law.ppf(generator.random(size))
+            while (beyond := np.flatnonzero(np.abs(x) >= upper)).size:
+                x[beyond] = self.law.ppf(generator.random(beyond.size))
+        held = np.abs(x)
+        left = self.thresholds.sf(held) * (1.0 - generator.random(size))
+        return x, np.maximum(self.thresholds.isf(left), held)
+
+    def _weight_beyond(self) -> tuple[float, float]:
+        """Weight where no threshold is left, or fewer than floating point can tell; and where that begins."""
+        upper = self.thresholds.support()[1]
+        furthest = max(abs(end) for end in self.law.span)
+        if float(self.thresholds.sf(furthest)) > 0.0:
+            return 0.0, upper
+        if not np.isfinite(upper):
+            upper = float(self.thresholds.isf(_LEAST_SURVIVAL))
+        if self.law.is_single:
+            return 1.0, upper
+        return float(self.law.cdf(-upper) + self.law.sf(upper)), upper

@@ -1,0 +1,26 @@
+"""Delay: how long a broken contact stays out before it forms again (paper, App. on delay effects)."""
+
+from dataclasses import dataclass
+
+from origins.errors import non_negative
+
+
+@dataclass(frozen=True)
+class Delay:
+    """A broken contact bears nothing for a time τ_m and then forms again (paper, Eq. Q5adelay).
+
+    At a speed v the slider moves by v τ_m meanwhile. Of N contacts the fraction C/(C + v τ_m) holds in smooth sliding,
+    C being the mean way between a contact's birth and its break.
+
+    Attributes
+    ----------
+    time : float
+        τ_m; 0: none.
+
+    Raises InputError unless it is finite and not negative.
+    """
+
+    time: float
+
+    def __post_init__(self) -> None:
+        non_negative("time", self.time)

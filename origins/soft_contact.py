@@ -1,0 +1,46 @@
+"""Thermal breaking of a soft contact, h = ω exp[-k (x_s² - x²) / 2k_BT] (paper, Eqs. temper5 and temper8).
+
+In units of the attempt frequency, in logarithms, and for stretches 0 <= x <= threshold; `spring` is k_i/(2 k_BT),
+per length squared. Arrays of one shape (n,).
+"""
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import dawsn
+
+from origins.dawson import inverse_log_growth, log_growth
+from origins.quadrature import gauss
+
+Array = npt.NDArray[np.float64]
+
+
+def log_rate(x: Array, threshold: Array, spring: Array) -> Array:
+    """ln(h/ω)."""
+    return -spring * (threshold - x) * (threshold + x)
+
+
+def log_between(near: Array, far: Array, threshold: Array, spring: Array) -> Array:
+    """ln of the integral of h/ω, a length, from `near` to `far` >= near; -inf where they are one."""
+    root = np.sqrt(spring)
+    rise = spring * (far - near) * (far + near)
+    length = (dawsn(root * far) - np.exp(-rise) * dawsn(root * near)) / root
+    # where the rate hardly changes the difference cancels; there eight nodes, placed from `far` back, are exact
+    flat = (rise < 1.0) & (near > 0.0)
+    if flat.any():
+        back, weights = gauss(np.zeros(int(flat.sum())), (far - near)[flat])
+        length[flat] = (weights * np.exp(-spring[flat, None] * back * (2.0 * far[flat, None] - back))).sum(-1)
+    return log_rate(far, threshold, spring) + np.log(length)
+
+
+def advance(log_amount: Array, near: Array, threshold: Array, spring: Array) -> Array:
+    """Stretch up to which the integral of h/ω from `near` is the amount; the threshold where it stays below."""
+    root = np.sqrt(spring)
+    level = np.logaddexp(log_amount + np.log(root) + spring * threshold * threshold, log_growth(root * near))
+    return np.clip(inverse_log_growth(level) / root, near, threshold)
+
+
+def retreat(log_share: Array, far: Array, threshold: Array, spring: Array) -> Array:
+    """Stretch down to which the integral of h/ω from `far` is a share <= 1 of the one down to 0."""
+    root = np.sqrt(spring)
+    level = log_growth(root * far) + np.log(-np.expm1(log_share))
+    return np.clip(inverse_log_growth(level) / root, 0.0, far)
