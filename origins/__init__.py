@@ -1,7 +1,7 @@
 """What one contact is and what is asked of it: thresholds, where they come from, starts, the drive."""
 
-from origins.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.ageing import Ageing
+from origins.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.contacts import Contacts
 from origins.delay import Delay
 from origins.drive import Drive

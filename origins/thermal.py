@@ -31,7 +31,7 @@ class Thermal:
     ----------
     law : "soft" or "stiff"
     temperature : float
-        T = k_BT/<k>, a length squared.
+        T = k_BT/<k>, a length squared; where thresholds come from a rough surface, of Interface.temperature(kelvin).
     attempt_frequency : float
         ω, per time.
     closure : "exact" or "paper"
