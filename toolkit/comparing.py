@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from toolkit.describing import HEIGHT_INTEGRALS
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated
 from toolkit.running import run
 from toolkit.scene import Scene
-
-_HEIGHT_INTEGRALS = 1e-8  # relative error of contact number and <k> from a surface's heights, as the tests hold it
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,7 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
         kinetic_force=steady.force / unit,
         kinetic_force_error=steady.force_error,
         friction_coefficient=friction,
-        friction_coefficient_error=None if friction is None else friction * (relative + _HEIGHT_INTEGRALS),
+        friction_coefficient_error=None if friction is None else friction * (relative + HEIGHT_INTEGRALS),
         mean_threshold=unit,
         unit=result.thresholds.unit,
         sampled=hasattr(scene.contacts.thresholds, "n_samples"),

@@ -1,0 +1,139 @@
+"""A law of thresholds in numbers, each with its error: moments, quantiles, onset, propensity, and its interface."""
+
+import time
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from origins import Contacts
+from origins.interface import Interface
+from origins.quadrature import gauss, panel_edges
+from origins.thresholds import Thresholds
+
+HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as the tests hold it
+_EPSILON = float(np.finfo(float).eps)
+_NEGLIGIBLE = 1e-18
+_DOUBLINGS = 2000
+
+_UNITS = {
+    "pressure": "Pa",
+    "contact_density": "1/m2",
+    "mean_stiffness": "N/m",
+    "separation": "m",
+    "patch_area": "m2",
+    "mean_load": "N",
+    "mean_area": "m2",
+    "mean_radius": "m",
+    "mean_force_threshold": "N",
+    "critical_compression": "m",
+}
+_GIVEN = ("pressure", "patch_area")
+
+
+@dataclass(frozen=True)
+class Number:
+    """A value, its error (same unit; None where the value has none) and its unit: "" for a pure number."""
+
+    value: float
+    error: float | None
+    unit: str
+
+
+@dataclass(frozen=True)
+class Description:
+    """`numbers` by name; `notes`, what has no answer and why; `run_time` in s."""
+
+    numbers: dict[str, Number]
+    notes: tuple[str, ...]
+    run_time: float
+
+
+def describe(contacts: Contacts) -> Description:
+    """Numbers of the contacts' thresholds.
+
+    The errors of moments are distances of two roads, the family's own and a quadrature of the survival; those of
+    quantiles come from the survival at them; those of F_k and of the propensity are the master equation's.
+    """
+    import master
+
+    began = time.perf_counter()
+    law = contacts.thresholds
+    unit = "m" if law.interface is not None else "length"
+    mean = Number(law.mean(), _off(law, 1), unit)
+    numbers = {"mean": mean, "standard_deviation": _spread(law, unit)}
+    for n, name in ((2, "second_moment"), (3, "third_moment")):
+        numbers[name] = Number(law.moment(n), _off(law, n), f"{unit}^{n}")
+    lower, upper = law.support()
+    numbers |= {"lower_end": Number(lower, None, unit), "upper_end": Number(upper, None, unit)}
+    for name, q, above in (
+        ("one_in_a_hundred_below", 0.01, False),
+        ("median", 0.5, False),
+        ("one_in_a_hundred_above", 0.01, True),
+    ):
+        numbers[name] = _quantile(law, q, above, unit)
+    numbers["onset_power"] = Number(law.onset_power, law.onset_power_error, "")
+    notes = []
+    if np.isfinite(law.moment(2)):
+        steady, found = master.steady_state(contacts), master.propensity(contacts)
+        numbers |= {
+            "kinetic_force": Number(steady.force, steady.force_error * mean.value, unit),
+            "critical_spring": Number(found.critical_spring, found.critical_spring_error, ""),
+            "static_to_kinetic": Number(found.static_to_kinetic, found.static_to_kinetic_error, ""),
+            "decoherence_length": Number(found.decoherence_length, found.decoherence_length_error, unit),
+        }
+    else:
+        notes.append("<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with")
+    if law.interface is not None:
+        numbers |= _of_interface(law.interface)
+    return Description(numbers, tuple(notes), time.perf_counter() - began)
+
+
+def _off(law: Thresholds, n: int) -> float | None:
+    """Distance of <x_s^n> from n times the integral of x^(n-1) times the survival, and the rounding of both."""
+    value = law.moment(n)
+    if not np.isfinite(value):
+        return None
+    lower, upper = law.support()
+    edges = [np.array([lower]), panel_edges(law), law.breakpoints, law.atoms[0]]
+    if np.isfinite(upper):
+        edges.append(np.array([upper]))
+    else:
+        # twice as far each time, until the rest adds nothing
+        reach = float(law.isf(1e-3))
+        for _ in range(_DOUBLINGS):
+            if not float(law.sf(reach)) > _NEGLIGIBLE * value / reach**n:
+                break
+            reach *= 2.0
+            edges.append(np.array([reach]))
+    ends = np.unique(np.concatenate(edges))
+    nodes, weights = gauss(ends[:-1], ends[1:])
+    other = lower**n + n * float((weights * nodes ** (n - 1) * law.sf(nodes)).sum())
+    return abs(other - value) + 4.0 * _EPSILON * value
+
+
+def _spread(law: Thresholds, unit: str) -> Number:
+    spread, second, off = law.std(), law.moment(2), _off(law, 2)
+    if off is None or spread == 0.0:
+        return Number(spread, None if off is None else 0.0, unit)
+    # the variance of a narrow law is a small difference in the second road only
+    return Number(spread, min(off, 4.0 * _EPSILON * second) / spread + 4.0 * _EPSILON * spread, unit)
+
+
+def _quantile(law: Thresholds, q: float, above: bool, unit: str) -> Number:
+    x = float(law.isf(q) if above else law.ppf(q))
+    tail, density = float(law.sf(x) if above else law.cdf(x)), float(law.pdf(x))
+    off = abs(tail - q) / density if density > 0.0 and np.isfinite(density) and not law.atoms[0].size else 0.0
+    return Number(x, off + 4.0 * _EPSILON * x, unit)
+
+
+def _of_interface(interface: Interface) -> dict[str, Number]:
+    """What the interface knows in SI units, its own and derived."""
+    names = [field.name for field in fields(interface)]
+    names += [name for name, value in vars(type(interface)).items() if isinstance(value, property)]
+    numbers = {}
+    for name in names:
+        value = getattr(interface, name)
+        if isinstance(value, float):
+            error = None if name in _GIVEN else abs(value) * HEIGHT_INTEGRALS
+            numbers[name] = Number(value, error, _UNITS.get(name, "m" if "separation" in name else ""))
+    return numbers
