@@ -54,13 +54,13 @@ def test_what_has_no_answer_is_said() -> None:
 
 def test_interface_numbers_have_units() -> None:
     law = origins.from_topography(
-        origins.self_affine_surface((64, 64), 40e-9, hurst=0.8, rms_slope=0.1, long_cutoff=1e-6, short_cutoff=2e-7, seed=1),
+        origins.self_affine_surface((64, 64), 40e-9, hurst=0.8, rms_slope=0.1, short_cutoff=2e-7, seed=1),
         40e-9,
         model="gw",
         law="strength",
         material=origins.Material(contact_modulus=1.75e9, shear_modulus=1.1e9, shear_strength=5e7),
         pressure=1e6,
-    )  # fmt: skip
+    )
     numbers = describe(origins.Contacts(law)).numbers
     assert numbers["mean"].unit == "m" and numbers["mean_stiffness"].unit == "N/m" and numbers["pressure"].error is None
     assert numbers["mean_load"].value == pytest.approx(1e6 / numbers["contact_density"].value)
