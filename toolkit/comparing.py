@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from toolkit.describing import HEIGHT_INTEGRALS
+from toolkit.deviation import worst_deviation
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated
 from toolkit.running import run
@@ -131,22 +131,6 @@ def _evidence(result: Result, eq: Simulated, kinetic: float, scene: Scene) -> Ev
         run_time=eq.run_time,
         contacts=0 if scene.eq is None else scene.eq.contacts * scene.eq.replicas,
     )
-
-
-def worst_deviation(result: Result) -> float:
-    """Largest difference between the two solvers in standard errors, where enough contacts have broken to tell."""
-    solved, eq, asked = result.master, result.eq, result.asked.eq
-    if solved is None or eq is None or asked is None:
-        raise ValueError("a result of both solvers is needed")
-    counts = telling(eq, result.mean_threshold, asked.contacts * asked.replicas)
-    allowed = eq.force_standard_error + solved.force_error * result.mean_threshold
-    return float((np.abs(eq.force - solved.force)[counts] / allowed[counts]).max(initial=0.0))
-
-
-def telling(eq: Simulated, mean_threshold: float, contacts: int) -> npt.NDArray[np.bool_]:
-    """Where the path's standard errors mean something: some 30 contacts have broken."""
-    lone = np.minimum(eq.path, mean_threshold) / contacts
-    return np.asarray(eq.force_standard_error > 5.5 * lone)
 
 
 def table(verdicts: Sequence[Verdict]) -> list[str]:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toolkit.comparing import Verdict, telling
+from toolkit.comparing import Verdict
+from toolkit.deviation import deviation
 from toolkit.scene import Scene
 
 if TYPE_CHECKING:
@@ -93,13 +94,10 @@ def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
 def plot_deviations(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
     for ink, _, verdict in _inked(verdicts):
-        solved, eq = verdict.result.master, verdict.result.eq
-        if solved is None or eq is None or verdict.evidence is None:
-            continue
-        counts = telling(eq, verdict.mean_threshold, verdict.evidence.contacts)
-        shown = np.flatnonzero(counts)[:: max(1, int(counts.sum()) // 60)]
-        deviation = (eq.force[shown] - solved.force[shown]) / eq.force_standard_error[shown]
-        axes.plot(eq.path[shown] / verdict.mean_threshold, deviation, ".", ms=3.5, color=ink)
+        if verdict.result.master is not None and verdict.result.eq is not None:
+            path, off = deviation(verdict.result)
+            shown = slice(None, None, max(1, path.size // 60))
+            axes.plot(path[shown] / verdict.mean_threshold, off[shown], ".", ms=3.5, color=ink)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     axes.set(xlabel=r"slider position $X/\langle x_s\rangle$", ylabel="EQ - ME\n(std. errors)", ylim=(-5.0, 5.0))
     return axes

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from toolkit.deviation import deviation
 from toolkit.results import OWN_UNIT, Result, ThresholdCurve
 
 if TYPE_CHECKING:
@@ -47,6 +48,17 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
     axes.set(xlabel=f"slider position $X${unit}", ylabel=rf"force $F/(N_c\langle k\rangle)${unit}")
     axes.set_title(result.title or result.name)
     axes.legend()
+    return axes
+
+
+def plot_deviation(axes: "Axes", result: Result) -> "Axes":
+    """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
+    path, off = deviation(result)
+    axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
+    axes.plot(path, off, ".", ms=3.5, color=_INK["eq"])
+    reach = max(4.0, 1.1 * float(np.abs(off).max(initial=0.0)))
+    axes.set(xlabel=f"slider position $X${_unit(result.thresholds)}", ylim=(-reach, reach))
+    axes.set_ylabel("EQ - ME\n(std. errors)")
     return axes
 
 
@@ -101,8 +113,14 @@ def save_picture(result: Result, path: Path) -> None:
     """The picture of a run as a PNG, on a figure of its own: the session's backend is not touched."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10, 4), layout="constrained")
-    plot(result, figure.subplots(1, 2, width_ratios=(2.2, 1)))
+    both = result.master is not None and result.eq is not None
+    figure = Figure(figsize=(10, 5 if both else 4), layout="constrained")
+    rows: list[Any] = [["F", "P"], ["z", "P"]] if both else [["F", "P"]]
+    places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=[3, 1] if both else [1])
+    plot(result, [places["F"], places["P"]])
+    if both:
+        plot_deviation(places["z"], result).sharex(places["F"])
+        places["F"].set_xlabel("")
     figure.savefig(path, dpi=150, format="png")
 
 

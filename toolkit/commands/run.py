@@ -56,7 +56,7 @@ def report(result: Any) -> list[str]:
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
     if result.master is not None and result.eq is not None:
-        from toolkit.comparing import worst_deviation
+        from toolkit.deviation import worst_deviation
 
         apart = worst_deviation(result)
         lines.append(f"eq less master: at most {apart:.1f} standard errors over the path; chance makes about 3")
