@@ -3,10 +3,14 @@
 from origins.ageing import Ageing
 from origins.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.contacts import Contacts
+from origins.continuous_mixture import continuous_mixture
 from origins.delay import Delay
 from origins.drive import Drive
 from origins.errors import InputError
 from origins.gaussian import gaussian
+from origins.grain_contact import GrainContact
+from origins.grain_growth import GrainGrowth, film_growth
+from origins.grains import grains
 from origins.greenwood_williamson import pressure_of_separation, separation_of_pressure
 from origins.gw_gaussian import gw_gaussian
 from origins.identical import identical
@@ -33,6 +37,8 @@ __all__ = [
     "Contacts",
     "Delay",
     "Drive",
+    "GrainContact",
+    "GrainGrowth",
     "InputError",
     "Interface",
     "Material",
@@ -43,11 +49,14 @@ __all__ = [
     "Thresholds",
     "boltzmann_reforming",
     "column_stiffness",
+    "continuous_mixture",
+    "film_growth",
     "from_moments",
     "from_samples",
     "from_topography",
     "gaussian",
     "gaussian_start",
+    "grains",
     "gw_elastic",
     "gw_gaussian",
     "gw_plastic",

@@ -3,13 +3,26 @@
 import numpy as np
 from scipy.special import gamma, gammainc, gammaincinv, lambertw
 
-from origins.errors import positive
+from origins.errors import finite, positive, refuse
+from origins.generalised_gamma import GeneralisedGamma
 from origins.thresholds import Array, Thresholds
 
+_STEEPEST = 100.0
+_SLOWEST = 0.1
 
-def lubricated(width: float) -> Thresholds:
-    """P_c ~ x^3 exp(-x^2 / width^2) (paper, Eq. Pcrotate); width is a length above zero, else InputError."""
-    return Lubricated(positive("width", width))
+
+def lubricated(width: float, power: float = 3.0, decay: float = 2.0) -> Thresholds:
+    """P_c ~ x^power exp(-(x/width)^decay), a generalised gamma law; left out, the paper's fit (Eq. Pcrotate).
+
+    width is a length above zero, power a number above -1 and up to 100, decay one from 0.1 to 100; else InputError.
+    Forces distributed as f^a exp(-f/f0) with f_s = c x_s² give power = 2a + 1, decay = 2 and width = (f0/c)^(1/2).
+    """
+    width, power, decay = positive("width", width), finite("power", power), finite("decay", decay)
+    if not -1.0 < power <= _STEEPEST:
+        refuse("power", power, f"must be above -1, or P_c has no norm, and at most {_STEEPEST:g}")
+    if not _SLOWEST <= decay <= _STEEPEST:
+        refuse("decay", decay, f"must lie between {_SLOWEST:g} and {_STEEPEST:g}")
+    return Lubricated(width) if (power, decay) == (3.0, 2.0) else GeneralisedGamma(width, power, decay)
 
 
 class Lubricated(Thresholds):

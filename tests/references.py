@@ -58,6 +58,46 @@ def rectangular(lower: float, upper: float) -> Reference:
     )
 
 
+def generalised_gamma(width: float, power: float, decay: float) -> Reference:
+    w, p, a = _number(width), _number(decay), (_number(power) + 1) / _number(decay)
+    return Reference(
+        origins.lubricated(width, power, decay),
+        lambda x: p / w / mp.gamma(a) * (x / w) ** _number(power) * mp.exp(-((x / w) ** p)),
+        lambda x: mp.gammainc(a, 0, (x / w) ** p, regularized=True),
+        lambda x: mp.gammainc(a, (x / w) ** p, mp.inf, regularized=True),
+        lambda n: w**n * mp.gamma(a + n / p) / mp.gamma(a),
+    )
+
+
+def grains(rho: float, B: float) -> Reference:
+    """Exact Jacobian: Lifshitz and Slyozov's sizes as printed, and their survival e^-psi, beyond u = 1/rho."""
+    b, first = _number(B), 1 / _number(rho)
+    law = origins.grains(rho, B=B)
+    third = mp.mpf(1) / 3
+
+    def psi(u: mp.mpf) -> mp.mpf:
+        y = 2 * u / 3
+        return 4 * third * mp.log1p(y / 2) + 5 * third * mp.log1p(-y) + y / (1 - y)
+
+    def size(x: mp.mpf) -> mp.mpf:
+        return mp.sqrt(1 + b * x * x) * first
+
+    def pdf(x: mp.mpf) -> mp.mpf:
+        u = size(x)
+        front = 81 * mp.e / 2 ** (5 * third) * u * u * mp.exp(psi(first) - 1 / (1 - 2 * u / 3))
+        return front / ((u + 3) ** (7 * third) * (mp.mpf(3) / 2 - u) ** (11 * third)) * b * x * first * first / u
+
+    def sf(x: mp.mpf) -> mp.mpf:
+        return mp.exp(psi(first) - psi(size(x)))
+
+    def moment(n: int) -> mp.mpf:
+        with mp.workdps(30):
+            marks = [mp.mpf(0), *[_number(x) for x in (*law.ppf([1e-6, 0.1]), *law.isf([0.5, 0.1, 1e-3, 1e-7, 1e-16]))]]
+            return mp.quad(lambda x: n * x ** (n - 1) * sf(x), marks)
+
+    return Reference(law, pdf, lambda x: -mp.expm1(psi(first) - psi(size(x))), sf, moment)
+
+
 def lubricated(width: float) -> Reference:
     w = _number(width)
     return Reference(

@@ -6,6 +6,8 @@ from references import (
     Reference,
     chord_gaussian,
     gaussian,
+    generalised_gamma,
+    grains,
     gw_elastic,
     gw_gaussian,
     gw_plastic,
@@ -20,6 +22,7 @@ from scipy import stats
 import origins
 from origins import InputError
 from origins.gaussian_chord import ChordGaussian
+from origins.generalised_gamma import GeneralisedGamma
 from origins.quadrature import gauss, panel_edges
 
 EPSILON = np.finfo(float).eps
@@ -40,6 +43,14 @@ CASES = {
     "rectangular from 0": lambda: rectangular(0.0, 2.0),
     "lubricated": lambda: lubricated(1.0),
     "lubricated small": lambda: lubricated(4.1e-9),
+    "lubricated, steep": lambda: generalised_gamma(1.3, 5.0, 4.0),
+    "lubricated, flat onset": lambda: generalised_gamma(1.0, 0.0, 1.0),
+    "lubricated, diverging": lambda: generalised_gamma(2e-9, -0.5, 0.5),
+    "grains": lambda: grains(1.0, 1.0),
+    "grains, all but pinning": lambda: grains(2.0 / 3.0 * (1.0 + 1e-6), 1.0),
+    "grains, few pinning": lambda: grains(0.7, 3.7e17),
+    "grains, many pinning": lambda: grains(2.0, 1e-12),
+    "grains, far beyond the film": lambda: grains(1e3, 2.3),
     "persson": lambda: persson(1.0, 0.5),
     "persson broad": lambda: persson(1.0, 1.0),
     "persson light": lambda: persson(0.01, 1.0),
@@ -165,6 +176,8 @@ SAMPLED = [
     "gw_plastic",
     "rectangular",
     "lubricated",
+    "lubricated, steep",
+    "grains",
     "persson",
     "persson at 0",
     "gaussian broad",
@@ -201,6 +214,9 @@ SCALED = {
     "gw_gaussian": lambda s, u: origins.gw_gaussian(6.0 * u - 3.0, s, regime="mixed", plasticity_index=1.0 + 20.0 * u),
     "rectangular": lambda s, u: origins.rectangular(u * s, (u + 0.7) * s),
     "lubricated": lambda s, u: origins.lubricated((0.1 + u) * s),
+    "generalised gamma": lambda s, u: origins.lubricated((0.1 + u) * s, power=4.0 * u, decay=1.0 + u),
+    "grains": lambda s, u: origins.grains(0.7 + 2.0 * u, B=(1.0 + u) / s**2),
+    "grains, printed": lambda s, u: origins.grains(0.7 + 2.0 * u, B=(1.0 + u) / s**2, jacobian="paper"),
     "persson": lambda s, u: origins.persson(s, (0.2 + 2.0 * u) * s),
     "gaussian": lambda s, u: origins.gaussian(s, (0.01 + u) * s),
     "gaussian below 0": lambda s, u: origins.gaussian(-s, (0.1 + u) * s),
@@ -273,6 +289,18 @@ def test_random_parameters(seed: int) -> None:
     nodes, weights = gauss(edges[:-1], edges[1:])
     assert (weights * law.pdf(nodes)).sum() == pytest.approx(1.0, abs=1e-12)
     assert (weights * nodes * law.pdf(nodes)).sum() == pytest.approx(law.mean(), rel=1e-10)
+
+
+def test_paper_fit_is_one_generalised_gamma() -> None:
+    closed, general = origins.lubricated(0.7), GeneralisedGamma(0.7, 3.0, 2.0)
+    q = 10.0 ** -np.array([0.01, 0.3, 3, 30, 280])
+    for law, twin in ((closed, general), (general, closed)):
+        np.testing.assert_allclose(law.isf(q), twin.isf(q), rtol=1e-13)
+        np.testing.assert_allclose(law.logsf(twin.isf(q)), np.log(q), rtol=1e-13)
+        np.testing.assert_allclose(law.ppf(q), twin.ppf(q), rtol=1e-13)
+    # beyond what floats hold, the logarithm by Laguerre's nodes against the closed one
+    np.testing.assert_allclose(general.logsf([25.0, 1e3]), closed.logsf([25.0, 1e3]), rtol=1e-14)
+    assert origins.lubricated(0.7, power=1.0).sf(1.0) == pytest.approx(np.exp(-1.0 / 0.49), rel=1e-14)
 
 
 def test_persson_limits() -> None:
@@ -382,6 +410,8 @@ BAD = [
     (lambda: origins.gw_elastic(0.0), "B = 0.0: "),
     (lambda: origins.gw_plastic(True), "B = True: "),
     (lambda: origins.lubricated(-2.0), "width = -2.0: "),
+    (lambda: origins.lubricated(1.0, power=-1.0), "power = -1.0: must be above -1, or P_c has no norm"),
+    (lambda: origins.lubricated(1.0, decay=0.0), "decay = 0.0: must lie between 0.1 and 100"),
     (lambda: origins.persson(-1.0, 1.0), "centre = -1.0: "),
     (lambda: origins.persson(1.0, 0.0), "width = 0.0: "),
     (lambda: origins.persson(1.1e6, 1.0), "centre = 1100000.0: is more than 1e+06 widths"),

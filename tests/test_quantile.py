@@ -18,6 +18,8 @@ LAWS: dict[str, Any] = {
     "onset 1/3": lambda: origins.gw_elastic(1.0),
     "lubricated": lambda: origins.lubricated(1.0),
     "persson": lambda: origins.persson(1.0, 0.3),
+    "grains": lambda: origins.grains(2.0, B=1.0),
+    "grains, printed": lambda: origins.grains(1.0, B=1.0, jacobian="paper"),
     "gap": lambda: origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.3, 0.7]),
     "even gap": lambda: origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.5, 0.5]),
     "two peaks": lambda: origins.mixture([origins.gaussian(0.95, 0.01), origins.gaussian(1.05, 0.01)], [0.4, 0.6]),

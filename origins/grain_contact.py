@@ -1,0 +1,191 @@
+"""A contact whose threshold grows while it slides: each keeps its quantile of the coalescing grains' law."""
+
+from decimal import Decimal, localcontext
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import non_negative, positive, refuse
+from origins.grain_growth import GrainGrowth
+from origins.inversion import invert_hazard
+from origins.lifshitz_slyozov import closed_hazard, hazard_beyond, invert_beyond
+from origins.thresholds import Array, Thresholds
+
+_STEPS = 100
+
+
+class GrainContact:
+    """Contacts that keep their quantile u for life: the threshold is Q(u; age), Q the quantile of P_c at that age.
+
+    Exact Jacobian. A contact pins from the age tau_m on, at stretch 0. Where it rests there for a time `rest` and then
+    slides at `velocity`, its age at stretch x is tau_m + rest + x/velocity; it breaks where it first meets its
+    threshold.
+
+    Raises InputError for anything but a GrainGrowth.
+    """
+
+    def __init__(self, growth: GrainGrowth) -> None:
+        if not isinstance(growth, GrainGrowth):
+            refuse("growth", growth, "must be growth, such as origins.GrainGrowth(alpha=1.0, B=1.0)")
+        self.growth = growth
+
+    def quantile(self, u: npt.ArrayLike, age: npt.ArrayLike) -> Array:
+        """Threshold (a length) of the contact of quantile u in [0, 1] at `age`; shapes broadcast.
+
+        It rises with age, from 0 at tau_m. InputError for ages below tau_m, at which no grain pins.
+        """
+        first = self.growth.first_pinning_time
+        ranks, ages = np.broadcast_arrays(_ranks(u), np.asarray(age, dtype=float))
+        bad = ~((ages >= first) & np.isfinite(ages))
+        if bad.any():
+            rule = f"no grain pins before the age (2/(3 alpha))³ = {first:.12g}"
+            refuse("age", ages[bad].flat[0], rule)
+        excess = np.expm1(np.log1p((ages - first) / first) / 3.0)
+        largest = 1.0 + excess
+        with np.errstate(divide="ignore"):
+            hazard = -np.log1p(-ranks)
+        finite = np.minimum(hazard, 1e300)
+        q = invert_beyond(finite, 1.0 / largest, excess / largest)
+        with np.errstate(over="ignore"):
+            gap = np.where(np.isfinite(hazard), excess * (q * excess / (largest + q * excess)), excess)
+        return (np.sqrt(gap * (gap + 2.0) / self.growth.B))[()]
+
+    def breaking(self, velocity: float, rest: float = 0.0) -> Thresholds:
+        """Law of the stretch at which contacts break; see SlidingGrains.
+
+        velocity > 0 is a length per time, rest >= 0 a time; else InputError.
+        """
+        return SlidingGrains(self.growth, positive("velocity", velocity), non_negative("rest", rest))
+
+    def survival(self, x: npt.ArrayLike, velocity: float, rest: float = 0.0) -> Array:
+        """E(x): probability that a contact holds beyond stretch x (a length)."""
+        return self.breaking(velocity, rest).sf(x)
+
+    def first_meeting(self, u: npt.ArrayLike, velocity: float, rest: float = 0.0) -> Array:
+        """Stretch (a length) at which the contact of quantile u in [0, 1] breaks; 0 where it never holds."""
+        return self.breaking(velocity, rest).ppf(_ranks(u))
+
+
+class SlidingGrains(Thresholds):
+    """Stretches at which sliding contacts break, where the threshold of each grows with its age.
+
+    The hazard at the meeting, psi(y) - psi(y0) with y0 falling as age^(-1/3), rises with the stretch whatever velocity
+    and rest are: every quantile meets its threshold once, and E(x) is the survival of P_c at the age of stretch x.
+
+    Without rest, contacts of low quantile never hold: thresholds grow as x from 0 on, and those whose growth is slower
+    than the sliding break at stretch 0, an atom of weight 1 - exp(-(9/2) B (velocity tau_m)²).
+    """
+
+    def __init__(self, growth: GrainGrowth, velocity: float, rest: float) -> None:
+        first = growth.first_pinning_time
+        self._reach = velocity * first  # the length slid in tau_m
+        self._rest = rest / first
+        self._root_b = float(np.sqrt(growth.B))
+        self._beta = (self._root_b * self._reach) ** 2
+        self._at_once = 4.5 * self._beta if rest == 0.0 else 0.0
+        self._lowest_atom = float(-np.expm1(-self._at_once))
+        self.onset_power = 0.0 if rest == 0.0 else 1.0
+        with localcontext(prec=50):
+            # one more step, in digits: beside the end a distance is a difference, whose rest is kept
+            x = Decimal(self._reach * self._end())
+            age = 1 + (Decimal(rest) + x / Decimal(velocity)) / Decimal(first)
+            largest = (age.ln() / 3).exp()
+            value = Decimal(growth.B) * x * x + 1 - largest * largest
+            slope = 2 * Decimal(growth.B) * x - 2 / (3 * largest * Decimal(velocity) * Decimal(first))
+            end = x - value / slope
+            self._upper = float(end)
+            self._upper_rest = float(end - Decimal(self._upper))
+        self._upper_size = float(largest)
+
+    def _end(self) -> float:
+        """The stretch, in units of velocity tau_m, at which even the largest grain breaks; to floating point."""
+        beta, rest = self._beta, self._rest
+        # two bounds from above; the equation is convex, so that Newton comes down from them
+        least = (1.0 / 3.0 + np.sqrt(1.0 / 9.0 + 2.0 / 3.0 * beta * rest)) / beta
+        x = min(least, max(1.0 + rest, np.sqrt(2.0) * beta**-0.75))
+        for _ in range(_STEPS):
+            log_age = np.log1p(rest + x)
+            value = beta * x * x - np.expm1(2.0 / 3.0 * log_age)
+            step = value / (2.0 * beta * x - 2.0 / 3.0 * np.exp(-log_age / 3.0))
+            x -= step
+            if not step > 1e-15 * x:
+                break
+        return float(x)
+
+    def support(self) -> tuple[float, float]:
+        return 0.0, self._upper
+
+    @property
+    def atoms(self) -> tuple[Array, Array]:
+        held = self._at_once == 0.0
+        return (np.empty(0), np.empty(0)) if held else (np.zeros(1), np.array([self._lowest_atom]))
+
+    def _sizes(self, x: Array) -> tuple[Array, Array, Array, Array]:
+        """n0 = m0 - 1, k, m0 - k and q, of the largest grain m0 and the one k that breaks; m0 = k beyond the end."""
+        n0 = np.expm1(np.log1p(self._rest + x / self._reach) / 3.0)
+        s = self._root_b * x
+        k = np.hypot(1.0, s)
+        # from the end m0² - k² is a product, near 0 a difference of small numbers
+        far, other = self._upper_size, 1.0 + n0
+        fall = self._root_b * (self._upper + x) * self._root_b
+        fall = fall - (far + other) / ((far * far + far * other + other * other) * self._reach)
+        product = ((self._upper - x) + self._upper_rest) * fall / (other + k)
+        left = np.maximum(np.where(x > 0.5 * self._upper, product, n0 - s * (s / (1.0 + k))), 0.0)
+        with np.errstate(divide="ignore"):
+            q = (s / n0) * (s / (1.0 + k)) * ((1.0 + n0) / left)
+        return n0, k, left, q
+
+    def _hazard(self, x: Array) -> Array:
+        n0, _, _, q = self._sizes(x)
+        held = np.isfinite(q)
+        out = np.full(x.shape, np.inf)
+        out[held] = hazard_beyond(q[held], 1.0 / (1.0 + n0[held]), n0[held] / (1.0 + n0[held]))
+        return out
+
+    def _logpdf(self, x: Array) -> Array:
+        out = np.full(x.shape, -np.inf)
+        # the limit from inside, at a stretch that is nothing beside all lengths there are
+        x = np.maximum(x, 1e-30 * min(self._reach, self._upper))
+        n0, k, left, q = self._sizes(x)
+        held = np.isfinite(q)
+        x, n0, k, left, q = x[held], n0[held], k[held], left[held], q[held]
+        n, m0, place = left / k, 1.0 + n0, x / self._reach
+        # d hazard/d ln(age) without a difference: what growing grains and a growing threshold leave over
+        rise = q * (9.0 + 12.0 * n0 + 6.0 * n * m0) + n0 / n * (12.0 + 18.0 * n0 + 4.0 * n0 * n0)
+        rise += 2.0 * n0 * (n0 + m0 * (k - 1.0) / k)
+        rise *= q / ((3.0 + 3.0 * n0 + n0 * n0) * (3.0 + 2.0 * n) * (3.0 + 2.0 * n0))
+        rested = self._rest * place / (self._rest + place)
+        rise += 3.0 * self._beta * rested * m0**3 / (k * k * n * n * (3.0 + 2.0 * n))
+        hazard = closed_hazard(q, 1.0 / m0, n0 / m0)
+        with np.errstate(divide="ignore"):
+            out[held] = np.log(rise) - 3.0 * np.log(m0) - np.log(self._reach) - hazard
+        return out
+
+    def _cdf(self, x: Array) -> Array:
+        return -np.expm1(-self._hazard(x))
+
+    def _sf(self, x: Array) -> Array:
+        return np.exp(-self._hazard(x))
+
+    def _logsf(self, x: Array) -> Array:
+        return -self._hazard(x)
+
+    def logsf(self, x: npt.ArrayLike) -> Array:
+        return self._inside(self._logsf, x, 0.0, -self._at_once, -np.inf)
+
+    def _from_hazard(self, hazard: Array) -> Array:
+        flat = hazard.ravel()
+        out = np.zeros(flat.shape)
+        held = flat > self._at_once
+        goal = flat[held]
+        ends = np.zeros(goal.shape), np.full(goal.shape, self._upper)
+        out[held] = invert_hazard(self, goal, *ends, np.full(goal.shape, 0.5 * self._upper))
+        return out.reshape(hazard.shape)
+
+
+def _ranks(u: npt.ArrayLike) -> Array:
+    ranks = np.asarray(u, dtype=float)
+    bad = ~((ranks >= 0.0) & (ranks <= 1.0))
+    if bad.any():
+        refuse("u", ranks[bad].flat[0], "must be a quantile between 0 and 1")
+    return ranks
