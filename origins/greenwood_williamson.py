@@ -154,7 +154,7 @@ class SummitContact:
     @property
     def separation(self) -> float:
         """Height of the flat above the summits' mean plane, m."""
-        return self.z * self.summits.std
+        return float(self.z * self.summits.std)
 
     @property
     def contact_density(self) -> float:

@@ -51,7 +51,7 @@ def gw_gaussian(
     z, scale = finite("separation", separation), positive("scale", scale)
     if not _DEEPEST <= z <= _HIGHEST:
         refuse("separation", separation, f"is h0/sigma_h and must lie between {_DEEPEST:g} and {_HIGHEST:g}")
-    if law not in EXPONENTS:
+    if not isinstance(law, str) or law not in EXPONENTS:
         refuse("law", law, 'must be "paper", "amontons" or "strength"')
     elastic, plastic = EXPONENTS[law]
     if check_regime(regime) != "mixed":

@@ -9,7 +9,9 @@ from origins.power_law import Array
 from origins.spectral_moments import SpectralMoments
 
 
-def moments_of_spectrum(wavevectors: npt.ArrayLike, power: npt.ArrayLike, kind: str = "isotropic") -> SpectralMoments:
+def moments_of_spectrum(
+    wavevectors: npt.ArrayLike, power: npt.ArrayLike, convention: str = "isotropic"
+) -> SpectralMoments:
     """Profile moments m0, m2, m4 of an isotropic surface from its radially averaged power spectrum.
 
     Between two points the spectrum is the power law through both, integrated exactly; beyond the first and the last
@@ -21,7 +23,7 @@ def moments_of_spectrum(wavevectors: npt.ArrayLike, power: npt.ArrayLike, kind: 
         q = 2 pi/wavelength in 1/m, rising, above zero.
     power : array of shape (n,)
         Above zero; leave empty bins out.
-    kind : "isotropic" or "profile"
+    convention : "isotropic" or "profile"
         "isotropic", in m⁴: C(q) = ∫ d²x <h(x)h(0)> e^(-iqx), the paper's, so that <h²> = ∫ q C dq/(2 pi); then
         m2 = ∫ q³ C dq/(4 pi), which is the paper's R, and m4 = (3/8) ∫ q⁵ C dq/(2 pi). Spectra with the factor
         1/(2 pi)² in their definition, as Persson's, must be multiplied by (2 pi)².
@@ -41,14 +43,14 @@ def moments_of_spectrum(wavevectors: npt.ArrayLike, power: npt.ArrayLike, kind: 
     fallen = np.flatnonzero(np.diff(q) <= 0.0)
     if fallen.size:
         refuse(f"wavevectors[{fallen[0] + 1}]", q[fallen[0] + 1], "must rise from point to point")
-    if kind == "isotropic":
+    if convention == "isotropic":
         m0, m2, m4 = (_integral(q, c, n + 1) / (2.0 * np.pi) for n in (0, 2, 4))
         # averages of cos² and of cos⁴ over all directions
         m2, m4 = m2 / 2.0, 3.0 * m4 / 8.0
-    elif kind == "profile":
+    elif convention == "profile":
         m0, m2, m4 = (_integral(q, c, n) / np.pi for n in (0, 2, 4))
     else:
-        refuse("kind", kind, 'must be "isotropic" (m⁴) or "profile" (m³)')
+        refuse("convention", convention, 'must be "isotropic" (m⁴) or "profile" (m³)')
     return SpectralMoments(m0=m0, m2_axes=(m2, m2), m4_axes=(m4, m4))
 
 

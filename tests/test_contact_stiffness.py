@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import origins
+import toolkit
 from origins.quadrature import gauss, panel_edges
 
 MOMENTS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
@@ -168,3 +169,44 @@ def test_bad_stiffnesses_are_refused_in_one_line(call, says: str) -> None:  # ty
     with pytest.raises(origins.InputError) as caught:
         call()
     assert str(caught.value).startswith(says) and "\n" not in str(caught.value)
+
+
+def test_a_scene_names_stiffness_and_summits() -> None:
+    tables = {
+        "kind": "from-topography",
+        "model": "gw",
+        "law": "amontons",
+        "pressure": 3e5,
+        "regime": "mixed",
+        "surface": {"kind": "summits", "radius": 20e-6, "std": 0.2e-6, "density": 3e9},
+        "material": COMMON | {"contact_stiffness": {"kind": "mindlin", "shear_modulus": 1e9, "poisson_ratio": 0.3}},
+    }
+
+    def load(**changes: object) -> origins.Thresholds:
+        scene = {"contacts": {"thresholds": tables | changes}, "drive": {"to": 1e-7, "points": 3}, "master": {}}
+        return toolkit.load_scene(scene).contacts.thresholds
+
+    material = origins.Material(**COMMON, contact_stiffness=origins.mindlin_stiffness(1e9, 0.3))
+    plain = origins.from_moments(
+        MOMENTS, model="gw", law="amontons", material=material, pressure=3e5, regime="mixed"
+    )
+    assert load().mean() == plain.mean() and load().interface == plain.interface
+    spectrum = {"kind": "spectrum", "wavevectors": [1e5, 1e6, 6e7], "power": [1e-26, 1e-26, 2e-32]}
+    moments = origins.moments_of_spectrum(spectrum["wavevectors"], spectrum["power"])
+    assert load(surface=spectrum).interface.moments == moments
+    for changes, says in (
+        ({"step": 2}, "contacts.thresholds.step = 2: belongs to heights"),
+        ({"detrend": "tilt"}, "contacts.thresholds.detrend = 'tilt': belongs to heights"),
+        ({"regime": []}, "contacts.thresholds.regime = []: must be"),
+        (
+            {"material": COMMON | {"contact_stiffness": {"kind": "rope"}}},
+            "contacts.thresholds.material.contact_stiffness.kind = 'rope': must be one of sound, mindlin",
+        ),
+        (
+            {"material": COMMON | {"contact_stiffness": {"kind": "column", "youngs_modulus": 1e9, "height": 1e-7}}},
+            "contacts.thresholds.material.contact_stiffness = PowerLaw(",
+        ),
+    ):
+        with pytest.raises(origins.InputError) as caught:
+            load(**changes)
+        assert str(caught.value).startswith(says)

@@ -85,6 +85,12 @@ def test_thresholds_in_metres_under_each_model_and_law(scan) -> None:  # type: i
         )
         i = found.interface
         assert i is not None and 1e-11 < found.mean() < 1e-6
+        # newtons: the thresholds of all contacts together are mu times the load, or tau times the area
+        together = 1e9 * i.area_fraction if law == "strength" else 0.5 * 1e6
+        assert i.mean_force_threshold * i.contact_density == pytest.approx(together, rel=1e-9)
+        # f_s is convex in x_s
+        assert 0.3 < float(i.force_threshold(found.mean())) / i.mean_force_threshold < 1.0 + 1e-12
+        assert i.mean_radius**2 <= i.mean_area / np.pi * (1 + 1e-12) and 0.0 < i.temperature(kelvin=300.0) < 1e-20
         # light load: 2/pi^(1/2) p/(E* h'_rms/2^(1/2)) by Persson, 1.2 to 1.8 times it by Greenwood and Williamson
         light = 2.0 / np.sqrt(np.pi) * 1e6 / (115e9 * i.moments.rms_slope / np.sqrt(2.0))
         assert 0.99 < i.area_fraction / light < 1.8
@@ -92,6 +98,33 @@ def test_thresholds_in_metres_under_each_model_and_law(scan) -> None:  # type: i
     # the onset goes from 0 to 3, and the spread falls with it: the law decides
     ordered = [("gw", "amontons"), ("gw", "paper"), ("persson", "amontons"), ("gw", "strength"), ("persson", "paper")]
     assert all(spread[a] > spread[b] for a, b in itertools.pairwise(ordered))
+
+
+def test_plastic_and_mixed_on_a_scan(scan) -> None:  # type: ignore[no-untyped-def]
+    """Steel this rough is mostly plastic: psi far above 1, real area nearly load over hardness."""
+    _, topography = scan
+    regimes = {
+        (law, regime): origins.from_topography(
+            topography, model="gw", law=law, material=STEEL, pressure=1e6, regime=regime
+        )
+        for law in ("paper", "amontons", "strength")
+        for regime in ("elastic", "mixed", "plastic")
+    }
+    for law in ("paper", "amontons", "strength"):
+        elastic, mixed, plastic = (regimes[law, r].interface for r in ("elastic", "mixed", "plastic"))
+        assert elastic is not None and mixed is not None and plastic is not None
+        assert plastic.area_fraction == pytest.approx(1e6 / 2e9, rel=1e-10)
+        assert mixed.area_fraction >= max(elastic.area_fraction, plastic.area_fraction)
+        assert mixed.plastic_fraction is not None and elastic.plastic_fraction is not None
+        assert mixed.plastic_fraction > 0.5 and elastic.plasticity_index is not None and elastic.plasticity_index > 7.0
+        assert any("plastic" in line for line in elastic.cautions) and mixed.cautions == plastic.cautions
+        height = origins.separation_of_pressure(mixed.moments, 1e6, material=STEEL, regime="mixed")
+        assert height == mixed.separation
+    # plastic contacts break alike under all laws, but for the scale
+    q = np.array([1e-6, 0.1, 0.9])
+    paper, *others = (regimes[law, "plastic"] for law in ("paper", "amontons", "strength"))
+    for other in others:
+        assert other.isf(q) / other.mean() == pytest.approx(paper.isf(q) / paper.mean(), rel=1e-10)
 
 
 def test_summits_depend_on_resolution(scan) -> None:  # type: ignore[no-untyped-def]

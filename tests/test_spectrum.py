@@ -42,7 +42,7 @@ def test_gaussian_correlations_in_closed_form_in_order(kind: str) -> None:
         q = np.linspace(1e-4, 12.0, points) / length
         shape = np.exp(-((q * length) ** 2) / 4)
         c = np.pi * s**2 * length**2 * shape if kind == "isotropic" else np.sqrt(np.pi) * s**2 * length * shape
-        found = origins.moments_of_spectrum(q, c, kind=kind)
+        found = origins.moments_of_spectrum(q, c, convention=kind)
         exact = s**2, 2 * s**2 / length**2, 12 * s**2 / length**4
         errors.append([abs(a / b - 1) for a, b in zip((found.m0, found.m2, found.m4), exact, strict=True)])
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
@@ -95,7 +95,7 @@ def test_the_conventions_are_those_of_surface_topography() -> None:
         (([1.0, 2.0], [1.0, 0.0]), "power[1] = 0.0"),
         (([1.0, 2.0], [1.0, np.nan]), "power[1] = nan"),
         (([2.0, 1.0], [1.0, 1.0]), "wavevectors[1] = 1.0"),
-        (([1.0, 2.0], [1.0, 1.0], "2d"), "kind = '2d'"),
+        (([1.0, 2.0], [1.0, 1.0], "2d"), "convention = '2d'"),
     ],
 )
 def test_bad_spectra_are_refused_in_one_line(arguments: tuple, says: str) -> None:

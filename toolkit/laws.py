@@ -20,6 +20,7 @@ THRESHOLDS = {
     "mixture": "origins:mixture",
     "gw-elastic": "origins:gw_elastic",
     "gw-plastic": "origins:gw_plastic",
+    "gw-gaussian": "origins:gw_gaussian",
     "persson": "origins:persson",
     "lubricated": "origins:lubricated",
     "from-samples": "origins:from_samples",

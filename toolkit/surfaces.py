@@ -1,4 +1,4 @@
-"""Rough surfaces in scenes: a scan from a file, or a generated surface, and the thresholds it gives."""
+"""Rough surfaces in scenes: a scan, a generated surface, a spectrum or summits, and the thresholds they give."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -18,6 +18,15 @@ if TYPE_CHECKING:
 SURFACES = {
     "scan": "toolkit.surfaces:open_scan",
     "self-affine": "toolkit.surfaces:generate",
+    "spectrum": "origins:moments_of_spectrum",
+    "summits": "origins:moments_of_summits",
+}
+HEIGHTS = ("scan", "self-affine")
+STIFFNESSES = {
+    "sound": "origins:sound_stiffness",
+    "mindlin": "origins:mindlin_stiffness",
+    "column": "origins:column_stiffness",
+    "power-law": "origins:PowerLaw",
 }
 
 
@@ -28,31 +37,46 @@ def from_topography(
     model: str,
     law: str,
     pressure: float,
+    regime: str = "elastic",
     patch_area: float | None = None,
     height_law: str = "gaussian",
     detrend: str | None = None,
-    step: int = 1,
+    step: int | None = None,
 ) -> origins.Thresholds:
     """Thresholds in metres of the surface that the tables describe; see origins.from_topography.
 
-    `surface` has a kind of SURFACES, `material` the fields of origins.Material; `detrend` is "curvature" for a scan and
-    "centre" for a generated surface, which is periodic. Raises InputError.
+    `surface` has a kind of SURFACES; `material` has the fields of origins.Material, its contact_stiffness a kind of
+    STIFFNESSES. `detrend` is "curvature" for a scan and "centre" for a generated surface, which is periodic; what is
+    not heights has neither `detrend` nor `step`. Raises InputError.
     """
-    constants = laws.call(origins.Material, laws.as_table("material", material), "material")
+    constants = dict(laws.as_table("material", material))
+    if "contact_stiffness" in constants:
+        where = "material.contact_stiffness"
+        stiffness = laws.as_table(where, constants["contact_stiffness"])
+        constants["contact_stiffness"] = laws.build(STIFFNESSES, stiffness, where, folder)
     kind = laws.as_table("surface", surface).get("kind")
-    heights = laws.build(SURFACES, surface, "surface", folder)
+    built = laws.build(SURFACES, surface, "surface", folder)
+    options: dict[str, Any] = {
+        "model": model,
+        "law": law,
+        "material": laws.call(origins.Material, constants, "material"),
+        "pressure": pressure,
+        "regime": regime,
+        "patch_area": patch_area,
+        "height_law": height_law,
+    }
+    if kind not in HEIGHTS:
+        for name, value in (("detrend", detrend), ("step", step)):
+            if value is not None:
+                refuse(name, value, f'belongs to heights; a surface of kind = "{kind}" has none, so leave it out')
+        return origins.from_moments(built, **options)
     periodic = kind == "self-affine"
     return origins.from_topography(
-        *heights,
-        model=model,
-        law=law,
-        material=constants,
-        pressure=pressure,
-        patch_area=patch_area,
-        height_law=height_law,
+        *built,
         detrend=detrend if detrend is not None else "centre" if periodic else "curvature",
         periodic=periodic,
-        step=step,
+        step=1 if step is None else step,
+        **options,
     )
 
 
@@ -120,12 +144,14 @@ def generate(
 
 
 def shared_surface(scenes: "Sequence[Scene]") -> tuple[Any, tuple[float, float]] | None:
-    """Heights (m) and sizes (m) of the surface that all `scenes` take their thresholds from; None where they do not."""
+    """Heights and sizes, in m, of the surface that all `scenes` take thresholds from; None where there is none."""
     tables = [tomllib.loads(scene.text)["contacts"]["thresholds"] for scene in scenes]
     if any(table["kind"] != "from-topography" for table in tables):
         return None
     first = tables[0]["surface"], scenes[0].folder
     if any((table["surface"], scene.folder) != first for table, scene in zip(tables, scenes, strict=True)):
+        return None
+    if first[0]["kind"] not in HEIGHTS:
         return None
     scan = as_topography(*laws.build(SURFACES, first[0], "surface", first[1]))
     if tables[0].get("detrend", "centre" if first[0]["kind"] == "self-affine" else "curvature") == "curvature":
