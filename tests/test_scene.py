@@ -59,7 +59,8 @@ LAWS: dict[str, dict[str, Any]] = {
         "plasticity_index": 9.0,
     },
     "persson": {"centre": 1.0, "width": 0.5},
-    "lubricated": {"width": 0.7},
+    "lubricated": {"width": 0.7, "power": 2.0, "decay": 1.5},
+    "grains": {"alpha": 1.0, "time": 8.0, "B": 1.0, "jacobian": "paper"},
     "from-samples": {"x_s": [0.9, 1.0, 1.1, 1.3]},
     "from-topography": {"model": "gw", "law": "amontons", "pressure": 1e6, "surface": SURFACE, "material": MATERIAL},
 }

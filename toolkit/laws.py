@@ -23,6 +23,7 @@ THRESHOLDS = {
     "gw-gaussian": "origins:gw_gaussian",
     "persson": "origins:persson",
     "lubricated": "origins:lubricated",
+    "grains": "origins:grains",
     "from-samples": "origins:from_samples",
     "from-topography": "toolkit.surfaces:from_topography",
 }
