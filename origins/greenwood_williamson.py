@@ -11,9 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from origins.bent import Bent
 from origins.errors import InputError, finite, positive, refuse
-from origins.gaussian import gaussian
 from origins.height_integrals import (
     check_height_law,
     log_common_density,
@@ -22,6 +20,7 @@ from origins.height_integrals import (
 from origins.material import Material
 from origins.power_law import Bend, PowerLaw
 from origins.spectral_moments import SpectralMoments
+from origins.summit_thresholds import SummitThresholds, log_sum
 from origins.thresholds import Thresholds
 from origins.weibull import Weibull
 
@@ -101,17 +100,6 @@ class Summits:
         return z
 
 
-def log_sum(quantity: Bend, std: float, z: float, heights: str) -> float:
-    """log of the integral of quantity(delta) over the summits that touch, over the common density of heights."""
-    parts = [
-        np.log(law.coefficient)
-        + law.exponent * np.log(std)
-        + log_touching_integral(law.exponent, z, low / std, high / std, heights)
-        for law, low, high in quantity.pieces
-    ]
-    return float(np.logaddexp.reduce(parts))
-
-
 def summits_of(moments: SpectralMoments, material: Material, regime: str, heights: str) -> Summits:
     """The summits that a surface's moments imply, loaded in a regime.
 
@@ -179,32 +167,6 @@ class SummitContact:
             law = threshold.pieces[0][0]
             return Weibull(1.0 / law.exponent, law.coefficient ** (-1.0 / law.exponent) / std, 1.0 / law.exponent - 1.0)
         return SummitThresholds(threshold, std, self.z, heights)
-
-
-class SummitThresholds(Bent):
-    """Thresholds of summits: S(x) = Phi_c[(h0 + delta(x))/sigma_h]/Phi_c[h0/sigma_h] for Gaussian heights.
-
-    Parameters
-    ----------
-    threshold : Bend
-        x_s as a function of the compression delta, rising from 0; both are lengths.
-    std : float
-        sigma_h, a length.
-    z : float
-        h0/sigma_h, from the summits' mean plane.
-    heights : "gaussian" or "exponential"
-    """
-
-    def __init__(self, threshold: Bend, std: float, z: float, heights: str = "gaussian") -> None:
-        # the compressions of those that touch: a normal law cut at 0, or again the exponential
-        touching = gaussian(mean=-z * std, std=std) if heights == "gaussian" else Weibull(1.0, 1.0 / std, 0.0)
-        super().__init__(touching, threshold)
-        self.std_of_heights, self.z, self.heights = std, z, heights
-
-    def _moment(self, n: int) -> float:
-        power = self.bend.each(lambda law: law.power(n))
-        touching = log_touching_integral(0.0, self.z, 0.0, np.inf, self.heights)
-        return float(np.exp(log_sum(power, self.std_of_heights, self.z, self.heights) - touching))
 
 
 def pressed(summits: Summits, pressure: float) -> SummitContact:

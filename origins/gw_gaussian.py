@@ -3,8 +3,9 @@
 import numpy as np
 
 from origins.errors import finite, positive, refuse
-from origins.greenwood_williamson import SummitThresholds, bend_of_index, check_regime
+from origins.greenwood_williamson import bend_of_index, check_regime
 from origins.power_law import Bend, PowerLaw
+from origins.summit_thresholds import SummitThresholds
 from origins.thresholds import Thresholds
 
 # b of x_s ~ delta^b, elastic and plastic, for k ~ A^(1/2)

@@ -9,27 +9,14 @@ _FALL = 60.0  # the integrand is left where the density has fallen by e^-60
 _LOG_ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
 
 
-def log_height_integral(
-    order: float, z: float, lower: float = 0.0, upper: float = np.inf, heights: str = "gaussian"
-) -> float:
-    """log of the integral over lower < t < upper of t^order times the density of heights at z + t.
-
-    Greenwood and Williamson's F_n(z) for a flat at z, lengths in units of the heights' standard deviation;
-    order >= 0. Gaussian heights have the standard normal density, exponential ones e^-h above h = 0, where z >= 0.
-    Nothing under- or overflows, whether the load is light (z >> 1) or heavy (z < 0).
-    """
-    return log_touching_integral(order, z, lower, upper, heights) + log_common_density(z, heights)
-
-
-def log_common_density(z: float, heights: str) -> float:
-    """log of the density of heights where the flat is, or at its peak where the flat lies below that."""
-    if heights == "exponential":
-        return -z
-    return -0.5 * max(z, 0.0) ** 2 - _LOG_ROOT_TWO_PI
-
-
 def log_touching_integral(order: float, z: float, lower: float, upper: float, heights: str) -> float:
-    """log_height_integral over the common density: quotients of two orders lose no digits where z is large."""
+    """log of the integral over lower < t < upper of t^order times the density of heights at z + t, over the common one.
+
+    With log_common_density added, Greenwood and Williamson's F_n(z) for a flat at z, lengths in units of the heights'
+    standard deviation; order >= 0. Gaussian heights have the standard normal density, exponential ones e^-h above
+    h = 0, where z >= 0. Nothing under- or overflows, whether the load is light (z >> 1) or heavy (z < 0), and
+    quotients of two orders lose no digits.
+    """
     slope, curvature = (1.0, 0.0) if heights == "exponential" else (z, 1.0)
     # where the density is largest in between, and how far on either side it counts
     peak = min(max(lower, -slope * curvature), upper)
@@ -45,6 +32,13 @@ def log_touching_integral(order: float, z: float, lower: float, upper: float, he
     inner = 0.5 * (high - low) * float((_WEIGHTS * np.exp(logs - top)).sum())
     at_peak = 0.5 * tilt * tilt if slope < 0.0 else peak * (slope + 0.5 * curvature * peak)
     return top + float(np.log(inner)) - at_peak
+
+
+def log_common_density(z: float, heights: str) -> float:
+    """log of the density of heights where the flat is, or at its peak where the flat lies below that."""
+    if heights == "exponential":
+        return -z
+    return -0.5 * max(z, 0.0) ** 2 - _LOG_ROOT_TWO_PI
 
 
 def check_height_law(heights: object) -> str:

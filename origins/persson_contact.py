@@ -13,6 +13,8 @@ from origins.powered import Powered
 from origins.spectral_moments import SpectralMoments
 from origins.thresholds import Thresholds
 
+_FURTHEST = 1e12  # pressure over width; a root of it is the furthest that persson() takes
+
 
 @dataclass(frozen=True)
 class StressedContact:
@@ -39,8 +41,18 @@ class StressedContact:
 
 
 def stressed(moments: SpectralMoments, contact_modulus: float, pressure: float) -> StressedContact:
-    """The surface under a nominal pressure (Pa); the width is E* h'_rms/2^(1/2) = E* m2^(1/2)."""
-    return StressedContact(pressure=pressure, width=float(contact_modulus * np.sqrt(moments.m2)))
+    """The surface under a nominal pressure (Pa); the width is E* h'_rms/2^(1/2) = E* m2^(1/2).
+
+    Raises InputError for a pressure so far above the width that all stresses are one value to round-off.
+    """
+    width = float(contact_modulus * np.sqrt(moments.m2))
+    if pressure > _FURTHEST * width:
+        refuse(
+            "pressure",
+            pressure,
+            f"is over {_FURTHEST:g} times the spread of the stresses, {width:.3g} Pa: all patches bear it; lower it",
+        )
+    return StressedContact(pressure=pressure, width=width)
 
 
 def thresholds_of_stress(law: str, material: Material, patch_area: float) -> tuple[PowerLaw, PowerLaw]:

@@ -71,8 +71,8 @@ def from_topography(
         compressed by more than r (3 pi H/4E*)² do, where that meets Hertz' load. Area and load are continuous
         there, and so is x_s; P_c jumps. Persson's stresses are elastic.
     patch_area : float
-        persson only, and needed there: area of one contact, m². The theory has stresses but no contacts; x_s goes
-        as its square root and the contact density as its inverse, while shape and friction coefficient stay.
+        persson only, and needed there: area of one contact, m². The theory has stresses but no contacts; x_s goes as
+        its square root (for k ~ A^(1/2)) and the contact density as its inverse; shape and friction coefficient stay.
     height_law : "gaussian" or "exponential"
         gw only: law of the summits' heights, either of the measured standard deviation.
     detrend, periodic, step

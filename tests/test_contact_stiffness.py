@@ -160,6 +160,10 @@ def test_kelvin_and_joules_become_the_temperature_of_a_contact() -> None:
         (lambda: origins.PowerLaw(1.0, np.inf), "exponent = inf"),
         (lambda: origins.Material(**COMMON, contact_stiffness=3.0), "contact_stiffness = 3.0"),
         (
+            lambda: origins.Material(**COMMON, contact_stiffness=origins.PowerLaw(1.0, -1.0)),
+            "contact_stiffness = PowerLaw(coefficient=1.0, exponent=-1.0): must not fall",
+        ),
+        (
             lambda: origins.Material(**COMMON, shear_modulus=1e9, contact_stiffness=origins.PowerLaw(1.0, 0.5)),
             "contact_stiffness = PowerLaw(coefficient=1.0, exponent=0.5): given twice",
         ),

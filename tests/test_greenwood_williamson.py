@@ -7,12 +7,19 @@ from scipy.special import log_ndtr
 
 import origins
 from origins.greenwood_williamson import Summits, critical_compression, pressed, summits_of
-from origins.height_integrals import log_height_integral
+from origins.height_integrals import log_common_density, log_touching_integral
 from origins.power_law import Bend, PowerLaw
 from origins.powered import Powered
 
 MOMENTS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 MATERIAL = origins.Material(contact_modulus=3e9, hardness=6e7)
+
+
+def log_height_integral(
+    order: float, z: float, lower: float = 0.0, upper: float = np.inf, heights: str = "gaussian"
+) -> float:
+    """Greenwood and Williamson's F_n(z), or a part of it."""
+    return log_touching_integral(order, z, lower, upper, heights) + log_common_density(z, heights)
 
 
 def mp_whole(order: float, z: float) -> mpmath.mpf:

@@ -46,6 +46,8 @@ def test_lightest_and_heaviest_loads() -> None:
     assert heavy.interface is not None and heavy.interface.area_fraction == 1.0
     with pytest.raises(origins.InputError, match=r"summits would cover"):
         from_moments(MOMENTS, model="gw", pressure=1e30, **options)
+    with pytest.raises(origins.InputError, match=r"^pressure = 1e\+30: .*all patches bear it"):
+        from_moments(MOMENTS, model="persson", pressure=1e30, patch_area=PATCH, **options)
 
 
 def one_summit(law: str, delta: float, radius: float, regime: str = "elastic") -> tuple[float, float, float]:
