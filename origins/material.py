@@ -70,7 +70,7 @@ class Material:
             if not isinstance(self.contact_stiffness, PowerLaw):
                 refuse("contact_stiffness", self.contact_stiffness, "must be a law, such as mindlin_stiffness(...)")
             if self.contact_stiffness.exponent < 0.0:
-                refuse("contact_stiffness", self.contact_stiffness, "must not fall with the area; write an exponent >= 0")
+                refuse("contact_stiffness", self.contact_stiffness, "must not fall with the area; write exponent >= 0")
             if self.shear_modulus is not None or other:
                 refuse("contact_stiffness", self.contact_stiffness, f"given twice; {_ONE_OF}")
         if (self.density is None) != (self.sound_velocity is None):
