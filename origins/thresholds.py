@@ -15,6 +15,7 @@ from origins.errors import refuse
 from origins.inversion import invert_hazard
 
 if TYPE_CHECKING:
+    from origins.domains import DomainSamples
     from origins.interface import Interface
 
 Array = npt.NDArray[np.float64]
@@ -34,6 +35,8 @@ class Thresholds:
         power, or where nothing continuous begins there.
     onset_power_error : float
         Its error: 0 where the family states it, else that of the fit.
+    domains : DomainSamples or None
+        Barriers, angles and sizes of the islands, where the law comes from rotated domains.
     knows_breakpoints : bool
         Whether `breakpoints` are all there are; a foreign law may bend or jump elsewhere.
     interface : Interface or None
@@ -43,6 +46,7 @@ class Thresholds:
     onset_power: float = np.inf
     onset_power_error: float = 0.0
     interface: "Interface | None" = None
+    domains: "DomainSamples | None" = None
     knows_breakpoints: bool = True
     _lowest_atom: float = 0.0  # weight of an atom at the lower end of a support that reaches further
 
