@@ -1,10 +1,12 @@
 """What one contact is and what is asked of it: thresholds, where they come from, starts, the drive."""
 
 from origins.ageing import Ageing
+from origins.barriers import barrier, triangular_barrier
 from origins.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.contacts import Contacts
 from origins.continuous_mixture import continuous_mixture
 from origins.delay import Delay
+from origins.domains import DomainSamples, domains
 from origins.drive import Drive
 from origins.errors import InputError
 from origins.gaussian import gaussian
@@ -15,6 +17,14 @@ from origins.greenwood_williamson import pressure_of_separation, separation_of_p
 from origins.gw_gaussian import gw_gaussian
 from origins.identical import identical
 from origins.interface import Interface
+from origins.islands import (
+    circular_island,
+    hexagonal_island,
+    irregular_island,
+    rectangular_island,
+    square_island,
+    triangular_island,
+)
 from origins.lubricated import lubricated
 from origins.material import Material
 from origins.mixture import mixture
@@ -28,6 +38,8 @@ from origins.self_affine import self_affine_surface
 from origins.spectral_moments import SpectralMoments, moments_of_summits, spectral_moments
 from origins.spectrum import moments_of_spectrum
 from origins.start import Start, gaussian_start
+from origins.structure_factors import structure_factors, triangular_structure_factors
+from origins.substrates import Substrate, fourier_substrate, hexagonal_substrate, square_substrate
 from origins.thermal import Thermal
 from origins.thresholds import Thresholds
 from origins.weibull import gw_elastic, gw_plastic
@@ -36,6 +48,7 @@ __all__ = [
     "Ageing",
     "Contacts",
     "Delay",
+    "DomainSamples",
     "Drive",
     "GrainContact",
     "GrainGrowth",
@@ -45,12 +58,17 @@ __all__ = [
     "PowerLaw",
     "SpectralMoments",
     "Start",
+    "Substrate",
     "Thermal",
     "Thresholds",
+    "barrier",
     "boltzmann_reforming",
+    "circular_island",
     "column_stiffness",
     "continuous_mixture",
+    "domains",
     "film_growth",
+    "fourier_substrate",
     "from_moments",
     "from_samples",
     "from_topography",
@@ -60,7 +78,10 @@ __all__ = [
     "gw_elastic",
     "gw_gaussian",
     "gw_plastic",
+    "hexagonal_island",
+    "hexagonal_substrate",
     "identical",
+    "irregular_island",
     "lubricated",
     "mindlin_stiffness",
     "mixture",
@@ -69,9 +90,16 @@ __all__ = [
     "persson",
     "pressure_of_separation",
     "rectangular",
+    "rectangular_island",
     "resolution_study",
     "self_affine_surface",
     "separation_of_pressure",
     "sound_stiffness",
     "spectral_moments",
+    "square_island",
+    "square_substrate",
+    "structure_factors",
+    "triangular_barrier",
+    "triangular_island",
+    "triangular_structure_factors",
 ]
