@@ -8,10 +8,12 @@ import numpy.typing as npt
 from origins.errors import non_negative, positive, refuse
 from origins.grain_growth import GrainGrowth
 from origins.inversion import invert_hazard
-from origins.lifshitz_slyozov import closed_hazard, hazard_beyond, invert_beyond
+from origins.lifshitz_slyozov import hazard_beyond, invert_beyond
+from origins.quadrature import gauss
 from origins.thresholds import Array, Thresholds
 
 _STEPS = 100
+_LEAST = 1e-300
 
 
 class GrainContact:
@@ -50,20 +52,34 @@ class GrainContact:
             gap = np.where(np.isfinite(hazard), excess * (q * excess / (largest + q * excess)), excess)
         return (np.sqrt(gap * (gap + 2.0) / self.growth.B))[()]
 
-    def breaking(self, velocity: float, rest: float = 0.0) -> Thresholds:
-        """Law of the stretch at which contacts break; see SlidingGrains.
+    def breaking(self, velocity: float, rest: float = 0.0) -> "SlidingGrains":
+        """Law of the stretch at which contacts break that hold at all; see SlidingGrains.
 
-        velocity > 0 is a length per time, rest >= 0 a time; else InputError.
+        velocity > 0 is a length per time, rest >= 0 a time; else InputError, as where no contact holds.
         """
-        return SlidingGrains(self.growth, positive("velocity", velocity), non_negative("rest", rest))
+        law = self._sliding(velocity, rest)
+        if law.held_fraction < _LEAST:
+            fraction = f"exp(-{law.lost_hazard:.4g})"
+            refuse("velocity", velocity, f"none holds but a fraction {fraction}; slide more slowly, or give rest")
+        return law
 
     def survival(self, x: npt.ArrayLike, velocity: float, rest: float = 0.0) -> Array:
-        """E(x): probability that a contact holds beyond stretch x (a length)."""
-        return self.breaking(velocity, rest).sf(x)
+        """E(x): probability that a contact holds beyond stretch x (a length), those that never hold included."""
+        law = self._sliding(velocity, rest)
+        return np.where(np.asarray(x) < 0.0, 1.0, law.held_fraction * law.sf(x))[()]
 
     def first_meeting(self, u: npt.ArrayLike, velocity: float, rest: float = 0.0) -> Array:
         """Stretch (a length) at which the contact of quantile u in [0, 1] breaks; 0 where it never holds."""
-        return self.breaking(velocity, rest).ppf(_ranks(u))
+        law = self._sliding(velocity, rest)
+        with np.errstate(divide="ignore"):
+            hazard = -np.log1p(-_ranks(u)) - law.lost_hazard
+        out = np.where(hazard > 0.0, law.support()[1], 0.0)
+        inner = (hazard > 0.0) & np.isfinite(hazard)
+        out[inner] = law._from_hazard(hazard[inner])
+        return out[()]
+
+    def _sliding(self, velocity: float, rest: float) -> "SlidingGrains":
+        return SlidingGrains(self.growth, positive("velocity", velocity), non_negative("rest", rest))
 
 
 class SlidingGrains(Thresholds):
@@ -72,8 +88,15 @@ class SlidingGrains(Thresholds):
     The hazard at the meeting, psi(y) - psi(y0) with y0 falling as age^(-1/3), rises with the stretch whatever velocity
     and rest are: every quantile meets its threshold once, and E(x) is the survival of P_c at the age of stretch x.
 
-    Without rest, contacts of low quantile never hold: thresholds grow as x from 0 on, and those whose growth is slower
-    than the sliding break at stretch 0, an atom of weight 1 - exp(-(9/2) B (velocity tau_m)²).
+    Without rest thresholds grow as x from 0 on, and those whose growth is slower than the sliding never hold. This is
+    the law of the others.
+
+    Attributes
+    ----------
+    lost_hazard : float
+        (9/2) B (velocity tau_m)² without rest, 0 with.
+    held_fraction : float
+        exp(-lost_hazard), the fraction of contacts that hold at all.
     """
 
     def __init__(self, growth: GrainGrowth, velocity: float, rest: float) -> None:
@@ -82,8 +105,8 @@ class SlidingGrains(Thresholds):
         self._rest = rest / first
         self._root_b = float(np.sqrt(growth.B))
         self._beta = (self._root_b * self._reach) ** 2
-        self._at_once = 4.5 * self._beta if rest == 0.0 else 0.0
-        self._lowest_atom = float(-np.expm1(-self._at_once))
+        self.lost_hazard = 4.5 * self._beta if rest == 0.0 else 0.0
+        self.held_fraction = float(np.exp(-self.lost_hazard))
         self.onset_power = 0.0 if rest == 0.0 else 1.0
         with localcontext(prec=50):
             # one more step, in digits: beside the end a distance is a difference, whose rest is kept
@@ -115,11 +138,6 @@ class SlidingGrains(Thresholds):
     def support(self) -> tuple[float, float]:
         return 0.0, self._upper
 
-    @property
-    def atoms(self) -> tuple[Array, Array]:
-        held = self._at_once == 0.0
-        return (np.empty(0), np.empty(0)) if held else (np.zeros(1), np.array([self._lowest_atom]))
-
     def _sizes(self, x: Array) -> tuple[Array, Array, Array, Array]:
         """n0 = m0 - 1, k, m0 - k and q, of the largest grain m0 and the one k that breaks; m0 = k beyond the end."""
         n0 = np.expm1(np.log1p(self._rest + x / self._reach) / 3.0)
@@ -135,30 +153,39 @@ class SlidingGrains(Thresholds):
             q = (s / n0) * (s / (1.0 + k)) * ((1.0 + n0) / left)
         return n0, k, left, q
 
+    def _rise(self, x: Array) -> Array:
+        """d hazard/dx: what growing grains and a growing threshold leave over, without a difference; inf at the end."""
+        if self.lost_hazard > 0.0:
+            # the limit at 0, at a stretch that is nothing beside all lengths there are
+            x = np.maximum(x, 1e-30 * min(self._reach, self._upper))
+        n0, k, left, q = self._sizes(x)
+        n, m0, place = left / k, 1.0 + n0, x / self._reach
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rise = q * (9.0 + 12.0 * n0 + 6.0 * n * m0) + n0 / n * (12.0 + 18.0 * n0 + 4.0 * n0 * n0)
+            rise += 2.0 * n0 * (n0 + m0 * (k - 1.0) / k)
+            rise *= q / ((3.0 + 3.0 * n0 + n0 * n0) * (3.0 + 2.0 * n) * (3.0 + 2.0 * n0))
+            rested = self._rest * place / (self._rest + place)
+            rise += 3.0 * self._beta * rested * m0**3 / (k * k * n * n * (3.0 + 2.0 * n))
+        return np.where(left > 0.0, rise / (m0**3 * self._reach), np.inf)
+
     def _hazard(self, x: Array) -> Array:
-        n0, _, _, q = self._sizes(x)
-        held = np.isfinite(q)
         out = np.full(x.shape, np.inf)
-        out[held] = hazard_beyond(q[held], 1.0 / (1.0 + n0[held]), n0[held] / (1.0 + n0[held]))
+        near = (x < 0.25 * min(self._reach, self._upper)) & (self.lost_hazard > 0.0)
+        nodes, weights = gauss(np.zeros(int(near.sum())), x[near])
+        out[near] = (weights * self._rise(nodes)).sum(-1)
+        n0, _, left, q = self._sizes(x[~near])
+        m0, held = 1.0 + n0, left > 0.0
+        far = np.full(left.shape, np.inf)
+        far[held] = hazard_beyond(q[held], 1.0 / m0[held], n0[held] / m0[held]) - self.lost_hazard
+        out[~near] = far
         return out
 
     def _logpdf(self, x: Array) -> Array:
+        hazard, rise = self._hazard(x), self._rise(x)
         out = np.full(x.shape, -np.inf)
-        # the limit from inside, at a stretch that is nothing beside all lengths there are
-        x = np.maximum(x, 1e-30 * min(self._reach, self._upper))
-        n0, k, left, q = self._sizes(x)
-        held = np.isfinite(q)
-        x, n0, k, left, q = x[held], n0[held], k[held], left[held], q[held]
-        n, m0, place = left / k, 1.0 + n0, x / self._reach
-        # d hazard/d ln(age) without a difference: what growing grains and a growing threshold leave over
-        rise = q * (9.0 + 12.0 * n0 + 6.0 * n * m0) + n0 / n * (12.0 + 18.0 * n0 + 4.0 * n0 * n0)
-        rise += 2.0 * n0 * (n0 + m0 * (k - 1.0) / k)
-        rise *= q / ((3.0 + 3.0 * n0 + n0 * n0) * (3.0 + 2.0 * n) * (3.0 + 2.0 * n0))
-        rested = self._rest * place / (self._rest + place)
-        rise += 3.0 * self._beta * rested * m0**3 / (k * k * n * n * (3.0 + 2.0 * n))
-        hazard = closed_hazard(q, 1.0 / m0, n0 / m0)
+        held = np.isfinite(hazard) & np.isfinite(rise)
         with np.errstate(divide="ignore"):
-            out[held] = np.log(rise) - 3.0 * np.log(m0) - np.log(self._reach) - hazard
+            out[held] = np.log(rise[held]) - hazard[held]
         return out
 
     def _cdf(self, x: Array) -> Array:
@@ -170,17 +197,10 @@ class SlidingGrains(Thresholds):
     def _logsf(self, x: Array) -> Array:
         return -self._hazard(x)
 
-    def logsf(self, x: npt.ArrayLike) -> Array:
-        return self._inside(self._logsf, x, 0.0, -self._at_once, -np.inf)
-
     def _from_hazard(self, hazard: Array) -> Array:
         flat = hazard.ravel()
-        out = np.zeros(flat.shape)
-        held = flat > self._at_once
-        goal = flat[held]
-        ends = np.zeros(goal.shape), np.full(goal.shape, self._upper)
-        out[held] = invert_hazard(self, goal, *ends, np.full(goal.shape, 0.5 * self._upper))
-        return out.reshape(hazard.shape)
+        ends = np.zeros(flat.shape), np.full(flat.shape, self._upper)
+        return invert_hazard(self, flat, *ends, 0.5 * ends[1]).reshape(hazard.shape)
 
 
 def _ranks(u: npt.ArrayLike) -> Array:
