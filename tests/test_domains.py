@@ -8,6 +8,7 @@ from scipy import stats
 
 import origins
 from origins.errors import InputError
+from toolkit.scene import load_scene
 
 A = 2.5
 SETTINGS = {"lattice_constant": A, "mean_atoms": 60.0, "stiffness": 1.0, "samples": 9000, "seed": 3}
@@ -259,3 +260,32 @@ def test_bad_input_is_named(options: dict, begins: str) -> None:
     with pytest.raises(InputError) as refusal:
         origins.domains(**{"lattice_constant": A, "stiffness": 1.0, **options})
     assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value)
+
+
+def test_domains_in_a_scene() -> None:
+    def thresholds(**table: object) -> origins.Thresholds:
+        tables = {
+            "contacts": {"thresholds": {"kind": "domains", "stiffness": 1.0, "samples": 300, **table}},
+            "drive": {"to": 1.0, "points": 3},
+        }
+        return load_scene(tables, solved=False).contacts.thresholds
+
+    plain = thresholds(lattice_constant=A, sizes=[[5, 4], [6, 5]], weights=[1.0, 2.0])
+    same = origins.domains(A, sizes=[(5, 4), (6, 5)], weights=[1.0, 2.0], stiffness=1.0, samples=300)
+    assert np.array_equal(plain.domains.barriers, same.domains.barriers)
+    waves = {"kind": "fourier", "wavevectors": [[1.0, 0.0], [0.0, 1.0]], "sines": [1.0, 1.0]}
+    shaped = thresholds(island={"kind": "hexagonal", "lattice_constant": A, "radius": 3 * A}, substrate=waves)
+    direct = origins.barrier(origins.hexagonal_island(A, 3 * A), shaped.domains.angles)
+    np.testing.assert_allclose(shaped.domains.barriers, direct, atol=1e-12)
+    for table, begins in (
+        ({"island": {"kind": "oval"}}, "contacts.thresholds.island.kind = 'oval': "),
+        ({"mean_atoms": 5.0, "comm": 1}, "contacts.thresholds.comm = 1: unknown key"),
+        ({"lattice_constant": A, "mean_atoms": -5.0}, "contacts.thresholds.mean_atoms = -5.0: "),
+        (
+            {"lattice_constant": A, "mean_atoms": 5.0, "substrate": {**waves, "cosines": [1.0]}},
+            "contacts.thresholds.substrate.cosines = [1.0]: ",
+        ),
+    ):
+        with pytest.raises(InputError) as refusal:
+            thresholds(**table)
+        assert str(refusal.value).startswith(begins)

@@ -24,6 +24,7 @@ THRESHOLDS = {
     "persson": "origins:persson",
     "lubricated": "origins:lubricated",
     "grains": "origins:grains",
+    "domains": "toolkit.islands:domains",
     "from-samples": "origins:from_samples",
     "from-topography": "toolkit.surfaces:from_topography",
 }
