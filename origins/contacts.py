@@ -70,10 +70,11 @@ class Contacts:
         self.interface = self.thresholds.interface
         self.start = as_start(start)
         positions, weights = self.thresholds.atoms
-        if (positions <= 0.0).any():
+        loose = float(weights[positions <= 0.0].sum())
+        if loose > 0.0:
             raise InputError(
-                f"thresholds: a weight of {float(weights[positions <= 0.0].sum()):.3g} lies at x = 0; such contacts never "
-                "hold, so leave them out and count them apart"
+                f"thresholds: a weight of {loose:.3g} lies at x = 0; such contacts never hold, so leave them out and "
+                "count them apart"
             )
         try:
             self.mean_threshold = self.thresholds.mean()
