@@ -8,6 +8,7 @@ import origins
 from origins.critical_points import Landscapes
 from origins.errors import InputError
 from origins.minimax import lowest_saddles
+from origins.valleys import along_valleys, ruled
 
 HEXAGONAL = origins.hexagonal_substrate()
 
@@ -127,15 +128,15 @@ def test_valleys_against_the_whole_search() -> None:
     found = np.array([origins.barrier(one, 0.0, s) for s in substrate])
     # to first order the two small waves cancel in the valley of the large one
     np.testing.assert_allclose(found, a * a / 2.0, rtol=1e-12, atol=4e-16)
+    # up to where valleys are no longer told apart, waves across and oblique among them
     rng = np.random.default_rng(3)
-    sizes = np.column_stack([np.ones(50), rng.uniform(0.0, 0.05, (50, 2))])
-    phases = rng.uniform(0.0, 7.0, (50, 3))
-    slow, _ = lowest_saddles(Landscapes(waves, sizes, phases))
-    fast = [
-        origins.barrier(one, 0.0, origins.fourier_substrate(waves, s * np.exp(1j * p)))
-        for s, p in zip(sizes, phases, strict=True)
-    ]
-    np.testing.assert_allclose(fast, slow, atol=1e-13)
+    waves = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 2.0], [1.0, 1.0], [2.0, 0.0]])
+    land = Landscapes(waves, rng.uniform(0.0, [1.0, 0.5, 0.3, 0.1, 0.05], (400, 5)), rng.uniform(0.0, 7.0, (400, 5)))
+    clear = ruled(land)
+    assert 40 < clear.sum() < 360
+    own = Landscapes(waves, (land.sizes / land.sizes.max(-1, keepdims=True))[clear], land.phases[clear])
+    for one_road, other in zip(along_valleys(own), lowest_saddles(own), strict=True):
+        np.testing.assert_allclose(one_road, other, atol=1e-13)
 
 
 def test_double_valleys_and_parallel_waves() -> None:
@@ -146,6 +147,32 @@ def test_double_valleys_and_parallel_waves() -> None:
     waves = [[2.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
     found = origins.barrier(one, 0.0, origins.fourier_substrate(waves, [1.0, -0.05j, 0.1, 0.02]))
     assert found == pytest.approx(2.0 * np.hypot(0.1, 0.02), abs=2e-4)
+
+
+def climb(a: np.ndarray, p: np.ndarray) -> float:
+    """max - min of a_1 cos(t + p_1) + a_2 cos(2t + p_2): its level points are roots of a polynomial in exp(it)."""
+    z = np.roots([2 * a[1] * np.exp(1j * p[1]), a[0] * np.exp(1j * p[0]), 0, -a[0] * np.exp(-1j * p[0]),
+                  -2 * a[1] * np.exp(-1j * p[1])])  # fmt: skip
+    t = np.angle(z)
+    for _ in range(4):
+        slope = a[0] * np.sin(t + p[0]) + 2 * a[1] * np.sin(2 * t + p[1])
+        bend = a[0] * np.cos(t + p[0]) + 4 * a[1] * np.cos(2 * t + p[1])
+        t = t - np.where(np.abs(np.abs(z) - 1.0) < 1e-3, slope / bend, 0.0)
+    level = a[0] * np.cos(t + p[0]) + a[1] * np.cos(2 * t + p[1])
+    return float(level.max() - level.min())
+
+
+def test_second_harmonics_along_each_axis() -> None:
+    """f(x) + g(y): a path along x climbs all of f, one along y all of g, however small the one beside the other."""
+    one = atoms_at(np.zeros((1, 2)))
+    waves = [[1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [0.0, 2.0]]
+    rng = np.random.default_rng(6)
+    for small in (1.0, 0.3, 1e-2, 1e-6, 1e-12, 1e-14):
+        for _ in range(20):
+            a, p = rng.uniform(0.2, 1.0, 4) * [1.0, 1.0, small, small], rng.uniform(0.0, 2.0 * np.pi, 4)
+            expected = min(climb(a[:2], p[:2]), climb(a[2:], p[2:]))
+            found = origins.barrier(one, 0.0, origins.fourier_substrate(waves, a * np.exp(1j * p)))
+            assert abs(found - expected) < 1e-12 + 1e-13 * (small < 1e-12)
 
 
 def flooded(substrate: origins.Substrate, factors: np.ndarray, n: int) -> float:
