@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from origins import Contacts
+from origins.domains import DomainSamples
 from origins.interface import Interface
 from origins.quadrature import gauss, panel_edges
 from origins.thresholds import Thresholds
@@ -85,6 +86,8 @@ def describe(contacts: Contacts) -> Description:
         notes.append("<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with")
     if law.interface is not None:
         numbers |= _of_interface(law.interface)
+    if law.domains is not None:
+        numbers |= _of_domains(law.domains)
     return Description(numbers, tuple(notes), time.perf_counter() - began)
 
 
@@ -137,3 +140,15 @@ def _of_interface(interface: Interface) -> dict[str, Number]:
             error = None if name in _GIVEN else abs(value) * HEIGHT_INTEGRALS
             numbers[name] = Number(value, error, _UNITS.get(name, "m" if "separation" in name else ""))
     return numbers
+
+
+def _of_domains(domains: DomainSamples) -> dict[str, Number]:
+    """What the sampled islands say beside their thresholds, with one standard error of the sampling."""
+    islands = domains.barriers.size
+    free, forces = domains.superlubric_weight, domains.forces
+    root = np.sqrt(forces.size)
+    return {
+        "superlubric_weight": Number(free, float(np.sqrt(free * (1.0 - free) / islands)), ""),
+        "mean_force": Number(domains.mean_force, float(forces.std() / root), "force"),
+        "distance_from_exponential": Number(domains.exponential_distance, float(0.5 / root), ""),
+    }
