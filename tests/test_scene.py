@@ -61,6 +61,7 @@ LAWS: dict[str, dict[str, Any]] = {
     "persson": {"centre": 1.0, "width": 0.5},
     "lubricated": {"width": 0.7, "power": 2.0, "decay": 1.5},
     "grains": {"alpha": 1.0, "time": 8.0, "B": 1.0, "jacobian": "paper"},
+    "domains": {"lattice_constant": 3.88, "sizes": [[7, 9]], "stiffness": 1.0, "samples": 200},
     "from-samples": {"x_s": [0.9, 1.0, 1.1, 1.3]},
     "from-topography": {"model": "gw", "law": "amontons", "pressure": 1e6, "surface": SURFACE, "material": MATERIAL},
 }

@@ -10,6 +10,7 @@ from origins.domains import DomainSamples
 from origins.interface import Interface
 from origins.quadrature import gauss, panel_edges
 from origins.thresholds import Thresholds
+from toolkit.sampling import sampling_errors
 
 HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as the tests hold it
 _EPSILON = float(np.finfo(float).eps)
@@ -53,7 +54,8 @@ def describe(contacts: Contacts) -> Description:
     """Numbers of the contacts' thresholds.
 
     The errors of moments are distances of two roads, the family's own and a quadrature of the survival; those of
-    quantiles come from the survival at them; those of F_k and of the propensity are the master equation's.
+    quantiles come from the survival at them; those of F_k and of the propensity are the master equation's. Where the
+    thresholds come from samples, all count the sampling error too.
     """
     import master
 
@@ -84,6 +86,9 @@ def describe(contacts: Contacts) -> Description:
         }
     else:
         notes.append("<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with")
+    for name, error in sampling_errors(contacts).items():
+        known = numbers[name]
+        numbers[name] = Number(known.value, float(np.hypot(known.error or 0.0, error)), known.unit)
     if law.interface is not None:
         numbers |= _of_interface(law.interface)
     if law.domains is not None:

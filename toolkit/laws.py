@@ -25,7 +25,7 @@ THRESHOLDS = {
     "lubricated": "origins:lubricated",
     "grains": "origins:grains",
     "domains": "toolkit.islands:domains",
-    "from-samples": "origins:from_samples",
+    "from-samples": "toolkit.measured:from_samples",
     "from-topography": "toolkit.surfaces:from_topography",
 }
 
