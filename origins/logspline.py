@@ -22,8 +22,8 @@ _PATIENCE = 3  # knots added in vain before the search for more ends
 class Fit:
     """The model chosen: log-density = power * log y + spline(y), up to the constant that normalises it.
 
-    power_error is the standard error of the power, score the log-likelihood less what the coefficients cost, `beyond`
-    the weight below the first sample and above the last.
+    power_error is the error of the power, score the log-likelihood less what the coefficients cost, `beyond` the weight
+    below the first sample and above the last.
     """
 
     spline: Spline
@@ -65,7 +65,7 @@ class _Search:
             models += self._grown(models[-1])
             while models[-1].kept.size > 3:
                 models.append(self._without_least(models[-1]))
-        return self._fit(max(models, key=self._score))
+        return self._fit(max(models, key=self._score), models)
 
     def _grown(self, model: Model) -> list[Model]:
         """Models with one knot more each, until some in turn have gained nothing."""
@@ -88,15 +88,26 @@ class _Search:
         size = self._likelihood.size
         return size * model.value - count * cost(size) - max(model.kept.size - 3, 0)
 
-    def _fit(self, model: Model) -> Fit:
-        spline = Spline(self._knots[model.kept], model.coefficients[: model.kept.size])
-        inner, tail = np.split(model.density, [self._likelihood.nodes.size])
+    def _fit(self, best: Model, models: list[Model]) -> Fit:
+        spline = Spline(self._knots[best.kept], best.coefficients[: best.kept.size])
+        inner, tail = np.split(best.density, [self._likelihood.nodes.size])
         beyond = float(inner[self._likelihood.nodes < self._knots[0]].sum()), float(tail.sum())
-        power = error = 0.0
-        if self._likelihood.ends.power:
-            unit = np.append(np.zeros(model.kept.size), 1.0)
-            power, error = float(model.coefficients[-1]), float(np.sqrt(model.solve(unit)[-1] / self._likelihood.size))
-        return Fit(spline, power, error, self._score(model), beyond)
+        if not self._likelihood.ends.power:
+            return Fit(spline, 0.0, 0.0, self._score(best), beyond)
+        power, error = float(best.coefficients[-1]), self._power_error(best, models)
+        return Fit(spline, power, error, self._score(best), beyond)
+
+    def _power_error(self, best: Model, models: list[Model]) -> float:
+        """Error of the power within all models, each as likely as Akaike's criterion has it: what the spline takes on
+        itself near y = 0 differs from one to the other."""
+        size = self._likelihood.size
+        likely = np.array([size * model.value - model.coefficients.size for model in models])
+        weights = np.exp(likely - likely.max())
+        squares = []
+        for model in models:
+            variance = model.solve(np.append(np.zeros(model.kept.size), 1.0))[-1] / size
+            squares.append(variance + (model.coefficients[-1] - best.coefficients[-1]) ** 2)
+        return float(np.sqrt(weights @ squares / weights.sum()))
 
     def _heights(self, model: Model, kept: Array) -> Array:
         """Coefficients of the same density with further knots."""

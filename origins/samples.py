@@ -109,8 +109,9 @@ class Sampled(Mixture):
     beyond : (float, float)
         Weight below the smallest sample and above the largest.
     onset_power, onset_power_error : float
-        m and its standard error. Where P_c begins at a finite value, 0, and the error is how far from 0 a fitted power
-        would be, with its own; inf where the samples are too far from 0, or begin too sharply, to tell.
+        m and its error over all models that the samples allow. Where P_c begins at a finite value, m = 0, and the error
+        is how far from 0 a fitted power would be, and its own; inf where the samples are too far from 0, or begin too
+        sharply, to tell.
     """
 
     def __init__(self, ordered: Array, shares: Array, n_samples: int, effective_samples: float) -> None:

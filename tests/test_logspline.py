@@ -127,11 +127,13 @@ def test_exponential_and_gaussian_are_exact_members() -> None:
     assert (-1.0 / bend) ** 0.5 == pytest.approx(0.3, rel=0.05)
 
 
-def test_error_of_the_power_is_its_scatter() -> None:
+@pytest.mark.parametrize("law, power", [(stats.gamma(3.0), 2.0), (stats.weibull_min(2.5), 1.5)])
+def test_error_of_the_power_holds_the_truth(law, power: float) -> None:
+    """In 68 % and 95 % of 40 sets, less three times what chance takes off; also where x^2.5 is no parabola."""
     ends = Ends(True, True, True, 0.0)
-    found = [fitted(np.sort(rng(seed).gamma(3.0, size=500)), ends) for seed in range(60)]
-    miss = np.array([(one.power - 2.0) / one.power_error for one in found])
-    assert abs(miss.mean()) < 0.5 and 0.75 < miss.std() < 1.3
+    found = [fitted(np.sort(law.rvs(500, random_state=seed)), ends) for seed in range(40)]
+    miss = np.array([abs(one.power - power) / one.power_error for one in found])
+    assert (miss < 1.0).mean() > 0.46 and (miss < 2.0).mean() > 0.84
 
 
 def test_a_power_needs_samples_near_zero() -> None:

@@ -161,10 +161,10 @@ def test_density_between_the_extremes_is_what_random_samples_leave() -> None:
 def test_how_it_begins_and_ends() -> None:
     """A power where the samples show one, a finite value at 0, or an edge; no weight beyond edges."""
     power = origins.from_samples(draws("weibull 2.5", 100_000))
-    assert power.onset_power == pytest.approx(1.5, abs=4.0 * power.onset_power_error) and power.pdf(0.0) == 0.0
-    assert 0.0 < power.onset_power_error < 0.1 and power.support() == (0.0, np.inf)
+    assert power.onset_power == pytest.approx(1.5, abs=3.0 * power.onset_power_error) and power.pdf(0.0) == 0.0
+    assert 0.0 < power.onset_power_error < 0.3 and power.support() == (0.0, np.inf)
     flat = origins.from_samples(draws("exponential", 5000))
-    assert flat.onset_power == 0.0 < flat.onset_power_error < 0.1 and flat.pdf(0.0) == pytest.approx(1.0, abs=0.05)
+    assert flat.onset_power == 0.0 < flat.onset_power_error < 0.2 and flat.pdf(0.0) == pytest.approx(1.0, abs=0.05)
     far = origins.from_samples(draws("gaussian", 1000))
     assert far.onset_power == 0.0 and far.onset_power_error == np.inf and far.cdf(0.5) < 1e-6
     samples = draws("rectangular", 2000)
