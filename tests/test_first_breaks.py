@@ -124,6 +124,14 @@ def test_every_contact_breaks_once(law, start):
     assert first.density.total + first.atom_weights.sum() == pytest.approx(1.0, abs=1e-13)
 
 
+@pytest.mark.parametrize("law", [LAWS["gaussian"][0], LAWS["rectangular"][0]])
+def test_what_is_cut_from_a_start_is_not_missed_from_the_rest(law):
+    # a weight of about 4e-7 lies where no threshold is left, or fewer than floating point can tell
+    end = min(law.support()[1], float(law.isf(1e-300)))
+    first, _ = first_breaks(law, scipy.stats.expon(0.0, end / 14.8), end=60.0)
+    assert first.density.total == pytest.approx(1.0, abs=1e-12)
+
+
 def test_identical_thresholds_break_at_once_or_as_the_start_is_spread():
     first, _ = first_breaks(origins.identical(1.0), 0.3)
     assert first.atoms == pytest.approx([0.7], abs=1e-16)
