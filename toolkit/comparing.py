@@ -39,8 +39,8 @@ class Evidence:
 class Verdict:
     """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
 
-    sampled says whether the thresholds come from samples; friction_coefficient is F_k/load where they come from a
-    surface, else None.
+    sampled says whether the thresholds come from samples; cautions are the interface's; friction_coefficient is
+    F_k/load where they come from a surface, else None.
     """
 
     name: str
@@ -60,6 +60,7 @@ class Verdict:
     mean_threshold: float
     unit: str
     sampled: bool
+    cautions: tuple[str, ...]
     run_time: float
     evidence: Evidence | None
     result: Result
@@ -115,6 +116,7 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
         mean_threshold=unit,
         unit=result.thresholds.unit,
         sampled=bool(sampled),
+        cautions=() if interface is None else tuple(interface.cautions),
         run_time=found.run_time,
         evidence=None if result.eq is None else _evidence(result, result.eq, steady.force, scene),
         result=result,
@@ -177,6 +179,8 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
         notes.append("max |z|: their largest difference over the path in standard errors, about 3 by chance")
     if any(verdict.friction_coefficient is not None for verdict in verdicts):
         notes.append("F_k/load: k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest")
+    for verdict in verdicts:
+        notes += [f"{verdict.name}: {caution}" for caution in verdict.cautions]
     if any(verdict.sampled for verdict in verdicts):
         names = ", ".join(verdict.name for verdict in verdicts if verdict.sampled)
         notes.append(f"{names}: thresholds from samples; errors are sampling errors, by {RESAMPLES} resampled laws")

@@ -91,6 +91,7 @@ def describe(contacts: Contacts) -> Description:
         numbers[name] = Number(known.value, float(np.hypot(known.error or 0.0, error)), known.unit)
     if law.interface is not None:
         numbers |= _of_interface(law.interface)
+        notes += law.interface.cautions
     if law.domains is not None:
         numbers |= _of_domains(law.domains)
     return Description(numbers, tuple(notes), time.perf_counter() - began)
