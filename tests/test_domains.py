@@ -232,6 +232,7 @@ BAD = [
     ({"sizes": [(3, 3)], "lattice_constant": None}, "lattice_constant = None: "),
     ({"sizes": [(3, 3)], "lattice_constant": -1.0}, "lattice_constant = -1.0: "),
     ({"sizes": [3, 3]}, "sizes = [3, 3]: "),
+    ({"sizes": [[5, 5], [6]]}, "sizes = [[5, 5], [6]]: "),
     ({"sizes": [(3, 0)]}, "sizes = [(3, 0)]: "),
     ({"sizes": [(3, 2.5)]}, "sizes = [(3, 2.5)]: "),
     ({"sizes": [(3, 3)], "weights": [1.0, 1.0]}, "weights = [1.0, 1.0]: "),
@@ -242,6 +243,7 @@ BAD = [
     ({"islands": []}, "lattice_constant = 2.5: "),
     ({"islands": [], "lattice_constant": None}, "islands = []: "),
     ({"islands": ["a"], "lattice_constant": None}, "atoms = 'a': "),
+    ({"islands": origins.triangular_island(A, 2, 2), "lattice_constant": None}, "islands = Atoms("),
     ({"mean_atoms": 5.0, "angles": [np.nan]}, "angles[0] = nan: "),
     ({"mean_atoms": 5.0, "temperature": 0.0}, "temperature = 0.0: "),
     ({"mean_atoms": 5.0, "law": "amontons"}, "law = 'amontons': "),
@@ -278,6 +280,17 @@ def test_domains_in_a_scene() -> None:
     direct = origins.barrier(origins.hexagonal_island(A, 3 * A), shaped.domains.angles)
     np.testing.assert_allclose(shaped.domains.barriers, direct, atol=1e-12)
     for table, begins in (
+        (
+            {},
+            "contacts.thresholds: domains: give exactly one of sizes, such as [[10, 9]], mean_atoms, such as 100, and "
+            "island, a table with a kind of triangular,",
+        ),
+        (
+            {"lattice_constant": A, "island": {"kind": "oval"}},
+            "contacts.thresholds.lattice_constant = 2.5: the table island",
+        ),
+        ({"island": [{"kind": "hexagonal"}]}, "contacts.thresholds.island = [{'kind': 'hexagonal'}]: must be a table"),
+        ({"lattice_constant": A, "sizes": [[5, 5], [6]]}, "contacts.thresholds.sizes = [[5, 5], [6]]: "),
         ({"island": {"kind": "oval"}}, "contacts.thresholds.island.kind = 'oval': "),
         ({"mean_atoms": 5.0, "comm": 1}, "contacts.thresholds.comm = 1: unknown key"),
         ({"lattice_constant": A, "mean_atoms": -5.0}, "contacts.thresholds.mean_atoms = -5.0: "),

@@ -172,6 +172,10 @@ def test_scan_is_found_from_the_scene_file(file: str, more: dict[str, Any], tmp_
         ({"file": "bare.txt", "channel": 1}, "surface.channel = 1: the file has 1 channel"),
         ({"file": "bare.txt", "channel": -1}, "surface.channel = -1: must be a whole number"),
         ({"file": "bare.txt", "physical_sizes": 1.0}, "surface.physical_sizes = 1.0: must be a pair"),
+        *(
+            ({"file": "bare.txt", "height_scale_factor": value}, f"surface.height_scale_factor = {value!r}: must be ")
+            for value in ("a", 0.0, -1.0)
+        ),
         ({"file": "bare.txt", "physical_sizes": [1e-6, 1e-6]}, ": heights.unit = None: lengths need one unit"),
         ({"file": "bare.txt", "physical_sizes": [1.0, 1.0], "unit": "furlong"}, ": heights.unit = 'furlong'"),
         ({"file": "bare.txt", "folder": "/"}, "surface.folder = '/': unknown key; scan takes file,"),
@@ -187,6 +191,12 @@ def test_scan_that_is_no_surface_is_refused(scan: dict[str, Any], message: str, 
         toolkit.load_scene(tmp_path / "scan.toml")
     assert str(caught.value).removeprefix("contacts.thresholds").removeprefix(".").startswith(message)
     assert "\n" not in str(caught.value)
+
+
+def test_surface_beyond_memory_is_refused() -> None:
+    law = {"kind": "from-topography", **LAWS["from-topography"], "surface": {**SURFACE, "shape": [1000000, 1000000]}}
+    with pytest.raises(InputError, match=r"^contacts\.thresholds\.surface\.shape = .*at most 268435456 points"):
+        toolkit.load_scene(with_law(law))
 
 
 @pytest.mark.parametrize("table", ["surface", "material"])

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import origins
-from origins.errors import finite_array, refuse
+from origins.errors import InputError, finite_array, refuse
 from toolkit import laws
 
 ISLANDS = {
@@ -47,8 +47,15 @@ def domains(
     `island` is a table with a kind of ISLANDS, for one island of your own; `substrate` one with a kind of SUBSTRATES,
     sin x + sin y when left out. Raises InputError.
     """
+    if sum(given is not None for given in (sizes, mean_atoms, island)) != 1:
+        raise InputError(
+            "domains: give exactly one of sizes, such as [[10, 9]], mean_atoms, such as 100, and island, a "
+            f"table with a kind of {', '.join(ISLANDS)}"
+        )
     islands = None
     if island is not None:
+        if lattice_constant is not None:
+            refuse("lattice_constant", lattice_constant, "the table island has its own; leave it out")
         islands = [laws.build(ISLANDS, laws.as_table("island", island), "island", folder)]
     if substrate is not None:
         substrate = laws.build(SUBSTRATES, laws.as_table("substrate", substrate), "substrate", folder)
