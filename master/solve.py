@@ -10,7 +10,7 @@ from master.renewal import LaterReleased, bound
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
-from origins.errors import positive
+from origins.errors import positive, refuse
 
 Array = npt.NDArray[np.float64]
 
@@ -23,6 +23,7 @@ _FEWEST_NODES = 256
 _STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
 _BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
 _MOST_AROUND = 2000
+_FURTHEST = 1e100  # mean thresholds: its square is still a number
 
 
 def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> Solution:
@@ -52,6 +53,8 @@ def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> S
     check_contacts(contacts, "master.solve")
     drive = Drive(path)
     x = drive.path / contacts.mean_threshold
+    if x[-1] > _FURTHEST:
+        refuse("path[-1]", drive.path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
     problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance)
     first = problem.first
     force = first.mean_start + x - first.released(x)
