@@ -121,12 +121,17 @@ class FirstBreaks:
         rough = contacts.start.breakpoints / law.unit
         rough = rough[(rough >= low) & (rough <= high)]
         corners = [np.append(law.breakpoints, outer) - point for point in rough]
+        # an atom reads 1/S(|x_0|) point by point, jumps and bends of the survival included
+        held = np.concatenate([law.breakpoints, law.atoms]) if law.atoms.size else np.empty(0)
+        held = np.concatenate([held, -held])
+        held = held[(held >= low) & (held <= high)]
+        corners += [law.atoms - point for point in held]
         around = [_thin(marks, 0.25 * (high - low)) - middle, outer - low, outer - high, law.breakpoints - middle]
-        seeds = np.concatenate([*around, *corners, -2.0 * rough, [0.0, -2.0 * low]])
+        seeds = np.concatenate([*around, *corners, -2.0 * rough, -2.0 * held, [0.0, -2.0 * low]])
         begins = law.begins if not law.atoms.size else min(law.begins, float(law.atoms.min()))
         edges = _clip(np.unique(seeds), max(begins - high, 0.0), min(self.end, marks.max() - low))
         self.density, self._released = _tabulate_pair(start.rows, edges, self._accuracy)
-        self.has_corners = rough.size > 0
+        self.has_corners = rough.size + held.size > 0
         self.jumps, self.jump_sizes = np.zeros(1), self.density(np.zeros(1))
         self._defect = abs(start.broken(edges[-1]) - self.density.total) if edges.size else 0.0
 
