@@ -8,7 +8,7 @@ import pytest
 import origins
 from toolkit.describing import describe
 from toolkit.measured import from_samples
-from toolkit.sampling import NAMES, sampling_errors
+from toolkit.sampling import NAMES, misfit, sampling_errors
 
 SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
 
@@ -68,3 +68,11 @@ def test_errors_of_samples_are_sampling_errors(monkeypatch: pytest.MonkeyPatch) 
     numbers = describe(contacts).numbers
     assert all(numbers[name].error >= errors[name] for name in NAMES)
     assert sampling_errors(origins.Contacts(origins.gaussian(1.0, 0.1))) == {}
+
+
+def test_a_smooth_law_that_misses_its_samples_says_so() -> None:
+    random = np.random.default_rng(0)
+    far = np.concatenate([random.normal(1.0, 0.01, 500), random.normal(3.0, 0.01, 500), [10.0, 10.01, 10.02]])
+    (note,) = misfit(origins.from_samples(far))
+    assert "from that of the samples, sampling allows 0.043" in note
+    assert misfit(origins.from_samples(SAMPLES)) == misfit(origins.gaussian(1.0, 0.1)) == []

@@ -10,7 +10,7 @@ from origins.domains import DomainSamples
 from origins.interface import Interface
 from origins.quadrature import gauss, panel_edges
 from origins.thresholds import Thresholds
-from toolkit.sampling import sampling_errors
+from toolkit.sampling import misfit, sampling_errors
 
 HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as the tests hold it
 _EPSILON = float(np.finfo(float).eps)
@@ -75,7 +75,7 @@ def describe(contacts: Contacts) -> Description:
     ):
         numbers[name] = _quantile(law, q, above, unit)
     numbers["onset_power"] = Number(law.onset_power, law.onset_power_error, "")
-    notes = []
+    notes = misfit(law)
     if np.isfinite(law.moment(2)):
         steady, found = master.steady_state(contacts), master.propensity(contacts)
         numbers |= {

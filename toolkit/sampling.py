@@ -48,3 +48,13 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
     rate = spread.value[-1]
     errors[-1] = errors[-1] / rate**2 if rate > 0.0 else np.inf
     return dict(zip(NAMES, errors.tolist(), strict=True))
+
+
+def misfit(law: Thresholds) -> list[str]:
+    """A note where the smooth law lies further from its samples than these can be from their own; else nothing."""
+    if not isinstance(law, Sampled) or law.cdf_misfit <= law.cdf_error:
+        return []
+    return [
+        f"the smooth law's cdf lies {law.cdf_misfit:.2g} from that of the samples, sampling allows {law.cdf_error:.2g}: "
+        "it misses exact values or far groups; give these apart, in a mixture"
+    ]
