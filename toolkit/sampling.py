@@ -54,7 +54,8 @@ def misfit(law: Thresholds) -> list[str]:
     """A note where the smooth law lies further from its samples than these can be from their own; else nothing."""
     if not isinstance(law, Sampled) or law.cdf_misfit <= law.cdf_error:
         return []
+    off, allowed = f"{law.cdf_misfit:.2g}", f"{law.cdf_error:.2g}"
     return [
-        f"the smooth law's cdf lies {law.cdf_misfit:.2g} from that of the samples, sampling allows {law.cdf_error:.2g}: "
-        "it misses exact values or far groups; give these apart, in a mixture"
+        f"the smooth law's cdf lies {off} from that of the samples, sampling allows {allowed}: it misses exact values "
+        "or far groups; give these apart, in a mixture"
     ]
