@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from master.corners import bends
 from master.law import Law
 from master.piecewise import Piecewise, tabulate
 from master.starting import StartSum
@@ -19,6 +20,8 @@ from origins import Contacts
 Array = npt.NDArray[np.float64]
 Function = Callable[[Array], Array]
 
+_ACROSS = 1e-12  # to either side of a point where the density may jump
+_SAME = 1e-14
 _NARROW = 1e-9  # of the mean threshold: below, all start from one stretch
 
 
@@ -34,6 +37,10 @@ class FirstBreaks:
         Positions of breaks of finite weight, that weight, and weight times released stretch.
     jumps, jump_sizes : arrays of shape (m,)
         Where the density b_0 jumps, X = 0 included, and by how much.
+    bends, bend_sizes : arrays of shape (k,)
+        Where its slope does; looked for where a law has atoms.
+    onsets, onset_heights : arrays of shape (0,) or (1,)
+        Where b_0 begins as the law does, as a power that is neither jump nor bend, and the factor before it.
     single : bool
         Whether all contacts start from one stretch, or as good as.
     has_corners : bool
@@ -47,6 +54,8 @@ class FirstBreaks:
         self._accuracy = max(accuracy, 2e-15)
         self._defect = 0.0
         self._law = law
+        self.bends, self.bend_sizes = np.empty(0), np.empty(0)
+        self.onsets, self.onset_heights = np.empty(0), np.empty(0)
         span = np.asarray(contacts.start.span) / law.unit
         self.single = bool(span[1] - span[0] < _NARROW)
         if self.single:
@@ -98,6 +107,11 @@ class FirstBreaks:
         later = law.jumps > least * (1.0 + 1e-9)
         self.jumps = np.append(law.jumps[later] - start, onset)
         self.jump_sizes = np.append(law.jump_sizes[later], at_onset) / survival
+        later = law.bends > least * (1.0 + 1e-9)
+        self.bends, self.bend_sizes = law.bends[later] - start, law.bend_sizes[later] / survival
+        if law.onset is not None and law.onset[0] and least <= law.support[0]:
+            self.onsets = np.array([law.support[0] - start])
+            self.onset_heights = np.array([law.onset[1] / survival])
 
         def rows(x: Array) -> Array:
             density = law.pdf(x + start) / survival
@@ -121,19 +135,32 @@ class FirstBreaks:
         rough = contacts.start.breakpoints / law.unit
         rough = rough[(rough >= low) & (rough <= high)]
         corners = [np.append(law.breakpoints, outer) - point for point in rough]
+        stepped = [law.atoms - point for point in rough] + [2.0 * law.atoms[law.atoms <= -low]]
         # an atom reads 1/S(|x_0|) point by point, jumps and bends of the survival included
         held = np.concatenate([law.breakpoints, law.atoms]) if law.atoms.size else np.empty(0)
         held = np.concatenate([held, -held])
         held = held[(held >= low) & (held <= high)]
-        corners += [law.atoms - point for point in held]
+        stepped += [law.atoms - point for point in held]
         around = [_thin(marks, 0.25 * (high - low)) - middle, outer - low, outer - high, law.breakpoints - middle]
-        seeds = np.concatenate([*around, *corners, -2.0 * rough, -2.0 * held, [0.0, -2.0 * low]])
+        seeds = np.concatenate([*around, *corners, *stepped, -2.0 * rough, -2.0 * held, [0.0, -2.0 * low]])
         begins = law.begins if not law.atoms.size else min(law.begins, float(law.atoms.min()))
-        edges = _clip(np.unique(seeds), max(begins - high, 0.0), min(self.end, marks.max() - low))
+        edges = _clip(_distinct(seeds), max(begins - high, 0.0), min(self.end, marks.max() - low))
         self.density, self._released = _tabulate_pair(start.rows, edges, self._accuracy)
         self.has_corners = rough.size + held.size > 0
-        self.jumps, self.jump_sizes = np.zeros(1), self.density(np.zeros(1))
+        self.jumps, self.jump_sizes = self._find_jumps(np.concatenate(stepped))
+        if law.atoms.size:
+            at = _distinct(np.concatenate([*corners, *stepped]))
+            width = min(law.narrowest, high - low)
+            self.bends, self.bend_sizes = bends(self.density, at[(at > _SAME) & (at < edges[-1])], width)
         self._defect = abs(start.broken(edges[-1]) - self.density.total) if edges.size else 0.0
+
+
+    def _find_jumps(self, candidates: Array) -> tuple[Array, Array]:
+        """X = 0 and those of the candidates where the density jumps, and by how much."""
+        at = _distinct(candidates[(candidates > _SAME) & (candidates < self.end)])
+        below, above = self.density(at * (1.0 + _ACROSS * np.array([[-1.0], [1.0]])))
+        sharp = np.abs(above - below) > 1e-7 * np.maximum(above, below)
+        return np.append(0.0, at[sharp]), np.append(self.density(np.zeros(1)), (above - below)[sharp])
 
 
 def _tabulate_pair(rows: Function, edges: Array, accuracy: float) -> tuple[Piecewise, Piecewise]:
@@ -147,6 +174,12 @@ def _tabulate_pair(rows: Function, edges: Array, accuracy: float) -> tuple[Piece
 def _thin(points: Array, spacing: float) -> Array:
     """Points at least `spacing` apart: what the start smooths over needs no edge of its own."""
     return points[np.unique(np.floor((points - points[0]) / spacing), return_index=True)[1]]
+
+
+def _distinct(points: Array) -> Array:
+    """Sorted points, those apart by rounding alone as one."""
+    points = np.sort(points)
+    return points[np.diff(points, prepend=-np.inf) > _SAME]
 
 
 def _clip(edges: Array, low: float, high: float) -> Array:

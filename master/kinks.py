@@ -1,69 +1,134 @@
-"""Kinks put right: what a lattice smears where two jumps add up, replaced by the closed form, locally.
+"""Kinks put right: what a lattice smears where jumps and exact values add up, replaced by the closed form, locally.
 
-J_1 has a jump in its second derivative at every sum z of a jump of r and one of the first breaks, because two steps
-fold to (X - z)_+. A lattice smears that over the nodes around z. Folding two bare steps on a few nodes of the same
-lattice, placed alike between them, shows by how much.
+A break of finite weight folded with a jump of r leaves a jump in the rate at which stretch is released, and J_1 bends
+there; two jumps fold to (X - z)_+, and the rate bends. Exact values among the thresholds carry both along from
+generation to generation, and the onset of P_c with them. A lattice smears each over the nodes around its place z.
+Folding bare steps and shares of exact values on a few nodes of the same lattice, placed alike between them, shows by
+how much.
 """
+
+from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
 
-from master.first import FirstBreaks
-from master.lattice import STENCIL, integrate, lagrange, lay
+from master.problem import Problem
+from master.singular import AHEAD, BEHIND, Reading, Singular, join, merge, units
 
 Array = npt.NDArray[np.float64]
 
-_AHEAD, _BEHIND, _NODES = 14.0, 40.0, 88
 _LARGEST = 1e3  # beyond, round-off of the correction would exceed 1e-13
+_MOST, _MOST_AT_ONCE = 2_000, 300  # places
 
 
 class Kinks:
-    """Corrections beside the sums of the `jumps` (of r, or of P_c) and those of the first breaks, on one lattice."""
+    """Corrections of the rate of later breaks and of what they release, on a lattice of `step` up to X = `end`; those
+    that J_1 would feel by less than `tiny` are left out, and those of least height where there are thousands."""
 
-    def __init__(self, jumps: Array, heights: Array, first: FirstBreaks, step: float) -> None:
-        self._step = step
-        first_steps = [_one_step(position / step) for position in jumps]
-        second_steps = [_one_step(position / step) for position in first.jumps]
-        self._pairs = []
-        for height, (shift, place, weights) in zip(heights, first_steps, strict=True):
-            for other, (shift_too, place_too, weights_too) in zip(first.jump_sizes, second_steps, strict=True):
-                size = float(height * other) * step**2
-                if size and abs(size) * _BEHIND**2 < _LARGEST:
-                    folded = np.convolve(weights, weights_too)[:_NODES]
-                    self._pairs.append((shift + shift_too, place + place_too, size, folded))
+    def __init__(self, problem: Problem, step: float, end: float, tiny: float) -> None:
+        law, first = problem.law, problem.first
+        self._step, self._tiny = step, tiny
+        self._end = end / step
+        self._atoms, self._weights = law.atoms / step, law.atom_weights
+        self._births, self._birth_weights = problem.chain.births / step, problem.chain.weights
+        self._later: list[Singular] = []
+        self._released: list[Singular] = []
+
+        jumps, heights = units(1.0, law.jumps / step), law.jump_sizes * step
+        bends, slopes = units(2.0, law.bends / step), law.bend_sizes * step**2
+        begun = units(1.0, first.jumps / step).times(first.jump_sizes * step)
+        born = self._after_chain(jumps.times(heights))
+        self._released.append(self._after_chain(jumps.times(heights * law.jumps)))
+        steps = self._follow([begun], [born])
+        begun = units(2.0, first.bends / step).times(first.bend_sizes * step**2)
+        born = self._after_chain(bends.times(slopes))
+        self._follow([begun], [born, self._fold(steps, jumps, heights)])
+        # what steps by j at z in P_c bends by j in x P_c
+        more = units(2.0, law.jumps / step).times(heights * step)
+        self._released += [self._after_chain(part) for part in (bends.times(slopes * law.bends), more)]
+        self._released.append(self._fold(steps, jumps, heights * law.jumps))
+        self._follow_onset(problem)
+
+    def _follow_onset(self, problem: Problem) -> None:
+        """Where exact values carry the lower end of the law, P_c ~ c (x - a)^m."""
+        if problem.law.onset is None:
+            return
+        (power, height), lowest = problem.law.onset, problem.law.support[0] / self._step
+        order = 1.0 + power
+        at_end = units(order, np.array([lowest])).times(height * self._step**order)
+        begun = units(order, problem.first.onsets / self._step)
+        begun = begun.times(problem.first.onset_heights * self._step**order)
+        self._follow([begun], [self._after_chain(at_end)])
+        if lowest > 0.0:
+            self._released.append(self._after_chain(at_end.times(lowest * self._step)))
+        else:
+            more = units(order + 1.0, np.zeros(1)).times(height * self._step ** (order + 1.0))
+            self._released.append(self._after_chain(more))
 
     def released(self, x: Array) -> Array:
         """What J_1 as read from the lattice lacks at x."""
-        return self._sum(x, integrate, lambda beyond: 0.5 * beyond**2)
+        return self._sum(x, self._released, True)
 
     def rate(self, x: Array) -> Array:
-        """What dJ_1/dX (or b) as read from the lattice lacks at x."""
-        return self._sum(x, lambda folded: folded, lambda beyond: beyond) / self._step
+        """What dJ_1/dX as read from the lattice lacks at x."""
+        return self._sum(x, self._released, False) / self._step
 
-    def _sum(self, x: Array, seen, exact) -> Array:  # type: ignore[no-untyped-def]
+    def births(self, x: Array) -> Array:
+        """What the density of later breaks as read from the lattice lacks at x."""
+        return self._sum(x, self._later, False) / self._step
+
+    def _sum(self, x: Array, parts: Iterable[Singular], integrated: bool) -> Array:
         order = np.argsort(x, kind="stable")
-        position = x[order] / self._step
+        reading = Reading(x[order] / self._step)
         total = np.zeros(x.size)
-        for shift, place, size, folded in self._pairs:
-            start = shift + max(place - _AHEAD, 0.0)
-            here = slice(*np.searchsorted(position, [start, shift + place + _BEHIND]))
-            if here.start < here.stop:
-                local = position[here] - shift
-                total[here] += size * (exact(np.maximum(local - place, 0.0)) - _read(seen(folded), local))
-        out = np.empty(x.size)
-        out[order] = total
-        return out
+        for part in parts:
+            total[order] += part.missing(reading, integrated)
+        return total
 
+    def _fold(self, steps: Singular, jumps: Singular, heights: Array) -> Singular:
+        """Bends where `steps` fold with the unit `jumps`, each of them of the height given."""
+        folded = [steps.folded(jumps[k : k + 1]).times(height) for k, height in enumerate(heights)]
+        return self._kept(join(2.0, folded))
 
-def _one_step(position: float) -> tuple[int, float, Array]:
-    """A unit step on a short lattice, near node 8: nodes between that and its own place, where it is, its shares."""
-    shift = max(int(np.floor(position)) - STENCIL, 0)
-    place = position - shift
-    edges = np.array([place, _NODES + STENCIL])
-    shares = lay(lambda x: [np.ones(x.shape)], 1, edges, 1.0, _NODES + 2 * STENCIL)[0]
-    return shift, place, shares[:_NODES]
+    def _after_chain(self, seeds: Singular) -> Singular:
+        """All that follows from `seeds` when a contact was born at one of the exact places of the chain."""
+        heights = np.abs(seeds.height[:, None] * self._birth_weights)
+        if heights.size > _MOST:
+            heights[heights < np.partition(heights.ravel(), -_MOST)[-_MOST]] = 0.0
+        seed, birth = np.nonzero(heights > self._tiny)
+        return self._kept(seeds[seed].times(self._birth_weights[birth]).after(self._births[birth]))
 
+    def _follow(self, first: list[Singular], later: list[Singular]) -> Singular:
+        """All places in the rate of breaks that those of the first breaks and of later ones lead to; what of them is
+        released at exact thresholds is noted, and so are those of later breaks."""
+        order = (first + later)[0].order
+        pending = self._kept(join(order, first + later))
+        found, carried, released = [pending[:0]], list(later), []
+        count, atoms = 0, self._atoms.size
+        while atoms and pending.height.size and count < _MOST:
+            pending = pending.largest(_MOST_AT_ONCE)
+            now = pending.position < pending.position.min() + float(self._atoms.min())
+            ready = pending[now]
+            count += ready.height.size * atoms
+            found.append(ready)
+            rows = np.repeat(np.arange(ready.height.size), atoms)
+            atom = np.tile(np.arange(atoms), ready.height.size)
+            more = ready[rows].times(self._weights[atom])
+            felt = self._felt(more)
+            more, atom = more[felt], atom[felt]
+            more = more.after(self._atoms[atom])
+            carried.append(more)
+            released.append(more.times(self._atoms[atom] * self._step))
+            pending = self._kept(merge(join(order, [pending[~now], more])))
+        self._later.append(join(order, carried))
+        self._released.append(join(order, released))
+        return join(order, [*found, pending])
 
-def _read(values: Array, position: Array) -> Array:
-    cell = np.clip(np.floor(position).astype(np.int64) - (STENCIL // 2 - 1), 0, values.size - STENCIL)
-    return np.einsum("ij,ij->i", lagrange(position - cell), values[cell[:, None] + np.arange(STENCIL)])
+    def _kept(self, singular: Singular) -> Singular:
+        """Those that are felt and within the path."""
+        return singular[self._felt(singular) & (singular.position < self._end + AHEAD)]
+
+    def _felt(self, singular: Singular) -> npt.NDArray[np.bool_]:
+        """Those that are felt, and that round-off allows to put right."""
+        size = np.abs(singular.height)
+        return (size > self._tiny) & (size * BEHIND**singular.order < _LARGEST)

@@ -91,14 +91,19 @@ def deposit_atoms(positions: Array, weights: Array, step: float, size: int) -> A
     if not positions.size:
         return out[:size]
     inside = (positions >= 0.0) & (positions < (size - 1) * step)
-    positions, weights = positions[inside] / step, weights[inside]
-    nearest = np.rint(positions)
-    positions = np.where(np.abs(positions - nearest) < 1e-9, nearest, positions)
-    first = np.maximum(np.floor(positions).astype(np.int64) - _CENTRE, 0)
-    shares = lagrange(positions - first) * weights[:, None]
+    first, shares = share_atoms(positions[inside] / step)
+    shares *= weights[inside, None]
     for k in range(STENCIL):
         np.add.at(out, first + k, shares[:, k])
     return out[:size]
+
+
+def share_atoms(positions: Array) -> tuple[npt.NDArray[np.int64], Array]:
+    """First of the eight nodes that each position (in nodes) is shared among, and its shares."""
+    nearest = np.rint(positions)
+    positions = np.where(np.abs(positions - nearest) < 1e-9, nearest, positions)
+    first = np.maximum(np.floor(positions).astype(np.int64) - _CENTRE, 0)
+    return first, lagrange(positions - first)
 
 
 def _integration_weights() -> Array:

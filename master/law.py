@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+from master.corners import bends, onset
 from origins import Contacts
 from origins.quadrature import gauss, panel_edges
 
@@ -35,13 +36,21 @@ class Law:
         self._scale = 1.0
         self.edges, self.narrowest, self._hard = np.empty(0), 1.0, np.empty(0, dtype=bool)
         self.jumps, self.jump_sizes, self.diverges = np.empty(0), np.empty(0), False
+        self.bends, self.bend_sizes = np.empty(0), np.empty(0)
+        self.onset: tuple[float, float] | None = None
         self.begins, self._below = self.support[0], np.zeros(1)
         if not self.atomic:
             tail = max(1e-18 * (self.held or 1.0), 1e-300)
             self.edges = panel_edges(contacts.thresholds, self.top * self.unit, tail=tail) / self.unit
         if self.edges.size > 1:
             self._look_closely()
-            self.jumps, self.jump_sizes, self.diverges = self._find_jumps()
+            points = self._points()
+            self.jumps, self.jump_sizes, self.diverges = self._find_jumps(points)
+            if self.atoms.size:  # bends and the onset matter where they fold with these
+                self.bends, self.bend_sizes = bends(self.pdf, points, self.narrowest)
+                self.onset = onset(self.pdf, self.support[0], self.narrowest)
+                if self.onset and self.support[0] > 0.0 and self.onset[0] in (0, 1):
+                    self.onset = None  # a jump or a bend
 
     @property
     def rough(self) -> bool:
@@ -120,12 +129,16 @@ class Law:
         spread = spread[spread > 0.0]
         return float(spread.min()) / 0.25 if spread.size else 1.0
 
-    def _find_jumps(self) -> tuple[Array, Array, bool]:
-        """Points above 0 where the density jumps by a finite amount, by how much, and whether it diverges at one."""
+    def _points(self) -> Array:
+        """Where above 0 the density may jump, bend or diverge."""
         points = self.breakpoints
         if not self.knows_breakpoints:
             points = np.concatenate([points, self._pinned()])
-        points = points[(points > 0.0) & (points < self.top * (1.0 + 1e-9))]
+        return points[(points > 0.0) & (points < self.top * (1.0 + 1e-9))]
+
+    def _find_jumps(self, points: Array) -> tuple[Array, Array, bool]:
+        """Those of the points where the density jumps by a finite amount, by how much, and whether it diverges at
+        one."""
         if not points.size:
             return np.empty(0), np.empty(0), False
         # a point that only the panels know is known to the width of the narrowest

@@ -41,8 +41,8 @@ class Renewal:
         reach beyond it.
     """
 
-    def __init__(self, problem: Problem, step: float, end: float) -> None:
-        law, first, chain = problem.law, problem.first, problem.chain
+    def __init__(self, problem: Problem, step: float, end: float, tiny: float) -> None:
+        law, chain = problem.law, problem.chain
         size = int(np.ceil(end / step * (1.0 - 1e-12))) + _MARGIN + 1
         self.step = step
         self.size = size
@@ -68,10 +68,8 @@ class Renewal:
         self.released = integrate(flux)
         self._flux = flux
         self._kinks: Kinks | None = None
-        self._birth_kinks: Kinks | None = None
-        if law.jumps.size:
-            self._kinks = Kinks(law.jumps, law.jump_sizes * law.jumps, first, step)
-            self._birth_kinks = Kinks(law.jumps, law.jump_sizes, first, step)
+        if law.jumps.size or law.atoms.size:
+            self._kinks = Kinks(problem, step, end, tiny)
         self._kernel, self._breaks = kernel, breaks
 
     def _lay(self, problem: Problem) -> tuple[Array, Array, Array]:
@@ -103,7 +101,7 @@ class Renewal:
     def births_at(self, x: Array) -> Array:
         """Density of later breaks at positions x, its kinks put right."""
         density = self.read(self.births, x)
-        return density if self._birth_kinks is None else density + self._birth_kinks.rate(x)
+        return density if self._kinks is None else density + self._kinks.births(x)
 
     def released_at(self, x: Array) -> Array:
         """J_1 at positions x, the kinks of its slope put right."""
@@ -140,9 +138,9 @@ class LaterReleased:
     """
 
     def __init__(self, problem: Problem, step: float, x: Array, tiny: float) -> None:
-        self._problem = problem
+        self._problem, self._tiny = problem, tiny
         self._deeper: list[tuple[float, Renewal]] = []
-        self.lattice = Renewal(problem, step, problem.end)
+        self.lattice = Renewal(problem, step, problem.end, tiny)
         self.drift = self.lattice.defect * (1.0 + problem.end)
         self._pieces: list[tuple[float, Renewal]] = []
         lattice = self.lattice
@@ -153,7 +151,7 @@ class LaterReleased:
             self.left_out = bound(problem, float(left[-1]), tiny) if left.size else 0.0
             if self.left_out <= tiny:
                 break
-            lattice = Renewal(problem, lattice.step / _ZOOM, near)
+            lattice = Renewal(problem, lattice.step / _ZOOM, near, tiny)
 
     def step_at(self, x: Array) -> Array:
         """Step of the lattice that answers at each x."""
@@ -176,7 +174,7 @@ class LaterReleased:
         pieces = self._pieces + self._deeper
         near, lattice = pieces[-1]
         while ((x > 0.0) & (x <= near)).any() and float(self._problem.law.cdf(np.array([near]))[0]) > _FEW:
-            lattice = Renewal(self._problem, lattice.step / _ZOOM, near)
+            lattice = Renewal(self._problem, lattice.step / _ZOOM, near, self._tiny)
             near = _NEAR * lattice.step
             self._deeper.append((near, lattice))
             pieces = self._pieces + self._deeper

@@ -90,6 +90,14 @@ LAWS: list[Callable[[Draw], object]] = [
     lambda d: origins.mixture(
         [origins.rectangular(0.2, 0.4), origins.gaussian(d.even(0.8, 2), d.log(0.02, 0.2))], [0.3, 0.7]
     ),
+    lambda d: origins.mixture(
+        [origins.identical(d.even(0.3, 1.5)), origins.rectangular(low := d.even(0.1, 1.0), low + d.even(0.01, 1.0))],
+        [0.4, 0.6],
+    ),
+    lambda d: origins.mixture(
+        [origins.identical(d.even(0.3, 0.8)), origins.identical(d.even(0.8, 1.5)), origins.gaussian(1.0, 0.1)],
+        [0.2, 0.3, 0.5],
+    ),
     lambda d: origins.from_samples(d.rng.gamma(3.0, 1.0 / 3.0, size=200)),
     lambda d: scipy.stats.gamma(d.log(0.5, 8.0)),
     lambda d: scipy.stats.lognorm(d.log(0.1, 1.0)),

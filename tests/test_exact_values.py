@@ -1,0 +1,133 @@
+"""Thresholds with exact values beside a density: F(X) of sums of thresholds in closed form.
+
+Relaxed contacts have broken n times by X where the sum S_n of n thresholds is at most X, and by symmetry
+
+    F(X) = X - sum over n of E[S_n; S_n <= X] / n;
+
+a start x_0 below every threshold shifts X by x_0. With exact values a_i and one continuous kind, S_n is a sum of exact
+values and of k continuous ones, whose law is Irwin and Hall's for uniform and a gamma law for gamma thresholds.
+"""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+import scipy.special
+import scipy.stats
+
+import master
+import origins
+
+
+def below_uniform(k: int, low: float, width: float, shift: float, x: np.ndarray, fold: int) -> np.ndarray:
+    """E[S; S <= x], or its integral over x (fold = 1), for S = shift + k uniform values from low to low + width."""
+    begin = shift + k * low
+    if not k:
+        return np.where(x >= begin, begin, 0.0) if fold == 0 else begin * np.maximum(x - begin, 0.0)
+    cdf, once, twice = (width**times * irwin_hall(k, (x - begin) / width, times) for times in range(3))
+    return x * cdf - once if fold == 0 else x * once - 2.0 * twice
+
+
+def irwin_hall(k: int, y: np.ndarray, times: int) -> np.ndarray:
+    """Law of the sum of k standard uniform values, integrated so many times."""
+    apart = y - 0.5 * k
+    whole = [np.ones(y.shape), apart, 0.5 * apart**2 + k / 24.0][times]
+    near = np.clip(np.minimum(y, k - y), 0.0, 0.5 * k)  # beyond the middle, by symmetry: alternating sums stay small
+    terms = [(-1) ** j * math.comb(k, j) * np.maximum(near - j, 0.0) ** (k + times) for j in range(k // 2 + 1)]
+    lower = np.sum(terms, axis=0) / math.factorial(k + times)
+    return np.where(apart > 0.0, whole - (-1) ** times * lower, lower)
+
+
+def sums(atoms: list[float], weights: list[float], rest: float, least: float, end: float):
+    """(n, number k of continuous ones, sum of the exact values, probability) of every sum that may stay below end."""
+    for n in range(1, int(end / least) + 1):
+        for k in range(n + 1):
+            for counts in itertools.product(range(n - k + 1), repeat=len(atoms)):
+                if sum(counts) == n - k:
+                    ways = math.factorial(n) / math.factorial(k) / math.prod(math.factorial(c) for c in counts)
+                    weight = ways * rest**k * math.prod(w**c for w, c in zip(weights, counts, strict=True))
+                    yield n, k, sum(a * c for a, c in zip(atoms, counts, strict=True)), weight
+
+
+def uniform_force(
+    atoms: list[float], weights: list[float], low: float, high: float, x: np.ndarray, start: float = 0.0
+) -> np.ndarray:
+    """Exact F(X), relaxed or for a start uniform from -start to start."""
+    force = x.copy()
+    rest, least = 1.0 - sum(weights), min([low, *atoms])
+    for n, k, shift, weight in sums(atoms, weights, rest, least, x.max() + start):
+        if start:
+            upper = below_uniform(k, low, high - low, shift, x + start, 1)
+            lower = below_uniform(k, low, high - low, shift, x - start, 1)
+            force -= weight / n * (upper - lower) / (2.0 * start)
+        else:
+            force -= weight / n * below_uniform(k, low, high - low, shift, x, 0)
+    return force
+
+
+def gamma_force(atom: float, weight: float, shape: float, scale: float, x: np.ndarray) -> np.ndarray:
+    """Exact F(X) of relaxed contacts, an exact value beside gamma thresholds."""
+    force = x.copy()
+    for n in range(1, 200):
+        for k in range(n + 1):
+            share = math.comb(n, k) * weight ** (n - k) * (1.0 - weight) ** k
+            beyond = np.maximum(x - (n - k) * atom, 0.0) / scale
+            if not k:
+                force -= share / n * n * atom * (x >= n * atom)
+                continue
+            mean = k * shape * scale * scipy.special.gammainc(k * shape + 1.0, beyond)
+            force -= share / n * (mean + (n - k) * atom * scipy.special.gammainc(k * shape, beyond))
+    return force
+
+
+SCENES = {
+    "one value inside a rectangle": ([1.0], [0.4], 0.5, 1.5),
+    "one value off the lattice": ([0.8371], [0.25], 0.4, 1.9),
+    "a narrow rectangle": ([0.7, 1.5], [0.3, 0.4], 0.3, 0.31),
+    "three values": ([0.5, 0.77, 1.31], [0.2, 0.3, 0.1], 0.45, 1.2),
+}
+
+
+@pytest.mark.parametrize("start", [0.0, 0.2])
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_exact_values_beside_a_rectangle(name, start, tolerance):
+    atoms, weights, low, high = SCENES[name]
+    law = origins.mixture(
+        [*(origins.identical(a) for a in atoms), origins.rectangular(low, high)], [*weights, 1.0 - sum(weights)]
+    )
+    contacts = origins.Contacts(law, scipy.stats.uniform(-start, 2.0 * start) if start else None)
+    x = np.sort(np.append(np.linspace(0.0, 4.0, 401), np.random.default_rng(5).uniform(0.0, 4.0, 100)))
+    solution = master.solve(contacts, x, tolerance)
+    error = np.abs(solution.force - uniform_force(atoms, weights, low, high, x, start)).max() / law.mean()
+    assert solution.success
+    assert error <= solution.force_error <= tolerance
+    assert solution.nodes < 100_000
+
+
+@pytest.mark.parametrize("shape", [1.0, 4.0 / 3.0, 1.5, 2.0])
+def test_an_exact_value_beside_an_onset(shape):
+    law = origins.mixture([origins.identical(0.9), scipy.stats.gamma(shape, scale=1.0 / shape)], [0.4, 0.6])
+    x = np.linspace(0.0, 4.0, 401)
+    solution = master.solve(origins.Contacts(law), x, 1e-7)
+    error = np.abs(solution.force - gamma_force(0.9, 0.4, shape, 1.0 / shape, x)).max() / law.mean()
+    assert solution.success
+    assert error <= solution.force_error <= 1e-7
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.3])
+def test_the_lattice_sees_each_place_where_it_is(fraction):
+    # with the places put right, halving the step leaves the third order alone
+    atoms, weights, low, high = SCENES["one value off the lattice"]
+    law = origins.mixture([origins.identical(atoms[0]), origins.rectangular(low, high)], [weights[0], 1 - weights[0]])
+    contacts = origins.Contacts(law)
+    x = np.linspace(fraction, 3.0 + fraction, 700)
+    exact = uniform_force(atoms, weights, low, high, x)
+    errors, nodes = [], []
+    for tolerance in (1e-5, 1e-9):
+        solution = master.solve(contacts, x, tolerance)
+        errors.append(np.abs(solution.force - exact).max())
+        nodes.append(solution.nodes)
+    assert errors[1] < 1e-9
+    assert nodes[1] < 40 * nodes[0]
