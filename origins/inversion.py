@@ -23,7 +23,7 @@ def invert_hazard(thresholds: "Thresholds", hazard: Array, left: Array, right: A
     and every Weibull law is a straight line. It is replaced by a halving where it leaves the bracket or
     gains too little. Where P_c has a gap the left end of the gap is taken, as scipy does.
     """
-    origin = thresholds.support()[0]
+    origin, bends = thresholds.support()[0], np.sort(thresholds.breakpoints)
     out = np.array(right, dtype=float)
     goal, low, high = hazard, np.array(left, dtype=float), np.array(right, dtype=float)
     place: npt.NDArray[np.intp] = np.flatnonzero(high > low)
@@ -47,7 +47,9 @@ def invert_hazard(thresholds: "Thresholds", hazard: Array, left: Array, right: A
         short = -log_survival < goal
         low, high = np.where(short, x, low), np.where(short, high, x)
         distance, gap = np.abs(newton - x), np.abs(miss)
-        settled = (gap < _MISS) & (distance < _STEP * x) | (gap < 1e-3) & (distance <= _LAST_BIT * x)
+        # the slope on one side of a bend tells nothing of the other
+        across = np.searchsorted(bends, x) != np.searchsorted(bends, newton)
+        settled = (gap < _MISS) & (distance < _STEP * x) & ~across | (gap < 1e-3) & (distance <= _LAST_BIT * x)
         out[place[settled]] = np.clip(newton, low, high)[settled]
         bad = ~((newton > low) & (newton < high)) | (step % 4 == 3) & (step > 8)
         x = np.where(bad, between(low, high), newton)

@@ -137,6 +137,16 @@ def test_exact_values_come_out_exact() -> None:
         assert set(values) <= {0.95, 1.05}
 
 
+def test_a_narrow_law_over_a_nearly_empty_background() -> None:
+    parts = [origins.rectangular(1.71, 1.72), origins.gaussian(0.6, 0.0014), stats.gamma(3.5, scale=0.4)]
+    law = origins.mixture(parts, [8e-4, 1.0 - 8e-4 - 1e-6, 1e-6])
+    # just inside the rectangle's end the density is thousands of times that just outside
+    v = float(law.sf(1.72)) * (1.0 + np.array([1e-12, 1e-9, 1e-6, 1e-3, -1e-9, -1e-3]))
+    assert np.abs(law.sf(law.isf(v)) / v - 1.0).max() < 1e-10
+    table = quantile_table(law)
+    assert np.abs(law.sf(table.value(v, True)) / v - 1.0).max() < 1e-6
+
+
 def test_deep_tail_on_demand() -> None:
     law = origins.gaussian(mean=1.0, std=0.05)
     table = quantile_table(law, deepest=1e-200)
