@@ -86,7 +86,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
     tiny = min(1e-2 * tolerance, 1e-9)
     listed = problem.law.atomic and problem.first.single
     if listed or bound(problem, end, 1e-2 * floor) <= 1e-2 * floor:
-        message = f"round-off allows {floor:.1e}, above the tolerance {tolerance:.1e}"
+        message = f"{_limit(problem, floor)}, above the tolerance {tolerance:.1e}"
         return problem.chain.released(x), floor, None, message
     step = first_step(problem, end, tolerance)
     rough = problem.rough
@@ -120,7 +120,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 if best[1] <= tolerance:
                     return *best, ""
                 if stalled:
-                    return *best, f"round-off allows {best[1]:.1e}, above the tolerance {tolerance:.1e}"
+                    return *best, f"{_limit(problem, best[1])}, above the tolerance {tolerance:.1e}"
                 if end / step > MOST_NODES / 2:
                     reached = f"error estimate {best[1]:.1e} on {later.lattice.size} nodes, above the tolerance"
                     return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
@@ -131,6 +131,12 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
 def round_off(problem: Problem) -> float:
     """Error that no lattice goes below: tables, and a kernel's mass off by an ulp, which adds up as a square."""
     return ROUND_OFF * (1.0 + problem.end) + 2e-16 * problem.end**2 + problem.first.error
+
+
+def _limit(problem: Problem, reached: float) -> str:
+    """What no finer lattice mends."""
+    known = problem.first.error
+    return f"first breaks are known to {known:.1e} only" if known > 0.5 * reached else f"round-off allows {reached:.1e}"
 
 
 def _least(problem: Problem, step: float) -> float:
