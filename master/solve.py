@@ -5,6 +5,7 @@ import time
 import numpy as np
 import numpy.typing as npt
 
+from master.law import Law
 from master.problem import Problem
 from master.renewal import LaterReleased, bound
 from master.solution import Solution
@@ -83,7 +84,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
     if listed or bound(problem, end) <= 1e-2 * floor:
         message = f"round-off allows {floor:.1e}, above the tolerance {tolerance:.1e}"
         return problem.chain.released(x), floor, None, message
-    step = first_step(problem, end, tolerance)
+    step = first_step(problem.law, end, tolerance)
     rough = problem.rough
     coarser: tuple[LaterReleased, Array] | None = None
     best: tuple[Array, float, LaterReleased] | None = None
@@ -139,12 +140,12 @@ def _around(x: Array, step: float) -> Array:
     return near[(near > 0.0) & (near <= x[-1])]
 
 
-def first_step(problem: Problem, end: float, tolerance: float) -> float:
+def first_step(law: Law, end: float, tolerance: float) -> float:
     """Coarsest of the lattices tried; the third should do, its error being of order (step / narrowest width)^8."""
-    aim = 1.4 * problem.law.narrowest * min(tolerance, 1e-3) ** 0.125
+    aim = 1.4 * law.narrowest * min(tolerance, 1e-3) ** 0.125
     step = min(4.0 * aim, end / _FEWEST_NODES)
     step = max(step, end * 8.0 / MOST_NODES)
-    atoms, weights = problem.law.atoms, problem.law.atom_weights
+    atoms, weights = law.atoms, law.atom_weights
     if atoms.size:  # the heaviest atom falls on a node, so that it is folded without loss
         heaviest = float(atoms[weights.argmax()])
         step = heaviest / np.ceil(heaviest / step)

@@ -1,0 +1,179 @@
+"""Any path, turning points and all, at T = 0: the master equation leg by leg, by exact cohorts.
+
+On every straight leg the equation is the renewal equation of forward motion whose source is what old cohorts break;
+what is born on a leg becomes one more cohort. Legs are solved on lattices refined together until the force along the
+whole path changes by less than the tolerance.
+"""
+
+import time
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from master.cohort import starting
+from master.law import Law
+from master.leg import Leg, State
+from master.moves import Move, moves
+from master.solve import MOST_NODES, ROUND_OFF, SMOOTH, estimate, first_step
+from origins import Contacts
+from origins.contacts import check_contacts
+from origins.errors import finite_array, positive
+
+Array = npt.NDArray[np.float64]
+
+_BEYOND = 1.7
+_BESIDE = 0.9 * np.arange(-3.0, 4.0, 2.0)
+_MOST_AROUND = 2000
+_STALL = 20.0
+
+
+@dataclass(frozen=True)
+class PathSolution:
+    """F along a path that may turn round, with the error it is good to.
+
+    Attributes
+    ----------
+    path : array of shape (n,)
+        Slider positions X (lengths).
+    force : array of shape (n,)
+        F/(N_c <k>), the mean stretch of the contacts (a length).
+    force_error : float
+        Bound on the largest error of `force` over the path, in units of the mean threshold.
+    holding : array of shape (n,)
+        Fraction of contacts that hold: 1, as broken contacts re-form at once.
+    run_time : float
+        Seconds that the solution took.
+    nodes : int
+        Nodes of all lattices of the last refinement; 0 where none was needed.
+    success : bool
+        Whether force_error is at or below the tolerance asked for.
+    message : str
+        In words: what was reached, or why not; what was cut off from the start.
+    """
+
+    path: Array
+    force: Array
+    force_error: float
+    holding: Array
+    run_time: float
+    nodes: int
+    success: bool
+    message: str
+
+
+class Course:
+    """All legs of a path on one level of refinement; lengths in units of the mean threshold."""
+
+    def __init__(self, law: Law, begin: State, path: list[Move], x: Array, steps: list[float], tolerance: float) -> None:
+        self._path, self._x = path, x
+        self.legs: list[Leg] = []
+        self.defect = 0.0
+        state, known_to = begin, 0.0
+        for move, step in zip(path, steps, strict=True):
+            leg = Leg(law, state, move.direction, move.travel, step, tolerance, known_to, self._travels(move))
+            self.legs.append(leg)
+            if len(self.legs) < len(path):
+                state, known_to = leg.end_state(move.travel), step
+                self.defect = max(self.defect, abs(state.force(law)[0] - 1.0))
+                state = state.whole(law)
+
+    def _travels(self, move: Move) -> Array:
+        return np.clip(move.direction * (self._x[move.points] - move.turn), 0.0, move.travel)
+
+    def force(self) -> Array:
+        """Force at the points of the path."""
+        return np.concatenate(
+            [move.direction * leg.force(self._travels(move)) for move, leg in zip(self._path, self.legs, strict=True)]
+        )
+
+    def steps(self) -> Array:
+        """Step of the lattice behind the force at each point."""
+        return np.concatenate(
+            [leg.step_at(self._travels(move)) for move, leg in zip(self._path, self.legs, strict=True)]
+        )
+
+
+def solve_cohorts(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> PathSolution:
+    """Force along a path that may turn round, for a rigid slider that starts at X = 0, at T = 0 (paper App. C).
+
+    Every contact breaks where its stretch meets its threshold at +x_s or -x_s, so one that has survived a stretch of
+    either sign is known to be stronger; the paper's P_b(x) = P(-x) forgets that.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Thresholds and starting stretches.
+    path : array of shape (n,)
+        Slider positions X (lengths), straight between points, of either sign; from X = 0 straight to the first.
+    tolerance : float
+        Largest error of the force wanted, in units of the mean threshold.
+
+    Raises InputError for a path that is not finite and for a tolerance that is not above zero.
+    """
+    began = time.perf_counter()
+    tolerance = positive("tolerance", tolerance)
+    check_contacts(contacts, "master.solve")
+    positions = finite_array("path", path)
+    unit = contacts.mean_threshold
+    x = positions / unit
+    law = Law(contacts, *_reach(contacts, x))
+    force, error, nodes, message = _refine(law, State(0.0, [starting(contacts, law)]), moves(x), x, tolerance)
+    success = error <= tolerance
+    if success:
+        message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
+    if contacts.cut_weight > 0.0:
+        message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
+    return PathSolution(
+        path=positions,
+        force=force * unit,
+        force_error=error,
+        holding=np.ones(x.size),
+        run_time=time.perf_counter() - began,
+        nodes=nodes,
+        success=success,
+        message=message,
+    )
+
+
+def _reach(contacts: Contacts, x: Array) -> tuple[float, float]:
+    """Longest stretch there can be, with some margin, and the smallest survival that a start conditions on."""
+    low, high = (float(end) for end in contacts.start.span)
+    furthest = max(-low, high)
+    span = max(float(x.max()), 0.0) - min(float(x.min()), 0.0)
+    deepest = float(contacts.thresholds.sf(furthest))
+    return _BEYOND * max(span, 1e-300) + max(furthest, 0.0) / contacts.mean_threshold, deepest or 1.0
+
+
+def _refine(law: Law, begin: State, path: list[Move], x: Array, tolerance: float) -> tuple[Array, float, int, str]:
+    """Force at x, its error estimate, the nodes it took and the reason for stopping short."""
+    travel = sum(move.travel for move in path)
+    longest = max(move.travel for move in path)
+    floor = ROUND_OFF * (1.0 + travel) + 2e-16 * longest**2
+    steps = [first_step(law, max(move.travel, 1e-300), tolerance) for move in path]
+    accuracy = 1e-3 * tolerance
+    coarser: Array | None = None
+    best: tuple[Array, float, int] | None = None
+    difference = before = np.inf
+    while True:
+        course = Course(law, begin, path, x, steps, accuracy)
+        force = course.force()
+        nodes = sum(leg.nodes for leg in course.legs)
+        if coarser is not None:
+            before, difference = difference, float(np.abs(force - coarser).max())
+            rough = any(leg.problem.rough for leg in course.legs)
+            error = estimate(difference, before, 0.25 if rough else SMOOTH, law.diverges) + floor
+            if np.isfinite(before):
+                if best is None or error < best[1]:
+                    best = force, error, nodes
+                stalled = difference <= floor or (difference > 0.5 * before and difference < _STALL * floor)
+                if best[1] <= tolerance:
+                    return *best, ""
+                if stalled:
+                    return *best, f"round-off allows {best[1]:.1e}, above the tolerance {tolerance:.1e}"
+                if max(move.travel / step for move, step in zip(path, steps, strict=True)) > MOST_NODES / 2:
+                    reached = f"error estimate {best[1]:.1e} on {best[2]} nodes, above the tolerance"
+                    return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
+        coarser = force
+        steps = [0.5 * step for step in steps]
