@@ -201,7 +201,7 @@ class CohortBreaks(FirstBreaks):
         return table.edges[:-1][known], size[known]
 
 
-def _sums(row: Array, density: Array, stretch: Array, size: int) -> Array:
+def _sums(row: npt.NDArray[np.intp], density: Array, stretch: Array, size: int) -> Array:
     """Sums over the nodes, and over all pairs of one row, of the density and of it times the stretch."""
     plain = np.bincount(row, weights=density.sum(-1), minlength=size)
     return np.stack([plain, np.bincount(row, weights=(density * stretch).sum(-1), minlength=size)])

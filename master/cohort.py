@@ -42,7 +42,7 @@ class Cohort:
     table : Piecewise
         B(Y).
     corners : array of shape (n,)
-        Where B is not smooth, its ends included.
+        Where B jumps, its ends included.
     positions, weights : arrays of shape (m,)
         Births of finite weight at one Y.
     """

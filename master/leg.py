@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.breaking import CohortBreaks
 from master.atomic import AtomicChain
+from master.breaking import CohortBreaks
 from master.cohort import SLACK, Cohort, together
 from master.law import Law
+from master.listed import ListedLater
 from master.piecewise import Piecewise, tabulate
 from master.problem import Problem
 from master.renewal import LaterReleased, bound
@@ -21,16 +22,22 @@ Array = npt.NDArray[np.float64]
 
 _PAST = 26  # nodes that a lattice reaches past its end, and two
 _PANEL = 2.0  # times the narrowest width of the law: 16 nodes there see everything
+_MOST_PANELS = 4096
+_ONSET = 1e-6
 _MOST_CORNERS = 400
 _NOTHING = 1e-15
 
 
 @dataclass(frozen=True)
 class State:
-    """Where the slider stands (in units of the mean threshold) and the cohorts of its contacts, oldest first."""
+    """Where the slider stands (in units of the mean threshold) and the cohorts of its contacts, oldest first.
+
+    `error` is what the series that they were made from lack, but for what a finer lattice tells.
+    """
 
     at: float
     cohorts: list[Cohort]
+    error: float = 0.0
 
     def force(self, law: Law) -> tuple[float, float]:
         """Fraction of the contacts that hold, 1 but for errors, and the sum of their stretches."""
@@ -41,7 +48,7 @@ class State:
         """The same without what no longer holds, the rest made to add up to 1."""
         alive = [left for cohort in self.cohorts if (left := cohort.alive(law)) is not None]
         total = sum(cohort.held(law, self.at)[0] for cohort in alive)
-        return State(self.at, [cohort.scaled(1.0 / total) for cohort in alive])
+        return State(self.at, [cohort.scaled(1.0 / total) for cohort in alive], self.error)
 
 
 class LegProblem(Problem):
@@ -49,7 +56,8 @@ class LegProblem(Problem):
 
     def __init__(self, law: Law, first: CohortBreaks, end: float) -> None:
         self.law, self.first, self.end, self.unit = law, first, end, law.unit
-        self.rough = law.rough or first.has_corners
+        # a law that begins at 0 with a finite density bends births wherever breaks jump
+        self.rough = law.rough or (first.has_corners and float(law.pdf(np.array([_ONSET]))[0]) > 1e-6)
         # a break at the turning point itself is known to rounding only
         near = np.abs(first.atoms - end) < 10.0 * SLACK
         self.chain = AtomicChain(law, np.where(near, end, first.atoms), first.atom_weights, end)
@@ -58,10 +66,12 @@ class LegProblem(Problem):
 class Leg:
     """A move of travel up to `end` from `state` in `direction` (1 or -1), on a lattice of `step`.
 
+    `y` are the travels, in order, that will be asked for; `known_to` is the step of the lattices behind `state`.
+
     Attributes
     ----------
-    defect : float
-        How far the contacts that hold at the beginning are from adding up to 1.
+    table_error : float
+        What the series of breaks, here and before, are off by, but for what a finer lattice tells.
     """
 
     def __init__(
@@ -74,16 +84,19 @@ class Leg:
         accuracy: float,
         known_to: float,
         y: Array,
+        first: CohortBreaks | None = None,
     ) -> None:
         self.law, self.state, self.direction, self.end, self.step = law, state, direction, end, step
         self._accuracy = accuracy
         past = end + _PAST * step
-        self.first = CohortBreaks(law, state.cohorts, state.at, direction, past, accuracy, known_to)
+        self.first = first or CohortBreaks(law, state.cohorts, state.at, direction, past, accuracy, known_to)
         self.problem = LegProblem(law, self.first, end)
         self.start_force = self.first.mean_start
-        self.later: LaterReleased | None = None
-        listed = law.atomic and self.first.single
-        if not listed and end > 0.0 and bound(self.problem, end) > _NOTHING:
+        self.table_error = state.error + (1.0 + end) * _unresolved(self.first.density, end, 2.0 * known_to)
+        self.later: LaterReleased | ListedLater | None = None
+        if law.atomic and not self.first.single:
+            self.later = ListedLater(law, self.first, self.problem.chain, end)
+        elif not law.atomic and end > 0.0 and bound(self.problem, end) > _NOTHING:
             self.later = LaterReleased(self.problem, step, y, accuracy)
 
     def force(self, y: Array) -> Array:
@@ -94,11 +107,7 @@ class Leg:
     @property
     def nodes(self) -> int:
         """Nodes of the widest lattice; 0 where none was needed."""
-        return 0 if self.later is None else self.later.lattice.size
-
-    def step_at(self, y: Array) -> Array:
-        """Step of the lattice that answers at each y."""
-        return np.full(y.size, np.inf) if self.later is None else self.later.step_at(y)
+        return self.later.lattice.size if isinstance(self.later, LaterReleased) else 0
 
     def rate(self, y: Array) -> Array:
         """Stretch released per unit travel at y, exact single values left out: 1 less the slope of the force."""
@@ -112,7 +121,7 @@ class Leg:
 
     def end_state(self, y: float) -> State:
         """What is left after a travel of y: the old cohorts, and the one born on the way."""
-        law, at = self.law, self.state.at + self.direction * y
+        at = self.state.at + self.direction * y
         old = [cohort.visited(at) for cohort in self.state.cohorts]
         table, corners = self._tabulate(y)
         chain = self.problem.chain
@@ -125,18 +134,18 @@ class Leg:
             self.state.at + self.direction * chain.births[born],
             chain.weights[born],
         )
-        return State(at, together([*old, new]))
+        error = self.table_error + _unresolved(table, y, 2.0 * self.step)
+        return State(at, together([*old, new]), error)
 
     def _tabulate(self, end: float) -> tuple[Piecewise, Array]:
-        """Births over the travel from 0 to `end`, and where they are not smooth."""
+        """Births over the travel from 0 to `end`, and where they jump."""
         if (self.first.single and self.later is None) or end <= 0.0:
             return Piecewise(np.zeros(1), np.empty((16, 0))), np.empty(0)
-        corners = self._corners(end)
-        width = _PANEL * self.law.narrowest
-        inner = np.linspace(0.0, end, 2 + int(min(end / width, 4096)))[1:-1]
-        onsets = self.first.density.edges
-        onsets = onsets[(onsets > 0.0) & (onsets < end)]
-        edges = np.unique(np.concatenate([[0.0, end], corners, inner]))
+        jumps = self.first.jumps
+        jumps = jumps[(jumps > 0.0) & (jumps < end)]
+        inner = np.linspace(0.0, end, 2 + int(min(end / (_PANEL * self.law.narrowest), _MOST_PANELS)))[1:-1]
+        listed = self.later.edges(end) if isinstance(self.later, ListedLater) else np.empty(0)
+        edges = np.unique(np.concatenate([[0.0, end], jumps, self._corners(end), inner, listed]))
         edges = edges[np.append(np.diff(edges) > 1e-13 * end, True)]
         step = self.step
 
@@ -147,21 +156,25 @@ class Leg:
             return self.births(y.ravel()).reshape(1, *y.shape)
 
         (table,) = tabulate(rows, edges, self._accuracy, narrow)
-        return table, np.unique(np.concatenate([[0.0, end], corners]))
+        return table, np.concatenate([[0.0, end], jumps])
 
     def _corners(self, end: float) -> Array:
-        """Corners of f, and those that follow as thresholds with corners of their own are added, once and twice."""
+        """Where births bend: corners of f, and where thresholds of which many are alike are added, once and twice."""
         law, first = self.law, self.first
         found = first.seeds[(first.seeds > 0.0) & (first.seeds < end)]
-        marks = np.unique(np.concatenate([law.breakpoints, law.jumps, law.atoms]))
-        marks = marks[marks > 0.0]
-        again = np.append(0.0, found)
+        marks, again = np.append(law.jumps, law.atoms), np.append(0.0, found)
         for _ in range(2):
-            if not marks.size or again.size * marks.size > 4 * _MOST_CORNERS:
+            if not marks.size or again.size * marks.size > _MOST_CORNERS:
                 break
             again = (again[:, None] + marks).ravel()
             again = np.unique(again[again < end])
-            if found.size + again.size > _MOST_CORNERS:
-                break
             found = np.append(found, again)
-        return np.unique(found)
+        return found
+
+
+def _unresolved(table: Piecewise, end: float, narrow: float) -> float:
+    """Estimate of what a series up to `end` is off by, from the last terms of all but narrow panels."""
+    width = np.diff(table.edges)
+    tails = np.abs(table.coefficients[-2:]).max(axis=0, initial=0.0) * width
+    tails = tails[(width >= narrow) & (table.edges[:-1] < end)]
+    return float(tails.max(initial=0.0)) + 0.2 * float(tails.sum())

@@ -102,7 +102,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 around = around[later.step_at(around) < coarser[0].step_at(around)]
                 difference = max(difference, float(np.abs(later(around) - coarser[0](around)).max(initial=0.0)))
             handed_over = 1.5 * float(change[~finer].max(initial=0.0))
-            error = max(estimate(difference, before, _least(problem, step), problem.law.diverges), handed_over)
+            error = max(estimate(difference, before, least_share(problem, step), problem.law.diverges), handed_over)
             error += later.left_out + floor
             if np.isfinite(before):
                 if best is None or error < best[1]:
@@ -125,7 +125,7 @@ def round_off(problem: Problem) -> float:
     return ROUND_OFF * (1.0 + problem.end) + 2e-16 * problem.end**2 + problem.first.error
 
 
-def _least(problem: Problem, step: float) -> float:
+def least_share(problem: Problem, step: float) -> float:
     """The smallest part of the last difference that is believed to be the error left."""
     if not problem.rough:
         return SMOOTH
