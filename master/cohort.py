@@ -72,9 +72,25 @@ class Cohort:
             stretch += float((mass * (at - nodes)).sum())
         return total, stretch
 
+    def backward(self, at: float, direction: int) -> float:
+        """Largest stretch against `direction` at X = at; below zero where all are stretched along it."""
+        births = np.concatenate([self.table.edges, self.positions]) if self.table.edges.size > 1 else self.positions
+        return float((direction * (births - at)).max(initial=-np.inf))
+
     def visited(self, at: float) -> "Cohort":
         """The same after a straight move to X = at."""
         return replace(self, low=min(self.low, at), high=max(self.high, at))
+
+    def moved(self, by: float) -> "Cohort":
+        """The same, born elsewhere."""
+        return Cohort(
+            self.low + by,
+            self.high + by,
+            self.table.seen(1, by),
+            self.corners + by,
+            self.positions + by,
+            self.weights,
+        )
 
     def scaled(self, factor: float) -> "Cohort":
         """The same, all weights times `factor`."""

@@ -44,6 +44,14 @@ class State:
         held = [cohort.held(law, self.at) for cohort in self.cohorts]
         return sum(weight for weight, _ in held), sum(stretch for _, stretch in held)
 
+    def backward(self, direction: int) -> float:
+        """Largest stretch against `direction`, or zero: after that travel nothing pulls back."""
+        return max(0.0, *(cohort.backward(self.at, direction) for cohort in self.cohorts))
+
+    def moved(self, by: float) -> "State":
+        """The same state elsewhere."""
+        return State(self.at + by, [cohort.moved(by) for cohort in self.cohorts], self.error)
+
     def whole(self, law: Law) -> "State":
         """The same without what no longer holds, the rest made to add up to 1."""
         alive = [left for cohort in self.cohorts if (left := cohort.alive(law)) is not None]
