@@ -174,6 +174,8 @@ class CohortBreaks(FirstBreaks):
         seeds = np.append(self.seeds, self.end)
         edges = np.unique(np.concatenate([seeds, even[1:-1]]))
         edges = edges[np.append(np.diff(edges) > 1e-13, True)]
+        if edges.size < 2:
+            return nothing, nothing
 
         def rows(y: Array) -> Array:
             return self.flux(y.ravel()).reshape(2, *y.shape)

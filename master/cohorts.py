@@ -24,7 +24,7 @@ from origins.errors import finite, finite_array, positive, refuse
 Array = npt.NDArray[np.float64]
 
 _BEYOND = 1.7
-_WATCH = np.sqrt(0.5) * np.arange(1.0, 90.0) % 1.0
+_WATCH = np.sqrt(0.5) * np.arange(1.0, 378.0) % 1.0
 _STALL = 20.0
 _ACCURACY = 1e-13
 
@@ -200,11 +200,13 @@ def _refine(law: Law, begin: State, path: list[Move], x: Array, tolerance: float
     longest = max(move.travel for move in path)
     floor = ROUND_OFF * (1.0 + travel) + 2e-16 * longest**2
     steps = [first_step(law, max(move.travel, 1e-300), tolerance) for move in path]
-    accuracy = min(1e-6 * tolerance, _ACCURACY)
+    finest = min(1e-6 * tolerance, _ACCURACY)
     coarser: Course | None = None
     best: tuple[Course, float] | None = None
     difference = before = np.inf
     while True:
+        # series need not follow what a coarse lattice has wrong
+        accuracy = max(finest, min(1e-5 * tolerance, 1e-4 * difference))
         course = Course(law, begin, path, x, steps, accuracy, coarser)
         if coarser is not None:
             before, difference = difference, float(np.abs(course.watched - coarser.watched).max())

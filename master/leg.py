@@ -26,6 +26,7 @@ _MOST_PANELS = 4096
 _ONSET = 1e-6
 _MOST_CORNERS = 400
 _NOTHING = 1e-15
+_FEW = 0.1  # of what series are good to: births that need not be looked for
 
 
 @dataclass(frozen=True)
@@ -124,8 +125,11 @@ class Leg:
 
     def births(self, y: Array) -> Array:
         """b at travels y: births per contact and unit travel, exact single values left out."""
-        later = 0.0 if self.later is None else self.later.births(y)
-        return self.first.density(y) + later
+        if self.later is None:
+            return self.first.density(y)
+        if isinstance(self.later, ListedLater):
+            return self.first.density(y) + self.later.births(y)
+        return self.first.density(y) + self.later.births(y, _FEW * self._accuracy)
 
     def end_state(self, y: float) -> State:
         """What is left after a travel of y: the old cohorts, and the one born on the way."""

@@ -80,8 +80,8 @@ def _judge(
         if contacts.start.span != (0.0, 0.0):
             again = propensity(Contacts(contacts.thresholds), tolerance).critical_spring
         if spring < again:
-            return "stick-slip", f"K = {spring:.6g} is below K* = {again:.6g} of relaxed contacts, as each slip leaves them"
-        return "decaying transient", f"K = {spring:.6g} is at least K* = {again:.6g} of relaxed contacts: no second slip"
+            return "stick-slip", f"K = {spring:.6g} is below K* = {again:.6g} of relaxed contacts, as after a slip"
+        return "decaying transient", f"K = {spring:.6g} is at least K* = {again:.6g} of relaxed contacts, as after a slip"
     pauses = np.abs(np.diff(drive))
     travelled = np.abs(np.diff(path, prepend=path[0])).cumsum()
     since = float(travelled[-1] - travelled[np.abs(path - drive[-1]).argmin()])
@@ -91,8 +91,8 @@ def _judge(
     if trend is None:
         return "undecided", f"{slips} slips up to the end of the path are too few to tell; lengthen it"
     if trend < -_STEADY:
-        return "decaying transient", f"{slips} slips, drops changing by {trend:+.2%} from one to the next"
-    return "stick-slip", f"{slips} slips up to the end of the path, drops changing by {trend:+.2%} from one to the next"
+        return "decaying transient", f"{slips} slips, each drop {-trend:.2%} smaller than the one before"
+    return "stick-slip", f"{slips} slips up to the end of the path, their drops not fading"
 
 
 def _trend(drop: Array) -> float | None:

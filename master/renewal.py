@@ -65,21 +65,26 @@ class Renewal:
         self.released = integrate(flux)
         self._flux = flux
         self._kinks: Kinks | None = None
-        self._birth_kinks: Kinks | None = None
         if law.jumps.size:
             self._kinks = Kinks(law.jumps, law.jump_sizes * law.jumps, first, step)
-            self._birth_kinks = Kinks(law.jumps, law.jump_sizes, first, step)
-        self._kernel, self._breaks = kernel, breaks
+        self._kernel, self._breaks, self._law, self._first = kernel, breaks, law, first
 
     @cached_property
     def births(self) -> Array:
-        """Density of later breaks p * b at the nodes, chains of atoms left out."""
-        return (self._from_chain + convolve(self._kernel, self._breaks, self.size)) / self.step
+        """Density of later breaks p * b at the nodes, without chains of atoms and what follows from jumps of b_0."""
+        first, steps = self._first, np.zeros(self.size)
+        for jump, size in zip(first.jumps, first.jump_sizes, strict=True):
+            left, right = cells(np.array([jump, self.size * self.step]), self.step, self.size)
+            if left.size and size:
+                steps += size * deposit(left, right, [gauss(left, right)[1]], self.step, self.size)[0]
+        return (self._from_chain + convolve(self._kernel, self._breaks - steps, self.size)) / self.step
 
     def births_at(self, x: Array) -> Array:
-        """Density of later breaks at positions x, its kinks put right."""
+        """Density of later breaks at positions x; where b_0 jumps, what follows rises as the law's cdf."""
         density = self.read(self.births, x)
-        return density if self._birth_kinks is None else density + self._birth_kinks.rate(x)
+        for jump, size in zip(self._first.jumps, self._first.jump_sizes, strict=True):
+            density = density + size * self._law.cdf(np.maximum(x - jump, 0.0))
+        return density
 
     def released_at(self, x: Array) -> Array:
         """J_1 at positions x, the kinks of its slope put right."""
@@ -139,17 +144,22 @@ class LaterReleased:
         """dJ_1/dX at positions x, atoms of the chain left out."""
         return self._collect(Renewal.rate_at, x)
 
-    def births(self, x: Array) -> Array:
-        """Density of later breaks p * b at positions x, chains of atoms left out."""
+    def births(self, x: Array, least: float = 0.0) -> Array:
+        """Density of later breaks p * b at positions x, chains of atoms left out; near X = 0, where all that is born
+        is fewer than `least`, nothing."""
         # births matter nearer to X = 0 than what they release: further lattices are made when asked for
         pieces = self._pieces + self._deeper
         near, lattice = pieces[-1]
-        while ((x > 0.0) & (x <= near)).any() and float(self._problem.law.cdf(np.array([near]))[0]) > _FEW:
+        while ((x > 0.0) & (x <= near)).any() and self._matters(near, least):
             lattice = Renewal(self._problem, lattice.step / _ZOOM, near)
             near = _NEAR * lattice.step
             self._deeper.append((near, lattice))
             pieces = self._pieces + self._deeper
         return self._collect(Renewal.births_at, x, pieces)
+
+    def _matters(self, near: float, least: float) -> bool:
+        again = float(self._problem.law.cdf(np.array([near]))[0])
+        return again > _FEW and again * _broken(self._problem, near) > least
 
     def _collect(
         self,
@@ -175,8 +185,11 @@ def _weight_below(problem: Problem, x: float) -> float:
 
 def bound(problem: Problem, x: float) -> float:
     """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x."""
-    at = np.array([x])
-    again = float(problem.law.cdf(at)[0])
+    again = float(problem.law.cdf(np.array([x]))[0])
+    return x * _broken(problem, x) * again / (1.0 - again) if again < 0.5 else np.inf
+
+
+def _broken(problem: Problem, x: float) -> float:
+    """First breaks up to x, and those that follow from them at exact single values."""
     chain = problem.chain
-    broken = float(problem.first.density.integral(at)[0]) + float(chain.weights[chain.births <= x].sum())
-    return x * broken * again / (1.0 - again) if again < 0.5 else np.inf
+    return float(problem.first.density.integral(np.array([x]))[0]) + float(chain.weights[chain.births <= x].sum())

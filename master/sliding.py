@@ -35,7 +35,7 @@ class Sliding:
 
     @cached_property
     def points(self) -> Array:
-        nodes = self.leg.step * np.arange(1, int(self.end / self.leg.step) + 1)
+        nodes: Array = self.leg.step * np.arange(1, int(self.end / self.leg.step) + 1, dtype=float)
         return _with_edges(nodes, self.leg.first, self.end)
 
     @cached_property
