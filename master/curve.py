@@ -5,8 +5,8 @@ A spring K pulls the slider; with y the travel of the slider and F the force of 
     load(y) = F(y) + K y = K (travel of the drive),    slope(y) = F'(y) + K.
 
 The slider follows the drive as long as the load rises. Where its slope falls below zero it slips, and it stops at the
-first y that carries the same load again. As no contact pulls harder than its stretch, F' <= 1: nothing between two
-points can rise faster than by 1 + K, and so no earlier root is ever stepped over.
+first y that carries the same load again. As the force grows by no more than the stretch does, F' <= 1: the load
+cannot rise faster than by 1 + K, and so no earlier root is ever stepped over.
 """
 
 from collections.abc import Callable
@@ -23,6 +23,7 @@ _DEEPEST = 8
 _NEAR = np.geomspace(1e-8, 0.5, 40)
 _DONE = 4e-16
 _FINEST = 1e-14
+_COARSE, _MARGIN = 1, 1.5
 
 
 class Curve(Protocol):
@@ -96,22 +97,29 @@ def landing(curve: Curve, begin: float, level: float, dropped: bool = False) -> 
     if load[0] >= level:
         return float(y[0])
     left, right, at_left, at_right = y[:-1], y[1:], load[:-1], load[1:]
-    steepest = 1.0 + curve.spring
-    while True:
+    steepest = np.full(left.size, 1.0 + curve.spring)
+    for round_ in range(_ROUNDS):
         reached = np.flatnonzero(at_right >= level)
         upto = int(reached[0]) + 1 if reached.size else left.size
-        may = at_left[:upto] + steepest * (right - left)[:upto] >= level
+        may = (at_left + steepest * (right - left))[:upto] >= level
         may[upto - 1] |= reached.size > 0
         left, right = left[:upto][may], right[:upto][may]
         if not left.size:
             return np.inf
         if (right - left).max() <= _FINEST * (1.0 + right[-1]):
-            return float(right[0])
+            break
         grid = left[:, None] + (right - left)[:, None] * _SECTIONS
         grid[:, -1] = right
         value = curve.load(grid.ravel()).reshape(grid.shape)
         left, right = grid[:, :-1].ravel(), grid[:, 1:].ravel()
         at_left, at_right = value[:, :-1].ravel(), value[:, 1:].ravel()
+        steepest = np.full(left.size, 1.0 + curve.spring)
+        if round_ >= _COARSE:
+            # so far below the distance of the points the slope swings no more: the larger of two ends bounds it
+            slope = curve.slope(grid.ravel()).reshape(grid.shape)
+            larger = np.maximum(slope[:, :-1], slope[:, 1:]).ravel()
+            steepest = np.minimum(steepest, _MARGIN * np.maximum(larger, 0.0))
+    return float(right[0])
 
 
 def inverse(curve: Curve, load: Array, low: float, high: float) -> Array:

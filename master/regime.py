@@ -80,8 +80,8 @@ def _judge(
         if contacts.start.span != (0.0, 0.0):
             again = propensity(Contacts(contacts.thresholds), tolerance).critical_spring
         if spring < again:
-            return "stick-slip", f"K = {spring:.6g} is below K* = {again:.6g} of relaxed contacts, as after a slip"
-        return "decaying transient", f"K = {spring:.6g} is at least K* = {again:.6g} of relaxed contacts, as after a slip"
+            return "stick-slip", f"K = {spring:.6g} is below K* = {again:.6g} of relaxed contacts, left by a slip"
+        return "decaying transient", f"K = {spring:.6g} is at least K* = {again:.6g} of relaxed contacts, left by a slip"
     pauses = np.abs(np.diff(drive))
     travelled = np.abs(np.diff(path, prepend=path[0])).cumsum()
     since = float(travelled[-1] - travelled[np.abs(path - drive[-1]).argmin()])
