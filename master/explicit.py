@@ -87,8 +87,8 @@ def explicit(contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Bre
     steps = int(np.ceil(end / step * (1.0 - 1e-12)))
     zero = -int(np.floor(first / step))  # index of x = 0
     x: Array = step * np.arange(-zero, int(np.ceil(last / step)) + 2, dtype=float)
-    distribution = _starting(contacts, x, step)
-    fraction = _fraction(contacts.thresholds, x, step, breaking)
+    distribution = starting_shares(contacts, x, step)
+    fraction = broken_fraction(contacts.thresholds, x, step, breaking)
     fraction[-1] = 1.0  # what the grid leaves out breaks here
     force, holding = np.empty(steps + 1), np.empty(steps + 1)
     force[0], holding[0] = x @ distribution, distribution.sum()
@@ -117,7 +117,7 @@ def _reach(contacts: Contacts, end: float) -> tuple[float, float]:
     return min(low, 0.0), min(high + end, float(contacts.thresholds.isf(tail)))
 
 
-def _starting(contacts: Contacts, x: Array, step: float) -> Array:
+def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
     """Fraction of the contacts at each node at X = 0; their sum is 1."""
     start = contacts.start
     if start.is_single:  # shared by two nodes so that the mean stays
@@ -128,7 +128,7 @@ def _starting(contacts: Contacts, x: Array, step: float) -> Array:
     return share / share.sum()
 
 
-def _fraction(thresholds: Thresholds, x: Array, step: float, breaking: Breaking) -> Array:
+def broken_fraction(thresholds: Thresholds, x: Array, step: float, breaking: Breaking) -> Array:
     """Fraction of the contacts that have come to each node which breaks in that step."""
     fraction = np.ones(x.size)
     if breaking == "survival":

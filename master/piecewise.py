@@ -82,6 +82,13 @@ class Piecewise:
             out[inside] = self._series(self._integral, x[inside])
         return out
 
+    def seen(self, sign: int, by: float) -> "Piecewise":
+        """The same function of t = sign x + by, sign 1 or -1."""
+        if sign > 0:
+            return Piecewise(self.edges + by, self.coefficients)
+        odd = np.where(np.arange(_NODES) % 2, -1.0, 1.0)[:, None]
+        return Piecewise(by - self.edges[::-1], odd * self.coefficients[:, ::-1])
+
     def _series(self, powers: Array, x: Array) -> Array:
         panel = (np.searchsorted(self.edges, x, side="right") - 1).clip(0, self._half.size - 1)
         # by both ends: the middle of a panel as narrow as round-off is one of them
@@ -94,11 +101,17 @@ class Piecewise:
         return out
 
 
-def tabulate(function: Callable[[Array], Array], edges: Array, accuracy: float = 1e-16) -> list[Piecewise]:
+def tabulate(
+    function: Callable[[Array], Array],
+    edges: Array,
+    accuracy: float = 1e-16,
+    narrow: Callable[[Array, Array], npt.NDArray[np.bool_]] | None = None,
+) -> list[Piecewise]:
     """Series of every row of `function` on the same panels, `edges` bisected until each is resolved.
 
     function maps positions of shape (n, 16) to values of shape (rows, n, 16). A panel is resolved when its last
-    two Legendre terms, times its width, stay below `accuracy` or below round-off.
+    two Legendre terms, times its width, stay below `accuracy` or below round-off. A panel [left, right] that is
+    `narrow` stays whole: the function is not known more finely there.
     """
     left, right = edges[:-1], edges[1:]
     done_left: list[Array] = []
@@ -116,6 +129,8 @@ def tabulate(function: Callable[[Array], Array], edges: Array, accuracy: float =
         open_ = ((tail * width > accuracy) & (tail > noise * size)).any(axis=0)
         middle = 0.5 * (left + right)
         open_ &= (middle > left) & (middle < right) & (depth < _DEPTH - 1)
+        if narrow is not None:
+            open_ &= ~narrow(left, right)
         done_left.append(left[~open_])
         done.append(coefficients[:, :, ~open_])
         left, right = (

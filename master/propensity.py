@@ -109,7 +109,7 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
         force = problem.first.mean_start + at - problem.first.released(before) - problem.chain.released(before)
         return np.inf, 0.0, float(force.max()), floor
     rough = problem.rough
-    step = first_step(problem, problem.end, tolerance)
+    step = first_step(problem.law, rough, problem.end, tolerance)
     found: list[Array] = []
     error = np.full(2, np.inf)
     while True:

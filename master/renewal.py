@@ -99,7 +99,7 @@ class Renewal:
         return (self._from_chain + convolve(self._kernel, self._breaks, self.size)) / self.step
 
     def births_at(self, x: Array) -> Array:
-        """Density of later breaks at positions x, its kinks put right."""
+        """Density of later breaks at positions x; its kinks put right."""
         density = self.read(self.births, x)
         return density if self._kinks is None else density + self._kinks.births(x)
 
@@ -168,17 +168,22 @@ class LaterReleased:
         """dJ_1/dX at positions x, atoms of the chain left out."""
         return self._collect(Renewal.rate_at, x)
 
-    def births(self, x: Array) -> Array:
-        """Density of later breaks p * b at positions x, chains of atoms left out."""
+    def births(self, x: Array, least: float = 0.0) -> Array:
+        """Density of later breaks p * b at positions x, chains of atoms left out; near X = 0, where all that is born
+        is fewer than `least`, nothing."""
         # births matter nearer to X = 0 than what they release: further lattices are made when asked for
         pieces = self._pieces + self._deeper
         near, lattice = pieces[-1]
-        while ((x > 0.0) & (x <= near)).any() and float(self._problem.law.cdf(np.array([near]))[0]) > _FEW:
+        while ((x > 0.0) & (x <= near)).any() and self._matters(near, least):
             lattice = Renewal(self._problem, lattice.step / _ZOOM, near, self._tiny)
             near = _NEAR * lattice.step
             self._deeper.append((near, lattice))
             pieces = self._pieces + self._deeper
         return self._collect(Renewal.births_at, x, pieces)
+
+    def _matters(self, near: float, least: float) -> bool:
+        again = float(self._problem.law.cdf(np.array([near]))[0])
+        return again > _FEW and again * _broken(self._problem, near) > least
 
     def _collect(
         self,
@@ -205,8 +210,10 @@ def bound(problem: Problem, x: float, tiny: float) -> float:
     """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x. Where that is
     below `tiny`, a rougher bound."""
     again = problem.law.weight_below(x, tiny / (x + 1.0))
-    if again >= 0.5:
-        return np.inf
+    return x * _broken(problem, x) * again / (1.0 - again) if again < 0.5 else np.inf
+
+
+def _broken(problem: Problem, x: float) -> float:
+    """First breaks up to x, and those that follow from them at exact single values."""
     chain = problem.chain
-    broken = float(problem.first.density.integral(np.array([x]))[0]) + float(chain.weights[chain.births <= x].sum())
-    return x * broken * again / (1.0 - again)
+    return float(problem.first.density.integral(np.array([x]))[0]) + float(chain.weights[chain.births <= x].sum())

@@ -5,6 +5,7 @@ import time
 import numpy as np
 import numpy.typing as npt
 
+from master.law import Law
 from master.problem import Problem
 from master.renewal import LaterReleased, bound
 from master.solution import Solution
@@ -88,7 +89,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
     if listed or bound(problem, end, 1e-2 * floor) <= 1e-2 * floor:
         message = f"{_limit(problem, floor)}, above the tolerance {tolerance:.1e}"
         return problem.chain.released(x), floor, None, message
-    step = first_step(problem, end, tolerance)
+    step = first_step(problem.law, problem.rough, end, tolerance)
     rough = problem.rough
     shrink = 0.5 if rough else _CLOSE
     coarser: tuple[LaterReleased, Array] | None = None
@@ -108,7 +109,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 difference = max(difference, float(np.abs(later(around) - coarser[0](around)).max(initial=0.0)))
             handed_over = 1.5 * float(change[~finer].max(initial=0.0))
             if rough:
-                left = estimate(difference, before, _least(problem, step), problem.law.diverges)
+                left = estimate(difference, before, least_share(problem, step), problem.law.diverges)
             else:
                 left = difference
             error = max(left, handed_over) + later.left_out + later.drift + floor
@@ -139,7 +140,7 @@ def _limit(problem: Problem, reached: float) -> str:
     return f"first breaks are known to {known:.1e} only" if known > 0.5 * reached else f"round-off allows {reached:.1e}"
 
 
-def _least(problem: Problem, step: float) -> float:
+def least_share(problem: Problem, step: float) -> float:
     """The smallest part of the last difference that is believed to be the error left."""
     if not problem.rough:
         return SMOOTH
@@ -154,16 +155,15 @@ def _around(x: Array, step: float) -> Array:
     return near[(near > 0.0) & (near <= x[-1])]
 
 
-def first_step(problem: Problem, end: float, tolerance: float) -> float:
+def first_step(law: Law, rough: bool, end: float, tolerance: float) -> float:
     """Coarsest of the lattices tried: the second should do, the third where the problem is rough, its error being of
     order (step / narrowest width)^8."""
-    narrowest = problem.law.narrowest
-    if problem.rough:
-        step = min(5.6 * narrowest * min(tolerance, 1e-3) ** 0.125, 4.0 * end / _FEWEST_NODES)
+    if rough:
+        step = min(5.6 * law.narrowest * min(tolerance, 1e-3) ** 0.125, 4.0 * end / _FEWEST_NODES)
     else:
-        step = min(2.1 * narrowest * min(tolerance, 3e-5) ** 0.125, end / _FEWEST_NODES)
+        step = min(2.1 * law.narrowest * min(tolerance, 3e-5) ** 0.125, end / _FEWEST_NODES)
     step = max(step, end * 8.0 / MOST_NODES)
-    atoms, weights = problem.law.atoms, problem.law.atom_weights
+    atoms, weights = law.atoms, law.atom_weights
     if atoms.size:  # the heaviest atom falls on a node, so that it is folded without loss
         heaviest = float(atoms[weights.argmax()])
         step = heaviest / np.ceil(heaviest / step)

@@ -1,0 +1,215 @@
+"""What old cohorts break while the slider moves straight on from a turning point.
+
+With y the travel since then and w = x d the stretch along the direction d of motion at its beginning, a contact of a
+cohort stretches to w + y. It breaks only beyond all it has been through: once the slider has passed the furthest it
+had been ahead, y > `ahead`, and once w + y > `behind` - w, the stretch it had when furthest behind. So
+
+    f(y) = sum over cohorts, y > ahead, of the integral of B(w) P_c(w + y) over w > (behind - y)/2,
+
+and the released stretch is the same with w + y under the integral. Forward motion from X = 0 is the simplest case.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from master.cohort import SLACK, Cohort
+from master.corners import bends
+from master.first import FirstBreaks
+from master.law import Law
+from master.piecewise import Piecewise, tabulate
+
+Array = npt.NDArray[np.float64]
+
+_X, _W = np.polynomial.legendre.leggauss(16)
+_X, _W = 0.5 * (_X + 1.0), 0.5 * _W
+_NEGLIGIBLE = 1e-19
+_CHUNK = 400_000
+_MOST_SEEDS = 400
+_JUMP = 1e-11
+
+
+class Standing:
+    """A cohort as a leg finds it: stretches w along the leg, counted from the leg's beginning."""
+
+    def __init__(self, cohort: Cohort, turn: float, direction: int, law: Law) -> None:
+        front, back = (cohort.high, cohort.low) if direction > 0 else (cohort.low, cohort.high)
+        self.ahead = max(direction * (front - turn), 0.0)
+        self.behind = max(direction * (turn - back), 0.0)
+        by = direction * turn
+        self.table = cohort.table.seen(-direction, by)
+        self.corners = by - direction * cohort.corners
+        self.positions, self.weights = by - direction * cohort.positions, cohort.weights
+        self.reached = cohort.furthest(cohort.positions)
+        self._law = law
+        left, right = self.table.edges[:-1], self.table.edges[1:]
+        width = right - left
+        self._nodes = left[:, None] + width[:, None] * _X
+        self._mass = self.table(self._nodes) * (width[:, None] * _W)
+        self._left, self._right = left, right
+        edges = law.edges_for(0.125 * float(width.max(initial=0.0)))
+        heavy = law.cdf(edges) > _NEGLIGIBLE
+        first = max(int(np.argmax(heavy)) - 1, 0) if heavy.any() else 0
+        self._edges = edges[first:]
+
+    def flux(self, y: Array) -> Array:
+        """f at travels y > 0, and the same weighted by the released stretch; shape (2, n)."""
+        out = np.zeros((2, y.size))
+        on = y > self.ahead
+        if self._left.size and self._edges.size:
+            rows = max(1, _CHUNK // self._nodes.size)
+            at = np.flatnonzero(on)
+            for part in np.array_split(at, 1 + at.size // rows):
+                if part.size:
+                    out[:, part] = self._spread(y[part])
+        law = self._law
+        if self._left.size:
+            for atom, weight in zip(law.atoms, law.atom_weights, strict=True):
+                birth = atom - y
+                share = np.where(on & (atom > self.behind - birth), weight * self.table(birth), 0.0)
+                out += np.stack([share, share * atom])
+        if self.positions.size:
+            for w, weight in zip(self.positions, self.weights, strict=True):
+                stretch = w + y
+                share = np.where(on & (stretch > self.behind - w), weight * law.pdf(stretch), 0.0)
+                out += np.stack([share, share * stretch])
+        return out
+
+    def _spread(self, y: Array) -> Array:
+        """Births spread over w, thresholds spread over x: by 16 nodes on every panel, cut where anything bends."""
+        edges, law = self._edges, self._law
+        x = y[:, None]
+        low = np.maximum(0.5 * (self.behind - x), edges[0] - x)
+        left = np.maximum(self._left, low)
+        right = np.minimum(self._right, edges[-1] - x)
+        first = np.searchsorted(edges, left + x, side="right")
+        inner = np.maximum(np.searchsorted(edges, right + x, side="left") - first, 0)
+        live = right - left > 1e-15 * (1.0 + np.abs(left))
+        whole = live & (left == self._left) & (right == self._right) & (inner == 0)
+        out = np.zeros((2, y.size))
+        row, panel = np.nonzero(whole)
+        if row.size:
+            stretch = self._nodes[panel] + y[row, None]
+            density = self._mass[panel] * law.pdf(stretch)
+            out += _sums(row, density, stretch, y.size)
+        row, panel = np.nonzero(live & ~whole)
+        if row.size:
+            count = inner[row, panel] + 1
+            pair = np.repeat(np.arange(row.size), count)
+            place = np.arange(pair.size) - np.repeat(np.cumsum(count) - count, count)
+            row, panel = row[pair], panel[pair]
+            next_edge = first[row, panel] + place
+            begin = np.where(place == 0, left[row, panel], edges[np.minimum(next_edge - 1, edges.size - 1)] - y[row])
+            end = np.where(
+                place == count[pair] - 1, right[row, panel], edges[np.minimum(next_edge, edges.size - 1)] - y[row]
+            )
+            width = np.maximum(end - begin, 0.0)[:, None]
+            nodes = begin[:, None] + width * _X
+            stretch = nodes + y[row, None]
+            density = width * _W * self.table(nodes) * law.pdf(stretch)
+            out += _sums(row, density, stretch, y.size)
+        return out
+
+    def seeds(self, end: float) -> Array:
+        """Travels up to `end` at which f may not be smooth."""
+        law = self._law
+        marks = np.concatenate([law.breakpoints, law.jumps, law.atoms])
+        sums = [np.array([self.ahead]), 2.0 * marks - self.behind]
+        if self._left.size:
+            sums += [self.behind - 2.0 * self.corners, (marks[:, None] - self.corners).ravel()]
+        if self.positions.size:
+            w = self.positions[:_MOST_SEEDS]
+            sums += [self.behind - 2.0 * w, (np.append(law.edges, marks)[:, None] - w).ravel()]
+        at = np.concatenate(sums)
+        return at[(at >= self.ahead) & (at <= end)]
+
+    def atoms(self) -> tuple[Array, Array, Array]:
+        """Travels of breaks of finite weight, their weights, and weight times released stretch."""
+        law = self._law
+        atom, w = np.broadcast_arrays(law.atoms[:, None], self.positions)
+        left = (atom > self.reached * (1.0 + SLACK)) & (self.positions.size > 0)
+        weight = (law.atom_weights[:, None] * self.weights)[left]
+        return (atom - w)[left], weight, weight * atom[left]
+
+
+class CohortBreaks(FirstBreaks):
+    """Breaks of old cohorts over the travel y of one leg, up to y = `end`; the same face as the breaks of a start.
+
+    `step` is the lattice on which the cohorts were born: nothing finer is looked for in between the seeds; 0 where
+    they are known exactly.
+    """
+
+    def __init__(
+        self, law: Law, cohorts: list[Cohort], turn: float, direction: int, end: float, accuracy: float, step: float
+    ) -> None:
+        self.end = end
+        self._accuracy = max(accuracy, 2e-15)
+        self._defect = 0.0
+        self._law = law
+        self._standing = [Standing(cohort, turn, direction, law) for cohort in cohorts]
+        self.mean_start = direction * sum(cohort.held(law, turn)[1] for cohort in cohorts)
+        atoms = [standing.atoms() for standing in self._standing]
+        self.atoms, self.atom_weights, self.atom_released = (np.concatenate(part) for part in zip(*atoms, strict=True))
+        self._order = np.argsort(self.atoms, kind="stable")
+        self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
+        seeds = np.unique(np.concatenate([[0.0], *[standing.seeds(end) for standing in self._standing]]))
+        self.seeds = seeds[np.append(True, np.diff(seeds) > 1e-13)]
+        self.density, self._released = self._tables(step)
+        self.single = self.density.edges.size < 2
+        self.jumps, self.jump_sizes = self._jumps_of_table()
+        self.bends, self.bend_sizes = np.empty(0), np.empty(0)
+        if law.atoms.size:
+            at = self.seeds[(self.seeds > 0.0) & (self.seeds < end)]
+            self.bends, self.bend_sizes = bends(self.density, at, law.narrowest)
+        self.onsets, self.onset_heights = np.empty(0), np.empty(0)
+        self.has_corners = bool((np.abs(self.jump_sizes[self.jumps > 0.0]) > _JUMP).any())
+
+    def flux(self, y: Array) -> Array:
+        """Density of breaks at travels y > 0, and the same weighted by the released stretch; shape (2, n)."""
+        total = np.zeros((2, y.size))
+        for standing in self._standing:
+            total += standing.flux(y)
+        return total
+
+    def _tables(self, step: float) -> tuple[Piecewise, Piecewise]:
+        law = self._law
+        nothing = Piecewise(np.zeros(1), np.empty((16, 0)))
+        spread = any(s.table.edges.size > 1 for s in self._standing) or (law.edges.size > 1 and self._standing)
+        if not spread:
+            return nothing, nothing
+        even = np.linspace(0.0, self.end, 2 + int(min(self.end / (4.0 * law.narrowest), _MOST_SEEDS)))
+        seeds = np.append(self.seeds, self.end)
+        edges = np.unique(np.concatenate([seeds, even[1:-1]]))
+        edges = edges[np.append(np.diff(edges) > 1e-13, True)]
+        if edges.size < 2:
+            return nothing, nothing
+
+        def rows(y: Array) -> Array:
+            return self.flux(y.ravel()).reshape(2, *y.shape)
+
+        def narrow(left: Array, right: Array) -> npt.NDArray[np.bool_]:
+            middle, width = 0.5 * (left + right), right - left
+            near = np.clip(np.searchsorted(seeds, middle), 1, seeds.size - 1)
+            away = np.minimum(np.abs(middle - seeds[near - 1]), np.abs(seeds[near] - middle))
+            return (width < 2.0 * step) & (away > 2.0 * width)
+
+        density, released = tabulate(rows, edges, self._accuracy, narrow if step > 0.0 else None)
+        return density, released
+
+    def _jumps_of_table(self) -> tuple[Array, Array]:
+        table = self.density
+        if table.edges.size < 2:
+            return np.zeros(1), np.zeros(1)
+        # values at a panel's two ends: sums of its Legendre coefficients, with alternating signs at the left one
+        signs = np.where(np.arange(table.coefficients.shape[0]) % 2, -1.0, 1.0)[:, None]
+        begins = (signs * table.coefficients).sum(axis=0)
+        ends = np.append(0.0, table.coefficients.sum(axis=0)[:-1])
+        size = begins - ends
+        known = np.isin(table.edges[:-1], self.seeds) & (np.abs(size) > _JUMP)
+        known[0] = True
+        return table.edges[:-1][known], size[known]
+
+
+def _sums(row: npt.NDArray[np.intp], density: Array, stretch: Array, size: int) -> Array:
+    """Sums over the nodes, and over all pairs of one row, of the density and of it times the stretch."""
+    plain = np.bincount(row, weights=density.sum(-1), minlength=size)
+    return np.stack([plain, np.bincount(row, weights=(density * stretch).sum(-1), minlength=size)])

@@ -1,0 +1,226 @@
+"""Any path, turning points and all, at T = 0: the master equation leg by leg, by exact cohorts.
+
+On every straight leg the equation is the renewal equation of forward motion whose source is what old cohorts break;
+what is born on a leg becomes one more cohort. Legs are solved on lattices refined together until the force along the
+whole path changes by less than the tolerance.
+"""
+
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from master.cohort import SLACK, starting
+from master.law import Law
+from master.leg import Leg, State
+from master.moves import Move, moves
+from master.solve import MOST_NODES, ROUND_OFF, estimate, first_step, least_share
+from master.stretches import CohortDistribution, stretches
+from origins import Contacts
+from origins.contacts import check_contacts
+from origins.errors import finite, finite_array, positive, refuse
+
+Array = npt.NDArray[np.float64]
+
+_BEYOND = 1.7
+_WATCH = np.sqrt(0.5) * np.arange(1.0, 378.0) % 1.0
+_STALL = 20.0
+_ACCURACY = 1e-13
+
+
+class Course:
+    """All legs of a path on one level of refinement; lengths in units of the mean threshold."""
+
+    def __init__(
+        self,
+        law: Law,
+        begin: State,
+        path: list[Move],
+        x: Array,
+        steps: list[float],
+        accuracy: float,
+        coarser: "Course | None",
+    ) -> None:
+        self.law, self._path, self._x = law, path, x
+        self.legs: list[Leg] = []
+        self._watched: list[Array] = []
+        # what the start breaks does not depend on the lattice
+        state, known_to, first = begin, 0.0, coarser.legs[0].first if coarser else None
+        for move, step in zip(path, steps, strict=True):
+            y = self._travels(move)
+            leg = Leg(law, state, move.direction, move.travel, step, accuracy, known_to, y, first)
+            self.legs.append(leg)
+            # where corners add up errors are uneven: points of the path may be lucky
+            self._watched.append(leg.force(np.append(y, move.travel * _WATCH) if law.rough else y))
+            first = None
+            if len(self.legs) < len(path):
+                state, known_to = leg.end_state(move.travel).whole(law), step
+
+    @property
+    def table_error(self) -> float:
+        """What the series of breaks and of births are off by in all."""
+        return self.legs[-1].table_error
+
+    def _travels(self, move: Move) -> Array:
+        return np.clip(move.direction * (self._x[move.points] - move.turn), 0.0, move.travel)
+
+    def force(self) -> Array:
+        """Force at the points of the path."""
+        return np.concatenate(
+            [move.direction * leg.force(self._travels(move)) for move, leg in zip(self._path, self.legs, strict=True)]
+        )
+
+    @property
+    def nodes(self) -> int:
+        """Nodes of the widest lattices of all legs."""
+        return sum(leg.nodes for leg in self.legs)
+
+    @property
+    def watched(self) -> Array:
+        """Force at all points that are looked at for errors, along the motion."""
+        return np.concatenate(self._watched)
+
+
+@dataclass(frozen=True)
+class PathSolution:
+    """F along a path that may turn round, with the error it is good to.
+
+    Attributes
+    ----------
+    path : array of shape (n,)
+        Slider positions X (lengths).
+    force : array of shape (n,)
+        F/(N_c <k>), the mean stretch of the contacts (a length).
+    force_error : float
+        Bound on the largest error of `force` over the path, in units of the mean threshold.
+    holding : array of shape (n,)
+        Fraction of contacts that hold: 1, as broken contacts re-form at once.
+    run_time : float
+        Seconds that the solution took.
+    nodes : int
+        Nodes of all lattices of the last refinement; 0 where none was needed.
+    success : bool
+        Whether force_error is at or below the tolerance asked for.
+    message : str
+        In words: what was reached, or why not; what was cut off from the start.
+    """
+
+    path: Array
+    force: Array
+    force_error: float
+    holding: Array
+    run_time: float
+    nodes: int
+    success: bool
+    message: str
+    _course: Course = field(repr=False)
+
+    def distribution(self, position: float, leg: int | None = None) -> CohortDistribution:
+        """Q(x;X) where the slider passes X = position (a length) on one straight leg of the path, counted from 0.
+
+        `leg` may be left out where it passes there once. InputError where the path does not come there.
+        """
+        position = finite("position", position)
+        legs, unit = self._course.legs, self._course.law.unit
+        travels = [leg.direction * (position / unit - leg.state.at) for leg in legs]
+        slack = [SLACK * (1.0 + leg.end) for leg in legs]
+        there = [k for k, y in enumerate(travels) if -slack[k] <= y <= legs[k].end + slack[k]]
+        if leg is None:
+            # a turning point ends one leg and begins the next
+            apart = [k for k in there if not (k - 1 in there and travels[k] <= slack[k])]
+            if len(apart) > 1:
+                several = ", ".join(map(str, apart))
+                refuse("position", position, f"is passed on legs {several}; say which, as in leg={apart[0]}")
+            if not apart:
+                refuse("position", position, "the path does not come there")
+            leg = apart[0]
+        if leg not in there:
+            refuse("leg", leg, f"does not pass {position:g}; {len(legs)} legs are counted from 0")
+        chosen = legs[leg]
+        state = chosen.end_state(float(np.clip(travels[leg], 0.0, chosen.end)))
+        return stretches(self._course.law, state.cohorts, state.at)
+
+
+def solve_cohorts(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> PathSolution:
+    """Force along a path that may turn round, for a rigid slider that starts at X = 0, at T = 0 (paper App. C).
+
+    Every contact breaks where its stretch meets its threshold at +x_s or -x_s, so one that has survived a stretch of
+    either sign is known to be stronger; the paper's P_b(x) = P(-x) forgets that.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Thresholds and starting stretches.
+    path : array of shape (n,)
+        Slider positions X (lengths), straight between points, of either sign; from X = 0 straight to the first.
+    tolerance : float
+        Largest error of the force wanted, in units of the mean threshold.
+
+    Raises InputError for a path that is not finite and for a tolerance that is not above zero.
+    """
+    began = time.perf_counter()
+    tolerance = positive("tolerance", tolerance)
+    check_contacts(contacts, "master.solve")
+    positions = finite_array("path", path)
+    unit = contacts.mean_threshold
+    x = positions / unit
+    law = Law(contacts, _reach(contacts, x))
+    course, error, message = _refine(law, State(0.0, [starting(contacts, law)]), moves(x), x, tolerance)
+    success = error <= tolerance
+    if success:
+        message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
+    if contacts.cut_weight > 0.0:
+        message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
+    return PathSolution(
+        path=positions,
+        force=course.force() * unit,
+        force_error=error,
+        holding=np.ones(x.size),
+        run_time=time.perf_counter() - began,
+        nodes=course.nodes,
+        success=success,
+        message=message,
+        _course=course,
+    )
+
+
+def _reach(contacts: Contacts, x: Array) -> float:
+    """Longest stretch there can be, with some margin."""
+    low, high = (float(end) for end in contacts.start.span)
+    span = max(float(x.max()), 0.0) - min(float(x.min()), 0.0)
+    return _BEYOND * max(span, 1e-300) + max(-low, high, 0.0) / contacts.mean_threshold
+
+
+def _refine(law: Law, begin: State, path: list[Move], x: Array, tolerance: float) -> tuple[Course, float, str]:
+    """All legs on lattices fine enough, the error estimate and the reason for stopping short."""
+    travel = sum(move.travel for move in path)
+    longest = max(move.travel for move in path)
+    floor = ROUND_OFF * (1.0 + travel) + 2e-16 * longest**2
+    steps = [first_step(law, True, max(move.travel, 1e-300), tolerance) for move in path]
+    finest = min(1e-6 * tolerance, _ACCURACY)
+    coarser: Course | None = None
+    best: tuple[Course, float] | None = None
+    difference = before = np.inf
+    while True:
+        # series need not follow what a coarse lattice has wrong
+        accuracy = max(finest, min(1e-5 * tolerance, 1e-4 * difference))
+        course = Course(law, begin, path, x, steps, accuracy, coarser)
+        if coarser is not None:
+            before, difference = difference, float(np.abs(course.watched - coarser.watched).max())
+            least = max(least_share(leg.problem, leg.step) for leg in course.legs)
+            error = estimate(difference, before, least, law.diverges)
+            error += floor + course.table_error
+            if np.isfinite(before):
+                if best is None or error < best[1]:
+                    best = course, error
+                stalled = difference <= floor or (difference > 0.5 * before and difference < _STALL * floor)
+                if best[1] <= tolerance:
+                    return *best, ""
+                if stalled:
+                    return *best, f"round-off allows {best[1]:.1e}, above the tolerance {tolerance:.1e}"
+                if max(move.travel / step for move, step in zip(path, steps, strict=True)) > MOST_NODES / 2:
+                    reached = f"error estimate {best[1]:.1e} on {best[0].nodes} nodes, above the tolerance"
+                    return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
+        coarser = course
+        steps = [0.5 * step for step in steps]

@@ -1,0 +1,106 @@
+"""What becomes of a soft slider: smooth sliding, stick-slip, or slips that die out; and what that is concluded from."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from master.propensity import propensity
+from master.ride import Rule
+from origins import Contacts
+
+Array = npt.NDArray[np.float64]
+Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
+
+_SILENT = 1.5  # times the longest pause between slips: nothing more is to come
+_STEADY = 1e-3
+_FEWEST = 4
+
+
+@dataclass(frozen=True)
+class Regime:
+    """Verdict and evidence.
+
+    Attributes
+    ----------
+    verdict : "smooth", "stick-slip", "decaying transient" or "undecided"
+    reason : str
+        In words.
+    critical_spring, critical_spring_error : float
+        K*/(N_c <k>) of the start: a stiffer spring never lets go while the slider moves forward.
+    stiffness_ratio : float
+        K/K*.
+    slips : int
+        Slips found along the path.
+    trend : float or None
+        Relative change of the force drop from one slip to the next over the later half; None for fewer than 4 slips.
+    """
+
+    verdict: Verdict
+    reason: str
+    critical_spring: float
+    critical_spring_error: float
+    stiffness_ratio: float
+    slips: int
+    trend: float | None
+
+
+def regime(
+    contacts: Contacts, spring: float, rule: Rule, drive: Array, drop: Array, path: Array, tolerance: float
+) -> Regime:
+    """Judge slips of force `drop` at drive positions `drive` (lengths) along `path`."""
+    start = propensity(contacts, tolerance)
+    critical = start.critical_spring
+    ratio = spring / critical if critical > 0.0 else np.inf
+    trend = _trend(drop)
+    verdict, reason = _judge(contacts, spring, rule, drive, trend, path, critical, tolerance)
+    if abs(spring - critical) <= start.critical_spring_error:
+        reason += f"; K* is known to {start.critical_spring_error:.1e} only, and K is nearer"
+    return Regime(verdict, reason, critical, start.critical_spring_error, ratio, drive.size, trend)
+
+
+def _judge(
+    contacts: Contacts,
+    spring: float,
+    rule: Rule,
+    drive: Array,
+    trend: float | None,
+    path: Array,
+    critical: float,
+    tolerance: float,
+) -> tuple[Verdict, str]:
+    slips = drive.size
+    if not slips:
+        if spring >= critical:
+            return "smooth", f"K = {spring:.6g} is at least K* = {critical:.6g}: the spring never lets go"
+        return "undecided", f"K = {spring:.6g} is below K* = {critical:.6g}, but the path ends before the first slip"
+    if rule == "reset":
+        again = critical
+        if contacts.start.span != (0.0, 0.0):
+            again = propensity(Contacts(contacts.thresholds), tolerance).critical_spring
+        if spring < again:
+            return "stick-slip", f"K = {spring:.6g} is below K* = {again:.6g} of relaxed contacts, left by a slip"
+        why = f"K = {spring:.6g} is at least K* = {again:.6g} of relaxed contacts, left by a slip"
+        return "decaying transient", why
+    pauses = np.abs(np.diff(drive))
+    travelled = np.abs(np.diff(path, prepend=path[0])).cumsum()
+    since = float(travelled[-1] - travelled[np.abs(path - drive[-1]).argmin()])
+    longest = float(pauses.max(initial=(spring + 1.0) / spring * contacts.mean_threshold))
+    if since > _SILENT * longest:
+        return "decaying transient", f"{slips} slips, then none for {since / longest:.3g} times the longest pause"
+    if trend is None:
+        return "undecided", f"{slips} slips up to the end of the path are too few to tell; lengthen it"
+    if trend < -_STEADY:
+        return "decaying transient", f"{slips} slips, each drop {-trend:.2%} smaller than the one before"
+    return "stick-slip", f"{slips} slips up to the end of the path, their drops not fading"
+
+
+def _trend(drop: Array) -> float | None:
+    """Slope of log |drop| against number over the later half."""
+    if drop.size < _FEWEST:
+        return None
+    late = np.abs(drop[drop.size // 2 :])
+    if late.size < 2 or not (late > 0.0).all():
+        return None
+    return float(np.expm1(np.polyfit(np.arange(late.size), np.log(late), 1)[0]))

@@ -1,0 +1,199 @@
+"""The soft slider to the tolerance asked: rides on finer and finer lattices until their slips and forces agree."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.cohort import starting
+from master.law import Law
+from master.leg import State
+from master.regime import Regime, regime
+from master.ride import Ride, Rule
+from master.solve import MOST_NODES, ROUND_OFF, estimate
+from origins import Contacts
+from origins.contacts import check_contacts
+from origins.errors import finite_array, positive, refuse
+
+Array = npt.NDArray[np.float64]
+
+_BEYOND = 1.7
+_STALL = 20.0
+_RULES = ("reset", "instant", "reform-after")
+
+
+@dataclass(frozen=True)
+class Slips:
+    """Slips in the order in which they happen; arrays of shape (n,).
+
+    Attributes
+    ----------
+    drive : array
+        X_T (lengths).
+    before, after : array
+        X at the beginning and at the end (lengths).
+    force_before, force_after : array
+        F/(N_c <k>) (lengths).
+    """
+
+    drive: Array
+    before: Array
+    after: Array
+    force_before: Array
+    force_after: Array
+
+    @property
+    def drop(self) -> Array:
+        """How far the force falls (lengths), which is K times the slip."""
+        return self.force_before - self.force_after
+
+
+@dataclass(frozen=True)
+class SoftSolution:
+    """F and X as the drive moves, and what the slider does on the way.
+
+    Attributes
+    ----------
+    path : array of shape (n,)
+        Positions X_T of the drive (lengths).
+    position : array of shape (n,)
+        Positions X of the slider (lengths); at a slip, after it.
+    force : array of shape (n,)
+        F/(N_c <k>) = K (X_T - X) (lengths).
+    force_error : float
+        Bound on the largest error, in units of the mean threshold: of `force` along the path but for points that a
+        slip's own error takes to its other side, of K X_T at slips, and of F'(X) = -K where they begin.
+    holding : array of shape (n,)
+        Fraction of contacts that hold: 1, as slips take no time.
+    slips : Slips
+    period : float or None
+        X_T from the last slip but one to the last (a length); None for fewer than two.
+    regime : Regime
+    run_time : float
+        Seconds.
+    nodes : int
+        Nodes of the widest lattice.
+    success : bool
+        Whether force_error is at or below the tolerance asked for.
+    message : str
+    """
+
+    path: Array
+    position: Array
+    force: Array
+    force_error: float
+    holding: Array
+    slips: Slips
+    period: float | None
+    regime: Regime
+    run_time: float
+    nodes: int
+    success: bool
+    message: str
+
+
+def solve_soft(
+    contacts: Contacts, path: npt.ArrayLike, spring: float, slip: Rule = "reset", tolerance: float = 1e-8
+) -> SoftSolution:
+    """Force as the drive X_T moves along `path` and pulls the slider by a spring, at T = 0 (paper Sec. III D).
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Thresholds and starting stretches.
+    path : array of shape (n,)
+        Positions X_T of the drive (lengths), straight between points; it may turn round. The drive begins where it
+        balances the start, X_T = F(0)/K with the slider at X = 0.
+    spring : float
+        K/(N_c <k>).
+    slip : "reset", "instant" or "reform-after"
+        What a slip does, as said in master.ride.
+    tolerance : float
+        Largest error wanted, in units of the mean threshold.
+
+    Raises InputError for a path that is not finite, a spring or a tolerance that is not above zero, and another `slip`.
+    """
+    began = time.perf_counter()
+    tolerance, spring = positive("tolerance", tolerance), positive("spring", spring)
+    check_contacts(contacts, "master.solve")
+    drive = finite_array("path", path)
+    if slip not in _RULES:
+        refuse("slip", slip, 'must be "reset", "instant" or "reform-after"')
+    unit = contacts.mean_threshold
+    x = drive / unit
+    law, begin = _start(contacts, x, spring)
+    ride, error, message = _refine(law, begin, spring, slip, x, tolerance)
+    success = error <= tolerance
+    if success:
+        message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
+    if contacts.cut_weight > 0.0:
+        message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
+    table = np.array([[s.drive, s.before, s.after, s.force_before, s.force_after] for s in ride.slips]).reshape(-1, 5)
+    slips = Slips(*(unit * table.T))
+    return SoftSolution(
+        path=drive,
+        position=unit * ride.position,
+        force=unit * ride.force,
+        force_error=error,
+        holding=np.ones(x.size),
+        slips=slips,
+        period=abs(float(slips.drive[-1] - slips.drive[-2])) if len(ride.slips) > 1 else None,
+        regime=regime(contacts, spring, slip, slips.drive, slips.drop, drive, tolerance),
+        run_time=time.perf_counter() - began,
+        nodes=ride.nodes,
+        success=success,
+        message=message,
+    )
+
+
+def _start(contacts: Contacts, x: Array, spring: float) -> tuple[Law, State]:
+    low, high = (float(end) / contacts.mean_threshold for end in contacts.start.span)
+    furthest = max(-low, high, 0.0)
+    balance = contacts.start.mean() / (contacts.mean_threshold * spring)
+    points = np.append(x, [0.0, balance])
+    law = Law(contacts, _BEYOND * max(float(np.ptp(points)), 1e-300) + 2.0 * furthest)
+    return law, State(0.0, [starting(contacts, law)])
+
+
+def _refine(law: Law, begin: State, spring: float, rule: Rule, x: Array, tolerance: float) -> tuple[Ride, float, str]:
+    """A ride on lattices fine enough, its error estimate and the reason for stopping short."""
+    travel = float(np.abs(np.diff(x, prepend=0.0)).sum())
+    floor = ROUND_OFF * (1.0 + travel) * (1.0 + spring)
+    coarser: Ride | None = None
+    best: tuple[Ride, float] | None = None
+    difference = before = np.inf
+    level = 0
+    while True:
+        ride = Ride(law, begin, spring, rule, x, tolerance, level)
+        if coarser is not None:
+            before, difference = difference, _change(ride, coarser, x, spring)
+            error = estimate(difference, before, ride.least_share, law.diverges) + floor + ride.error
+            if np.isfinite(before):
+                if best is None or error < best[1]:
+                    best = ride, error
+                stalled = difference <= floor or (difference > 0.5 * before and difference < _STALL * floor)
+                if best[1] <= tolerance:
+                    return *best, ""
+                if stalled:
+                    return *best, f"round-off allows {best[1]:.1e}, above the tolerance {tolerance:.1e}"
+            if ride.nodes > MOST_NODES / 4:
+                best = best or (ride, np.inf)
+                reached = f"error estimate {best[1]:.1e} on {best[0].nodes} nodes, above the tolerance"
+                return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
+        coarser = ride
+        level += 1
+
+
+def _change(fine: Ride, coarse: Ride, x: Array, spring: float) -> float:
+    """Largest difference between two rides, in force; inf where one slips more often."""
+    if len(fine.slips) != len(coarse.slips):
+        return np.inf
+    change = np.abs(fine.force - coarse.force)
+    worst = 0.0
+    for one, other in zip(fine.slips, coarse.slips, strict=True):
+        moved = abs(one.drive - other.drive)
+        worst = max(worst, spring * moved, one.bend * abs(one.before - other.before))
+        # points of the path that the slip's own error takes to its other side
+        change[np.abs(x - one.drive) <= 3.0 * moved] = 0.0
+    return max(worst, float(change.max()))
