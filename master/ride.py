@@ -186,7 +186,9 @@ class Ride:
         longest = float(np.append(law.edges[-1:], law.atoms).max()) + backward
         end = max(min(max(whole, backward), longest), 1e-12)
         hold = Holding(law, state, d, end, self._accuracy, curve.leg.step, spring)
-        slipped = landing(hold, 0.0, float(hold.load(np.zeros(1))[0]), dropped)
+        # the exact value that breaks lies a little ahead of where the state was taken
+        begin = float(hold.drops[0]) * (1.0 + SLACK) if dropped and hold.drops.size else 0.0
+        slipped = landing(hold, begin, level - spring * last, dropped)
         # where none of the contacts is left the slider goes all the way
         slipped = slipped if np.isfinite(slipped) else whole
         self._note(curve, at, let_go, last + slipped, level)
@@ -202,4 +204,7 @@ def _holds_to(curve: Sliding, let_go: float) -> tuple[float, float, bool]:
     """Last travel before it lets go, the load there, and whether that falls at once."""
     dropped = let_go in curve.drops
     last = let_go * (1.0 - 10.0 * SLACK) if dropped else min(let_go, curve.end)
-    return last, float(curve.load(np.array([last]))[0]), dropped
+    at = np.array([last])
+    # the load that it lets go of is the one just before the drop
+    rise = float(curve.slope(at)[0]) * (let_go - last) if dropped else 0.0
+    return last, float(curve.load(at)[0]) + rise, dropped
