@@ -1,0 +1,114 @@
+"""Minima and saddles of an island's energy: ASE's FIRE brings it near, Newton's method to rounding.
+
+Importing this file imports ase, so only functions do.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ase.optimize import FIRE
+
+from origins.moving_island import MovingIsland
+from origins.thresholds import Array
+
+_PROBE = 1e-4  # of a radian of the period, for curvatures by differences of forces
+_MOST_HESSIANS, _MOST_STEPS = 100, 12
+_MOST_RELAXATION = 3000
+_CLOSE = 1e-15  # error of an energy to aim at, in units of the substrate's energy
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What is large and small: a radian of the period, the strongest force on one atom, the rounding of energies."""
+
+    radian: float
+    force: float
+    noise: float
+
+    @property
+    def energy(self) -> float:
+        return self.force * self.radian
+
+
+@dataclass(frozen=True)
+class LevelPoint:
+    """A point without force: its energy, how far that may be off, and the number of directions that lead down."""
+
+    points: Array
+    energy: float
+    error: float
+    ways_down: int
+    modes: Array  # as columns, the softest first
+    stiffest: float
+
+
+def relax(island: MovingIsland, scales: Scales, points: Array, stiffest: float) -> LevelPoint:
+    """The minimum that `points` lead down to; `stiffest` is the largest curvature, energy per length squared."""
+    for _ in range(5):
+        image = island.image(points)
+        pace = 1.0 / np.sqrt(stiffest)
+        reach = 0.3 * scales.radian * np.sqrt(len(points))
+        optimizer = FIRE(image, logfile=None, dt=0.3 * pace, dtmax=pace, maxstep=reach)
+        optimizer.run(fmax=1e-3 * scales.force, steps=_MOST_RELAXATION)
+        found = settle(island, scales, image.positions, 0)
+        if found is None:
+            break
+        if found.ways_down == 0:
+            return found
+        # on a ridge by symmetry
+        points = found.points + 0.3 * scales.radian * found.modes[:, 0].reshape(-1, 3)
+        stiffest = found.stiffest
+    raise RuntimeError(
+        "forces did not vanish on the way down to a minimum: those of the calculator are not smooth, not those of its "
+        "energy, or nothing holds the atoms")
+
+
+def settle(island: MovingIsland, scales: Scales, points: Array, climbing: int) -> LevelPoint | None:
+    """The point without force next to `points`, sought upwards along the `climbing` softest modes; None if not found."""
+    basis = island.basis()
+    best = np.inf
+    for _ in range(_MOST_HESSIANS):
+        curvatures, modes = np.linalg.eigh(_hessian(island, scales, points, basis))
+        directions = basis @ modes
+        # flatter than this cannot be told from rounding
+        flat = 20.0 * np.finfo(float).eps * len(island.moving) * scales.force / (_PROBE * scales.radian)
+        sizes = np.maximum(np.abs(curvatures), flat)
+        sizes[:climbing] *= -1.0
+        last = np.inf
+        for count in range(_MOST_STEPS):
+            energy, forces = island.evaluate(points)
+            along = directions.T @ forces.ravel()
+            error = float(0.5 * (along**2 / np.abs(sizes)).sum())
+            if error <= _CLOSE * scales.energy + 0.01 * scales.noise or (error >= best and error < 1e-9 * scales.energy):
+                if count == 0:
+                    down = int((curvatures < -10.0 * flat).sum())
+                    stiffest = float(np.abs(curvatures).max())
+                    return LevelPoint(points, energy, error + scales.noise, down, directions, stiffest)
+                break
+            if error > 0.5 * last:
+                break
+            last, best = error, min(best, error)
+            step = (directions @ (along / sizes)).reshape(-1, 3)
+            points = points + step * min(1.0, 0.5 * scales.radian / np.linalg.norm(step, axis=1).max())
+    return None
+
+
+def stiffest(island: MovingIsland, scales: Scales, points: Array) -> float:
+    """The largest curvature at `points`, energy per length squared."""
+    return float(np.abs(np.linalg.eigvalsh(_hessian(island, scales, points, island.basis()))).max())
+
+
+def level_place(island: MovingIsland, scales: Scales, points: Array) -> LevelPoint:
+    """`points` as they are, where the energy is level all round but for rounding."""
+    return LevelPoint(points, island.evaluate(points)[0], scales.noise, 0, island.basis(), 0.0)
+
+
+def _hessian(island: MovingIsland, scales: Scales, points: Array, basis: Array) -> Array:
+    step = _PROBE * scales.radian
+    rows = []
+    for direction in basis.T:
+        shift = step * direction.reshape(-1, 3)
+        ahead, behind = island.evaluate(points + shift)[1], island.evaluate(points - shift)[1]
+        rows.append((behind - ahead).ravel() @ basis / (2.0 * step))
+    hessian = np.array(rows)
+    return 0.5 * (hessian + hessian.T)
