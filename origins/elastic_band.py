@@ -158,10 +158,10 @@ def _relaxed(
     enough = _LOOSE * _TIGHTER**tries * min(scales.force, height / scales.radian)
     optimizer = FIRE(neb, logfile=None, dt=0.2 * pace, dtmax=0.5 * pace, maxstep=reach)
     best, least = band, np.inf
-    for _ in optimizer.irun(fmax=enough, steps=_MOST_STEPS * (1 + tries)):
-        left = np.linalg.norm(neb.get_forces(), axis=1).max()
-        if left < least:
-            best, least = np.array([image.positions for image in images]), left
+    for done in optimizer.irun(fmax=enough, steps=_MOST_STEPS * (1 + tries)):
+        top = max(image.get_potential_energy() for image in images)
+        if done or top < least:
+            best, least = np.array([image.positions for image in images]), top
     return best
 
 

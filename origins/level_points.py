@@ -13,7 +13,7 @@ from origins.thresholds import Array
 
 _PROBE = 1e-4  # of a radian of the period, for curvatures by differences of forces
 _MOST_HESSIANS, _MOST_STEPS = 100, 12
-_MOST_RELAXATION = 3000
+_MOST_RELAXATION, _NEAR = 300, 0.03  # steps of FIRE, and the force on an atom at which Newton's method takes over
 _CLOSE = 1e-15  # error of an energy to aim at, in units of the substrate's energy
 
 
@@ -49,7 +49,7 @@ def relax(island: MovingIsland, scales: Scales, points: Array, stiffest: float) 
         pace = 1.0 / np.sqrt(stiffest)
         reach = 0.3 * scales.radian * np.sqrt(len(points))
         optimizer = FIRE(image, logfile=None, dt=0.3 * pace, dtmax=pace, maxstep=reach)
-        optimizer.run(fmax=1e-3 * scales.force, steps=_MOST_RELAXATION)
+        optimizer.run(fmax=_NEAR * scales.force, steps=_MOST_RELAXATION)
         found = settle(island, scales, image.positions, 0)
         if found is None:
             break

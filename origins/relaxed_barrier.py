@@ -25,6 +25,7 @@ _MOST_FLEXIBLE = 1500
 _DISC = 2.0  # steps of the map around a saddle
 _KNOWN = 1e-9  # saddles nearer in energy than this are taken for one
 _STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))  # periods that straight bands lead over
+_LONG = 1.2  # against the longer period
 _SHAKE = 0.02  # radians
 _MOST_MINIMA = 10
 
@@ -247,7 +248,10 @@ def _ways_on(chart: EnergyMap, place: Array) -> list[Array]:
     way = chart.lowest_way(chart.nearest(place))
     if way is None:
         raise RuntimeError("no way leads out of a minimum: a defect of this program")
-    straight = [np.linspace(0.0, 1.0, 9)[:, None] * (np.array(step) @ chart.periods) for step in _STEPS]
+    steps = np.array(_STEPS) @ chart.periods
+    lengths = np.linalg.norm(steps, axis=1)
+    short = lengths <= _LONG * lengths[:2].max()
+    straight = [np.linspace(0.0, 1.0, 9)[:, None] * step for step in steps[short]]
     return [chart.displacements(way.nodes - way.nodes[0]), *straight]
 
 
