@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.fft import next_fast_len, rfft
 
-from master.lattice import cells, deposit, deposit_atoms
+from master.lattice import deposit_atoms, lay
 from master.law import Law
 from origins import Contacts
 from origins.quadrature import gauss
@@ -139,9 +139,7 @@ def _dips(law: Law) -> list[complex]:
     top = float(law.edges[-1])
     step = max(law.narrowest / 8.0, top / _MOST_NODES)
     size = int(np.ceil(top / step)) + 16
-    left, right = cells(law.edges, step, size)
-    nodes, weights = gauss(left, right)
-    (kernel,) = deposit(left, right, [weights * law.pdf(nodes)], step, size)
+    kernel = lay(lambda x: [law.pdf(x)], 1, law.edges, step, size)[0]
     kernel += deposit_atoms(law.atoms, law.atom_weights, step, size)
     length = next_fast_len(8 * size, real=True)
     transform = rfft(kernel, length)

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.first import FirstBreaks
-from master.lattice import STENCIL, cells, deposit, integrate, lagrange
-from origins.quadrature import gauss
+from master.lattice import STENCIL, integrate, lagrange, lay
 
 Array = npt.NDArray[np.float64]
 
@@ -60,9 +59,8 @@ def _one_step(position: float) -> tuple[int, float, Array]:
     """A unit step on a short lattice, near node 8: nodes between that and its own place, where it is, its shares."""
     shift = max(int(np.floor(position)) - STENCIL, 0)
     place = position - shift
-    left, right = cells(np.array([place, _NODES + STENCIL]), 1.0, _NODES + 2 * STENCIL)
-    _, weights = gauss(left, right)
-    (shares,) = deposit(left, right, [weights], 1.0, _NODES + 2 * STENCIL)
+    edges = np.array([place, _NODES + STENCIL])
+    shares = lay(lambda x: [np.ones(x.shape)], 1, edges, 1.0, _NODES + 2 * STENCIL)[0]
     return shift, place, shares[:_NODES]
 
 

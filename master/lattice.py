@@ -6,6 +6,8 @@ jumps and x^(1/3) onsets included. Convolutions of such weights are then exact t
 is smooth, however rough the factors are (semi-Lagrangian interpolation of odd degree; stable, Strang 1962).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
@@ -16,17 +18,24 @@ Array = npt.NDArray[np.float64]
 STENCIL = 8
 _CENTRE = STENCIL // 2 - 1
 _ROW = 512
+_BLOCK = 1024  # cells at a time, so that what is made on the way stays in the cache
 _OFFSETS = np.arange(STENCIL, dtype=float)
 _BARYCENTRIC = np.array([1.0 / np.prod([k - j for j in range(STENCIL) if j != k]) for k in range(STENCIL)])
 
 
 def lagrange(t: Array) -> Array:
     """Lagrange weights of the nodes 0..7 at t; shape t.shape + (8,)."""
-    difference = t[..., None] - _OFFSETS
-    below, above = np.ones_like(difference), np.ones_like(difference)
-    np.cumprod(difference[..., :-1], axis=-1, out=below[..., 1:])
-    above[..., :-1] = np.cumprod(difference[..., :0:-1], axis=-1)[..., ::-1]
-    return _BARYCENTRIC * below * above
+    column = (-1,) + (1,) * t.ndim
+    apart = t - _OFFSETS.reshape(column)
+    # the seven other distances as pairs, fours and the one left, with the nodes outermost: rows as long as t
+    pairs = apart[::2] * apart[1::2]
+    low, high = pairs[0] * pairs[1], pairs[2] * pairs[3]
+    rest = pairs[1] * high, pairs[0] * high, pairs[3] * low, pairs[2] * low
+    out = np.empty_like(apart)
+    for k in range(STENCIL):
+        np.multiply(apart[k ^ 1], rest[k // 2], out=out[k])
+    out *= _BARYCENTRIC.reshape(column)
+    return np.moveaxis(out, 0, -1)
 
 
 _CELL = lagrange(_CENTRE + GAUSS_NODES)  # a cell whose stencil is centred on it
@@ -36,32 +45,44 @@ def cells(edges: Array, step: float, size: int) -> tuple[Array, Array]:
     """Sub-intervals (left, right) of the pieces between `edges`, cut at every node of the lattice of `size` nodes."""
     if edges.size < 2:
         return np.empty(0), np.empty(0)
-    top = min(edges[-1], (size - 1) * step)
-    first, last = int(np.floor(edges[0] / step)), int(np.ceil(top / step))
-    nodes = step * np.arange(first, last + 1)
-    cuts = np.unique(np.concatenate([edges, nodes]))
-    cuts = cuts[(cuts >= edges[0]) & (cuts <= top)]
-    return cuts[:-1], cuts[1:]
+    bottom, top = edges.min(), min(edges.max(), (size - 1) * step)
+    first, last = int(np.floor(bottom / step)), int(np.ceil(top / step))
+    cuts = np.concatenate([step * np.arange(first, last + 1), edges])
+    cuts.sort(kind="stable")
+    cuts = cuts[(cuts >= bottom) & (cuts <= top)]
+    left, right = cuts[:-1], cuts[1:]
+    wide = right > left
+    return (left, right) if wide.all() else (left[wide], right[wide])
 
 
-def deposit(left: Array, right: Array, densities: list[Array], step: float, size: int) -> list[Array]:
-    """Lay down densities known at the 8 Gauss nodes of each [left, right] (times their weights), shape (n, 8).
+def lay(densities: Callable[[Array], list[Array]], count: int, edges: Array, step: float, size: int) -> Array:
+    """Lay down `count` densities on the first `size` nodes; shape (count, size).
 
-    No sub-interval may hold a node of the lattice inside. Near 0 the stencil is one-sided, so nothing lands
-    before the first node.
+    densities maps positions of shape (n, 8) to a list of arrays of that shape; between `edges`, which may come in any
+    order, each is smooth. Near 0 the stencil is one-sided, so nothing lands before the first node.
     """
-    cell = np.floor(0.5 * (left + right) / step).astype(np.int64)
+    out = np.zeros((count, size + STENCIL))
+    left, right = cells(edges, step, size)
+    for start in range(0, left.size, _BLOCK):
+        block = slice(start, start + _BLOCK)
+        _deposit(out, densities, left[block], right[block], step)
+    return out[:, :size]
+
+
+def _deposit(out: Array, densities: Callable[[Array], list[Array]], left: Array, right: Array, step: float) -> None:
+    """Add what lies in the sub-intervals [left, right], none of which holds a node inside."""
+    nodes, weights = gauss(left, right)
+    cell = (0.5 * (left + right) / step).astype(np.int64)
     first = np.maximum(cell - _CENTRE, 0)
-    whole = (np.abs(right - left - step) < 1e-9 * step) & (first == cell - _CENTRE)
-    stack = np.stack(densities)
-    shares = stack @ _CELL
-    odd = np.flatnonzero(~whole)
-    if odd.size:
-        nodes, _ = gauss(left[odd], right[odd])
-        shares[:, odd] = np.einsum("dij,ijk->dik", stack[:, odd], lagrange(nodes / step - first[odd, None]))
-    at = (first[:, None] + np.arange(STENCIL)).ravel()
-    sums = (np.bincount(at, weights=share.ravel(), minlength=size + STENCIL) for share in shares)
-    return [total[:size].astype(float, copy=False) for total in sums]
+    odd = np.flatnonzero((np.abs(right - left - step) > 1e-9 * step) | (cell < _CENTRE))
+    mass = weights * np.stack(densities(nodes))
+    shares = mass @ _CELL
+    shares[:, odd] = np.einsum("dij,ijk->dik", mass[:, odd], lagrange(nodes[odd] / step - first[odd, None]))
+    begin = int(first[0])
+    at = (first[:, None] + np.arange(-begin, STENCIL - begin)).ravel()
+    for row, share in zip(out, shares, strict=True):
+        found = np.bincount(at, weights=share.ravel())
+        row[begin : begin + found.size] += found
 
 
 def deposit_atoms(positions: Array, weights: Array, step: float, size: int) -> Array:
@@ -81,12 +102,8 @@ def deposit_atoms(positions: Array, weights: Array, step: float, size: int) -> A
 
 
 def _integration_weights() -> Array:
-    """Weights g_0..g_14 of the causal integral: (g * f)_j is the integral of f from 0 to jh, for f deposited."""
-    edges = np.arange(16.0)
-    left, right = edges[:-1], edges[1:]
-    _, weights = gauss(left, right)
-    (out,) = deposit(left, right, [weights], 1.0, 16)
-    return out[: STENCIL]
+    """Weights g_0..g_7 of the causal integral: (g * f)_j is the integral of f from 0 to jh, for f laid down."""
+    return lay(lambda x: [np.ones(x.shape)], 1, np.array([0.0, 15.0]), 1.0, 16)[0, :STENCIL]
 
 
 INTEGRATE = _integration_weights() - 1.0
@@ -94,14 +111,13 @@ INTEGRATE = _integration_weights() - 1.0
 
 def integrate(masses: Array) -> Array:
     """Integral up to each node of a function laid down on the lattice."""
-    out = _running_sum(masses)
-    for k in range(STENCIL):
-        out[k:] += INTEGRATE[k] * masses[: masses.size - k]
-    return out
+    return _running_sum(masses) + np.convolve(masses, INTEGRATE)[: masses.size]
 
 
 def _running_sum(values: Array) -> Array:
     """Cumulative sum in two levels: round-off grows with the square root of the length, not with the length."""
-    rows = np.pad(values, (0, -values.size % _ROW)).reshape(-1, _ROW).cumsum(axis=1)
+    rows = np.zeros((-(-values.size // _ROW), _ROW))
+    rows.ravel()[: values.size] = values
+    np.cumsum(rows, axis=1, out=rows)
     rows[1:] += rows[:-1, -1].cumsum()[:, None]
     return rows.ravel()[: values.size]

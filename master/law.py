@@ -14,17 +14,19 @@ _DECILES = np.linspace(0.05, 0.95, 10)
 class Law:
     """P_c(x) for x in units of <x_s>, up to stretch `top`: density, survival, panels, atoms.
 
-    Panels reach to survival 1e-18 of `deepest`. `narrowest` is the width of a Gaussian as sharp as the sharpest tenth
-    of the weight; `jumps` and `jump_sizes` say where the density jumps and by how much, `diverges` whether it does at
-    any point above 0.
+    `held` is the survival at the far end of the start; panels reach to 1e-18 of that, and `begins` is below all weight
+    but 1e-19. `narrowest` is the width of a Gaussian as sharp as the sharpest tenth of the weight; `jumps` and
+    `jump_sizes` say where the density jumps and by how much, `diverges` whether it does at any point above 0.
     """
 
-    def __init__(self, contacts: Contacts, top: float, deepest: float = 1.0) -> None:
+    def __init__(self, contacts: Contacts, top: float) -> None:
         self.unit = contacts.mean_threshold
         self._thresholds = contacts.thresholds
         self.knows_breakpoints = contacts.thresholds.knows_breakpoints
         lower, upper = contacts.thresholds.support()
         self.support = (lower / self.unit, upper / self.unit)
+        furthest = max(-contacts.start.span[0], contacts.start.span[1])
+        self.held = float(contacts.thresholds.sf(furthest)) if furthest > lower else 1.0
         self.top = min(top, self.support[1])
         self.breakpoints = contacts.thresholds.breakpoints / self.unit
         positions, self.atom_weights = contacts.thresholds.atoms
@@ -33,15 +35,12 @@ class Law:
         self._scale = 1.0
         self.edges, self.narrowest, self._hard = np.empty(0), 1.0, np.empty(0, dtype=bool)
         self.jumps, self.jump_sizes, self.diverges = np.empty(0), np.empty(0), False
+        self.begins, self._below = self.support[0], np.zeros(1)
         if not self.atomic:
-            tail = max(1e-18 * deepest, 1e-300)
+            tail = max(1e-18 * (self.held or 1.0), 1e-300)
             self.edges = panel_edges(contacts.thresholds, self.top * self.unit, tail=tail) / self.unit
-            spread = np.diff(contacts.thresholds.ppf(_DECILES)) / self.unit
-            spread = spread[spread > 0.0]
-            self.narrowest = float(spread.min()) / 0.25 if spread.size else 1.0
         if self.edges.size > 1:
-            self._keep_all_weight()
-            self._hard = self._find_hard()
+            self._look_closely()
             self.jumps, self.jump_sizes, self.diverges = self._find_jumps()
 
     @property
@@ -49,45 +48,77 @@ class Law:
         """Whether the density jumps, bends or diverges anywhere above 0."""
         return bool((self.breakpoints > 0.0).any() or self._hard.any())
 
-    def edges_for(self, step: float) -> Array:
-        """Edges that sums over cells of width `step` must respect: a smooth stretch of wide panels needs none."""
+    def inner_edges(self, width: float) -> Array:
+        """Edges between panels that sums over pieces as wide as `width` must respect: where the density bends, and
+        those of narrower panels."""
         if self.edges.size < 3:
-            return self.edges
-        width = np.diff(self.edges)
-        narrow = np.minimum(width[1:], width[:-1]) < 4.0 * step
-        return np.concatenate([self.edges[:1], self.edges[1:-1][narrow | self._hard], self.edges[-1:]])
+            return np.empty(0)
+        panels = np.diff(self.edges)
+        return self.edges[1:-1][(np.minimum(panels[1:], panels[:-1]) < width) | self._hard]
 
-    def _keep_all_weight(self) -> None:
-        """Weight that floating point cannot tell from a point where the density diverges becomes an atom there; what
-        little the rest lacks is made up, since a lost part in 1e16 grows with the square of the path."""
-        left, right = self.edges[:-1], self.edges[1:]
-        nodes, weights = gauss(left, right)
-        mass = (weights * self.pdf(nodes)).sum(axis=1)
-        lower, upper = self.cdf(self.edges), self.sf(self.edges)
-        known = np.where(lower[:-1] < 0.5, np.diff(lower), -np.diff(upper))
-        for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
-            known = known - weight * ((left < atom) & (atom <= right))
-        lost = (known - mass > 1e-10) & (right - left < 1e-10 * right)
-        if lost.any():
-            self.atoms = np.append(self.atoms, 0.5 * (left + right)[lost])
-            self.atom_weights = np.append(self.atom_weights, (known - mass)[lost])
-        whole, found = float(known[~lost].sum() + mass[lost].sum()), float(mass.sum())
-        if found > 0.0 and abs(whole / found - 1.0) < 1e-6:
-            self._scale = whole / found
+    def edges_for(self, step: float) -> Array:
+        """Edges that sums over cells of width `step` must respect."""
+        return np.concatenate([self.edges[:1], self.inner_edges(4.0 * step), self.edges[-1:]])
 
-    def _find_hard(self) -> npt.NDArray[np.bool_]:
-        """Which inner edges the density bends or jumps at, shape (n - 2,): 8 nodes across them miss something."""
+    def _look_closely(self) -> None:
+        """What a few nodes on every panel and across every inner edge tell, all asked for at once."""
         inner, width = self.edges[1:-1], np.diff(self.edges)
-        declared = (np.abs(inner[:, None] - self.breakpoints) <= 4e-16 * self.breakpoints).any(axis=1)
-        if self.knows_breakpoints:
-            return np.asarray(declared, dtype=bool)
         half = 0.5 * np.minimum(width[1:], width[:-1])
         # lopsided: symmetric nodes integrate a step in the middle exactly
         ends = inner + half * np.array([[-1.0], [0.0], [0.61]])
-        nodes, weights = gauss(ends[[0, 1, 0]], ends[[1, 2, 2]])
-        first, second, across = (weights * self.pdf(nodes)).sum(axis=-1)
+        if self.knows_breakpoints:
+            ends = ends[:, :0]
+        left, right = np.append(self.edges[:-1], ends[[0, 1, 0]]), np.append(self.edges[1:], ends[[1, 2, 2]])
+        nodes, weights = gauss(left, right)
+        masses = weights * self.pdf(nodes)
+        weight = masses[: width.size].sum(axis=1)
+        self._below = np.append(0.0, weight.cumsum())
+        self._keep_all_weight(weight)
+        # below the node before, thresholds weigh less than 1e-19
+        first = int(np.searchsorted(np.cumsum(masses[: width.size]), 1e-19))
+        self.begins = float(nodes[: width.size].ravel()[first - 1]) if first > 0 else float(self.edges[0])
+        self.narrowest = self._find_narrowest(nodes[: width.size].ravel(), masses[: width.size].ravel())
+        declared = (np.abs(inner[:, None] - self.breakpoints) <= 4e-16 * self.breakpoints).any(axis=1)
+        first, second, across = masses[width.size :].sum(axis=1).reshape(3, -1)
         bent = np.abs(first + second - across) > 1e-13 * across + 1e-15
-        return np.asarray(declared | bent, dtype=bool)
+        self._hard = np.asarray(declared if self.knows_breakpoints else declared | bent, dtype=bool)
+
+    def _keep_all_weight(self, mass: Array) -> None:
+        """Weight that floating point cannot tell from a point where the density diverges becomes an atom there; what
+        little the rest lacks is made up, since a lost part in 1e16 grows with the square of the path."""
+        left, right = self.edges[:-1], self.edges[1:]
+        tight = right - left < 1e-10 * right
+        found, whole = float(mass.sum()), 1.0 - float(self.atom_weights.sum())
+        if self.support[1] > self.edges[-1] >= self.top * (1.0 - 1e-12):
+            beyond = self.atom_weights[self.atoms > self.edges[-1]].sum()
+            whole -= float(self.sf(self.edges[-1:])[0] - beyond)
+        if tight.any():
+            lower, upper = self.cdf(self.edges), self.sf(self.edges)
+            known = np.where(lower[:-1] < 0.5, np.diff(lower), -np.diff(upper))
+            for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
+                known = known - weight * ((left < atom) & (atom <= right))
+            lost = (known - mass > 1e-10) & tight
+            self.atoms = np.append(self.atoms, 0.5 * (left + right)[lost])
+            self.atom_weights = np.append(self.atom_weights, (known - mass)[lost])
+            whole = float(known[~lost].sum() + mass[lost].sum())
+        if found > 0.0 and abs(whole / found - 1.0) < 1e-6:
+            self._scale = whole / found
+
+    def _find_narrowest(self, nodes: Array, masses: Array) -> float:
+        """Width of a Gaussian as sharp as the sharpest of the tenths of the weight that the panels reach."""
+        below = np.cumsum(masses) - 0.5 * masses
+        if self.atoms.size:  # a step where each sits
+            order = np.argsort(self.atoms)
+            atoms, steps = self.atoms[order], np.cumsum(self.atom_weights[order])
+            beside = np.interp(atoms, nodes, below) + steps
+            below = below + np.append(0.0, steps)[np.searchsorted(atoms, nodes)]
+            below = np.concatenate([below, beside - self.atom_weights[order], beside])
+            order = np.argsort(below, kind="stable")
+            nodes, below = np.concatenate([nodes, atoms, atoms])[order], below[order]
+        deciles = _DECILES[below[-1] >= _DECILES]
+        spread = np.diff(np.interp(deciles, below, nodes))
+        spread = spread[spread > 0.0]
+        return float(spread.min()) / 0.25 if spread.size else 1.0
 
     def _find_jumps(self) -> tuple[Array, Array, bool]:
         """Points above 0 where the density jumps by a finite amount, by how much, and whether it diverges at one."""
@@ -126,7 +157,17 @@ class Law:
         """Density of the continuous part."""
         density = self._thresholds.pdf(x * self.unit) * (self.unit * self._scale)
         # the density may diverge at an end of the support, where no weight sits
-        return np.where(np.isfinite(density), density, 0.0)
+        return density if np.isfinite(density.sum()) else np.where(np.isfinite(density), density, 0.0)
+
+    def weight_below(self, x: float, enough: float) -> float:
+        """cdf(x), or what the panels alone tell: a bound at or below `enough`, or half of all weight or more."""
+        if not self.atoms.size:
+            panel = int(np.searchsorted(self.edges, x))
+            if panel and self._below[panel - 1] > 0.5:
+                return 0.5
+            if panel < self.edges.size and self._below[panel] <= enough:
+                return float(self._below[panel])
+        return float(self.cdf(np.array([x]))[0])
 
     def sf(self, x: Array) -> Array:
         """Survival."""

@@ -1,6 +1,7 @@
 """Piecewise Legendre series of a function known by its values, refined until its last terms vanish."""
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,7 @@ _PROJECT = ((np.arange(_NODES) + 0.5)[:, None] * legendre.legvander(_X, _NODES -
 _POWERS = np.zeros((_NODES + 1, _NODES + 1))
 for _k in range(_NODES + 1):
     _POWERS[: _k + 1, _k] = legendre.leg2poly(np.eye(_NODES + 1)[_k])[: _k + 1]
+_ALTERNATE = np.where(np.arange(_NODES + 1) % 2, -1.0, 1.0)
 _DEPTH = 60
 
 
@@ -39,26 +41,36 @@ class Piecewise:
         self.error = float(tails.max(initial=0.0)) + self.total_error
         self.edges = edges
         self.coefficients = coefficients
-        half = 0.5 * np.diff(edges)
-        order = np.arange(_NODES)
-        scaled = coefficients * half / (2.0 * order + 1.0)[:, None]
-        integral = np.zeros((_NODES + 1, half.size))
+        self._half = 0.5 * np.diff(edges)
+        # the first Legendre term alone has an integral over the whole panel
+        self._before = np.concatenate([[0.0], np.cumsum(coefficients[0] * np.diff(edges))])
+        self.total = float(self._before[-1])
+
+    @cached_property
+    def _values(self) -> Array:
+        return _POWERS[:_NODES, :_NODES] @ self.coefficients
+
+    @cached_property
+    def _integral(self) -> Array:
+        scaled = self.coefficients * (self._half / (2.0 * np.arange(_NODES) + 1.0)[:, None])
+        integral = np.zeros((_NODES + 1, self._half.size))
         integral[1:] += scaled
         integral[: _NODES - 1] -= scaled[1:]
         # P_k(-1) = (-1)^k: start each panel at what came before it
-        integral[0] -= (integral * np.where(np.arange(_NODES + 1) % 2, -1.0, 1.0)[:, None]).sum(0)
-        whole = integral.sum(0)
-        integral[0] += np.concatenate([[0.0], np.cumsum(whole)[:-1]])
-        self._integral = _POWERS @ integral
-        self._values = _POWERS[:_NODES, :_NODES] @ coefficients
-        self.total = float(whole.sum())
+        integral[0] += self._before[:-1] - (integral * _ALTERNATE[:, None]).sum(axis=0)
+        return _POWERS @ integral
 
     def __call__(self, x: Array) -> Array:
         """Value at x; zero outside the panels."""
         if not self.coefficients.size:
             return np.zeros(np.shape(x))
         inside = (x >= self.edges[0]) & (x <= self.edges[-1])
-        return np.where(inside, self._series(self._values, x), 0.0)
+        if inside.all():
+            return self._series(self._values, x)
+        out = np.zeros(x.shape)
+        if inside.any():
+            out[inside] = self._series(self._values, x[inside])
+        return out
 
     def integral(self, x: Array) -> Array:
         """Integral up to x; the whole of it beyond the last panel."""
@@ -66,17 +78,19 @@ class Piecewise:
             return np.zeros(np.shape(x))
         out = np.where(x >= self.edges[-1], self.total, 0.0)
         inside = (x > self.edges[0]) & (x < self.edges[-1])
-        out[inside] = self._series(self._integral, x[inside])
+        if inside.any():
+            out[inside] = self._series(self._integral, x[inside])
         return out
 
     def _series(self, powers: Array, x: Array) -> Array:
-        panel = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, powers.shape[1] - 1)
+        panel = (np.searchsorted(self.edges, x, side="right") - 1).clip(0, self._half.size - 1)
+        # by both ends: the middle of a panel as narrow as round-off is one of them
         left, right = self.edges[panel], self.edges[panel + 1]
-        t = np.clip((2.0 * x - left - right) / (right - left), -1.0, 1.0)
-        out = powers[-1, panel]
+        t = (((x - left) - (right - x)) / (right - left)).clip(-1.0, 1.0)
+        out = powers[-1].take(panel)
         for row in powers[-2::-1]:
             out *= t
-            out += row[panel]
+            out += row.take(panel)
         return out
 
 
@@ -94,7 +108,7 @@ def tabulate(function: Callable[[Array], Array], edges: Array, accuracy: float =
             break
         width = right - left
         x = left[:, None] + width[:, None] * (0.5 * (_X + 1.0))
-        coefficients = np.einsum("kj,rnj->krn", _PROJECT, function(x))
+        coefficients = np.moveaxis(function(x) @ _PROJECT.T, -1, 0)
         size = np.abs(coefficients).max(axis=0)
         tail = np.abs(coefficients[-2:]).max(axis=0)
         # a position is known to round-off only, so a narrow panel far from 0 cannot be resolved better

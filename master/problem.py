@@ -16,9 +16,7 @@ class Problem:
         self.contacts = contacts
         self.unit = contacts.mean_threshold
         self.end = end
-        low, high = contacts.start.span
-        deepest = float(contacts.thresholds.sf(max(-low, high)))
-        self.law = Law(contacts, _BEYOND * end + max(high, 0.0) / self.unit, deepest if deepest > 0.0 else 1.0)
+        self.law = Law(contacts, _BEYOND * end + max(contacts.start.span[1], 0.0) / self.unit)
         self.first = FirstBreaks(contacts, self.law, _BEYOND * end, 1e-4 * tolerance)
         # corners of the law or of the first breaks above X = 0 make errors uneven
         self.rough = self.law.rough or self.first.has_corners

@@ -16,10 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from master.kinks import Kinks
-from master.lattice import STENCIL, cells, deposit, deposit_atoms, integrate, lagrange
+from master.lattice import STENCIL, deposit_atoms, integrate, lagrange, lay
 from master.problem import Problem
 from master.series import convolve, renew
-from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 
@@ -37,6 +36,9 @@ class Renewal:
     step : float
     released : array
         J_1 at the nodes, without what the atomic chain releases at its own atoms.
+    defect : float
+        By how much the weight of all thresholds on the lattice differed from 1 before it was made so; 0 where they
+        reach beyond it.
     """
 
     def __init__(self, problem: Problem, step: float, end: float) -> None:
@@ -44,15 +46,16 @@ class Renewal:
         size = int(np.ceil(end / step * (1.0 - 1e-12))) + _MARGIN + 1
         self.step = step
         self.size = size
-        left, right = cells(law.edges_for(step), step, size)
-        nodes, weights = gauss(left, right)
-        mass = weights * law.pdf(nodes)
-        smooth, smooth_released = deposit(left, right, [mass, mass * nodes], step, size)
+
+        smooth, smooth_released, source = self._lay(problem)
         kernel = smooth + deposit_atoms(law.atoms, law.atom_weights, step, size)
         release = smooth_released + deposit_atoms(law.atoms, law.atom_weights * law.atoms, step, size)
-        left, right = cells(first.density.edges, step, size)
-        nodes, weights = gauss(left, right)
-        (source,) = deposit(left, right, [weights * first.density(nodes)], step, size)
+        self.defect = 0.0
+        if law.atomic or (law.edges.size and law.edges[-1] < step * (size - 1)):
+            # every generation would lose again what weight the lattice lacks
+            lost = 1.0 - float(kernel.sum())
+            self.defect = abs(lost)
+            kernel, release = kernel + lost * kernel, release + lost * release
         flux = np.zeros(size)
         self._from_chain = np.zeros(size)
         if chain.births.size:
@@ -60,8 +63,8 @@ class Renewal:
             self._from_chain = convolve(smooth, births, size)
             source = source + self._from_chain
             flux += convolve(smooth_released, births, size)
-        breaks = renew(source, kernel)
-        flux += convolve(release, breaks, size)
+        breaks, released = renew(source, kernel, release)
+        flux += released
         self.released = integrate(flux)
         self._flux = flux
         self._kinks: Kinks | None = None
@@ -70,6 +73,27 @@ class Renewal:
             self._kinks = Kinks(law.jumps, law.jump_sizes * law.jumps, first, step)
             self._birth_kinks = Kinks(law.jumps, law.jump_sizes, first, step)
         self._kernel, self._breaks = kernel, breaks
+
+    def _lay(self, problem: Problem) -> tuple[Array, Array, Array]:
+        """P_c, x P_c and b_0 on the nodes, atoms left out."""
+        law, first, step, size = problem.law, problem.first, self.step, self.size
+
+        def thresholds(x: Array) -> list[Array]:
+            density = law.pdf(x)
+            return [density, density * x]
+
+        def breaks(x: Array) -> list[Array]:
+            return [first.density(x)]
+
+        ends, others = law.edges_for(step), first.edges_for(step)
+        if problem.rough:
+            # beside a point where P_c diverges its weight is right on its own panels alone
+            smooth, released = lay(thresholds, 2, ends, step, size)
+            (source,) = lay(breaks, 1, others, step, size)
+        else:
+            every = np.concatenate([ends, others])
+            smooth, released, source = lay(lambda x: thresholds(x) + breaks(x), 3, every, step, size)
+        return smooth, released, source
 
     @cached_property
     def births(self) -> Array:
@@ -94,8 +118,12 @@ class Renewal:
     def read(self, values: Array, x: Array) -> Array:
         """Interpolate values at the nodes to positions x by the eight nodes around each."""
         position = x / self.step
-        cell = np.clip(np.floor(position).astype(np.int64) - (STENCIL // 2 - 1), 0, self.size - STENCIL)
-        return np.einsum("ij,ij->i", lagrange(position - cell), values[cell[:, None] + np.arange(STENCIL)])
+        cell = (position.astype(np.int64) - (STENCIL // 2 - 1)).clip(0, self.size - STENCIL)
+        weights = lagrange(position - cell)
+        out = weights[:, 0] * values[cell]
+        for k in range(1, STENCIL):
+            out += weights[:, k] * values[cell + k]
+        return out
 
 
 class LaterReleased:
@@ -107,19 +135,22 @@ class LaterReleased:
         The widest of them.
     left_out : float
         Bound on J_1 at those of the sorted positions x where it stays below `tiny` and was not looked for.
+    drift : float
+        Error of J_1 at the end of the path from weight of thresholds that had to be made up.
     """
 
     def __init__(self, problem: Problem, step: float, x: Array, tiny: float) -> None:
         self._problem = problem
         self._deeper: list[tuple[float, Renewal]] = []
         self.lattice = Renewal(problem, step, problem.end)
+        self.drift = self.lattice.defect * (1.0 + problem.end)
         self._pieces: list[tuple[float, Renewal]] = []
         lattice = self.lattice
         while True:
-            near = _NEAR * lattice.step if _weight_below(problem, STENCIL * lattice.step) > tiny else 0.0
+            near = _NEAR * lattice.step if _weight_below(problem, STENCIL * lattice.step, tiny) > tiny else 0.0
             self._pieces.append((near, lattice))
             left = x[(x > 0.0) & (x <= near)]
-            self.left_out = bound(problem, float(left[-1])) if left.size else 0.0
+            self.left_out = bound(problem, float(left[-1]), tiny) if left.size else 0.0
             if self.left_out <= tiny:
                 break
             lattice = Renewal(problem, lattice.step / _ZOOM, near)
@@ -167,16 +198,17 @@ class LaterReleased:
         return out
 
 
-def _weight_below(problem: Problem, x: float) -> float:
+def _weight_below(problem: Problem, x: float, tiny: float) -> float:
     """Weight of thresholds or of first breaks below x: what a lattice would hold in one-sided stencils."""
-    at = np.array([x])
-    return float(problem.law.cdf(at)[0]) + float(problem.first.density.integral(at)[0])
+    return problem.law.weight_below(x, tiny) + float(problem.first.density.integral(np.array([x]))[0])
 
 
-def bound(problem: Problem, x: float) -> float:
-    """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x."""
-    at = np.array([x])
-    again = float(problem.law.cdf(at)[0])
+def bound(problem: Problem, x: float, tiny: float) -> float:
+    """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x. Where that is
+    below `tiny`, a rougher bound."""
+    again = problem.law.weight_below(x, tiny / (x + 1.0))
+    if again >= 0.5:
+        return np.inf
     chain = problem.chain
-    broken = float(problem.first.density.integral(at)[0]) + float(chain.weights[chain.births <= x].sum())
-    return x * broken * again / (1.0 - again) if again < 0.5 else np.inf
+    broken = float(problem.first.density.integral(np.array([x]))[0]) + float(chain.weights[chain.births <= x].sum())
+    return x * broken * again / (1.0 - again)

@@ -6,7 +6,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 Array = npt.NDArray[np.float64]
 
-_DAMPING = 1e-12
+_DAMPING = 1e-10
 
 
 def convolve(first: Array, second: Array, size: int) -> Array:
@@ -16,15 +16,15 @@ def convolve(first: Array, second: Array, size: int) -> Array:
     return irfft(rfft(first, length) * rfft(second, length), length)[:size]
 
 
-def renew(source: Array, kernel: Array) -> Array:
-    """Sequence b with b = source + kernel * b, of the size of `source`.
+def renew(source: Array, kernel: Array, release: Array) -> tuple[Array, Array]:
+    """Sequence b with b = source + kernel * b, and release * b; all four of one size.
 
-    Terms are damped by r^j so that what wraps round a transform three times too long is 1e-12 of the rest; the
-    division is then exact but for that and for round-off, which the undamping enlarges. The residual of the first
-    answer, solved for in the same way, takes both away.
+    Terms are damped by r^j so that what wraps round a transform twice too long is 1e-10 of the rest; the division is
+    then exact but for that and for round-off, which the undamping enlarges. The residual of the first answer, solved
+    for in the same way, takes both away.
     """
     size = source.size
-    length = next_fast_len(3 * size, real=True)
+    length = next_fast_len(2 * size, real=True)
     damping = np.exp(np.log(_DAMPING) / length * np.arange(size))
     undamping = 1.0 / damping
     inverse = 1.0 / (1.0 - rfft(kernel * damping, length))
@@ -33,4 +33,5 @@ def renew(source: Array, kernel: Array) -> Array:
         return irfft(rfft(right * damping, length) * inverse, length)[:size] * undamping
 
     breaks = divide(source)
-    return breaks + divide(source - breaks + convolve(kernel, breaks, size))
+    breaks += divide(source - breaks + irfft(rfft(kernel, length) * rfft(breaks, length), length)[:size])
+    return breaks, irfft(rfft(release, length) * rfft(breaks, length), length)[:size]

@@ -10,17 +10,20 @@ from master.renewal import LaterReleased, bound
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
-from origins.errors import positive
+from origins.errors import positive, refuse
 
 Array = npt.NDArray[np.float64]
 
 ROUND_OFF = 1e-13
 MOST_NODES = 2**20
 SMOOTH = 1.0 / 32.0  # four times what is left of a difference at eighth order would be 1/64
-_FEWEST_NODES = 64
+_CLOSE = 0.5**0.5  # ratio of the steps of two lattices whose difference is at least the error of the finer
+_FEW = 200  # positions: fewer may all fall where a lattice happens to be good
+_FEWEST_NODES = 256
 _STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
 _BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
 _MOST_AROUND = 2000
+_FURTHEST = 1e100  # mean thresholds: its square is still a number
 
 
 def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> Solution:
@@ -50,6 +53,8 @@ def solve(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> S
     check_contacts(contacts, "master.solve")
     drive = Drive(path)
     x = drive.path / contacts.mean_threshold
+    if x[-1] > _FURTHEST:
+        refuse("path[-1]", drive.path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
     problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance)
     first = problem.first
     force = first.mean_start + x - first.released(x)
@@ -80,11 +85,12 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
     floor = round_off(problem)
     tiny = min(1e-2 * tolerance, 1e-9)
     listed = problem.law.atomic and problem.first.single
-    if listed or bound(problem, end) <= 1e-2 * floor:
+    if listed or bound(problem, end, 1e-2 * floor) <= 1e-2 * floor:
         message = f"round-off allows {floor:.1e}, above the tolerance {tolerance:.1e}"
         return problem.chain.released(x), floor, None, message
     step = first_step(problem, end, tolerance)
     rough = problem.rough
+    shrink = 0.5 if rough else _CLOSE
     coarser: tuple[LaterReleased, Array] | None = None
     best: tuple[Array, float, LaterReleased] | None = None
     difference = before = np.inf
@@ -96,14 +102,17 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
             # towards X = 0 a coarser lattice hands over to finer ones earlier: there the change is the error itself
             finer = later.step_at(x) < coarser[0].step_at(x)
             before, difference = difference, float(change[finer].max(initial=0.0))
-            if rough and finer.any():
+            if (rough or x.size < _FEW) and finer.any():
                 around = _around(x[finer], 2.0 * step)
                 around = around[later.step_at(around) < coarser[0].step_at(around)]
                 difference = max(difference, float(np.abs(later(around) - coarser[0](around)).max(initial=0.0)))
             handed_over = 1.5 * float(change[~finer].max(initial=0.0))
-            error = max(estimate(difference, before, _least(problem, step), problem.law.diverges), handed_over)
-            error += later.left_out + floor
-            if np.isfinite(before):
+            if rough:
+                left = estimate(difference, before, _least(problem, step), problem.law.diverges)
+            else:
+                left = difference
+            error = max(left, handed_over) + later.left_out + later.drift + floor
+            if not rough or np.isfinite(before):
                 if best is None or error < best[1]:
                     best = answer, error, later
                 level = max(difference, float(change.max()))
@@ -116,7 +125,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                     reached = f"error estimate {best[1]:.1e} on {later.lattice.size} nodes, above the tolerance"
                     return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
         coarser = later, answer
-        step *= 0.5
+        step *= shrink
 
 
 def round_off(problem: Problem) -> float:
@@ -140,9 +149,13 @@ def _around(x: Array, step: float) -> Array:
 
 
 def first_step(problem: Problem, end: float, tolerance: float) -> float:
-    """Coarsest of the lattices tried; the third should do, its error being of order (step / narrowest width)^8."""
-    aim = 1.4 * problem.law.narrowest * min(tolerance, 1e-3) ** 0.125
-    step = min(4.0 * aim, end / _FEWEST_NODES)
+    """Coarsest of the lattices tried: the second should do, the third where the problem is rough, its error being of
+    order (step / narrowest width)^8."""
+    narrowest = problem.law.narrowest
+    if problem.rough:
+        step = min(5.6 * narrowest * min(tolerance, 1e-3) ** 0.125, 4.0 * end / _FEWEST_NODES)
+    else:
+        step = min(2.1 * narrowest * min(tolerance, 3e-5) ** 0.125, end / _FEWEST_NODES)
     step = max(step, end * 8.0 / MOST_NODES)
     atoms, weights = problem.law.atoms, problem.law.atom_weights
     if atoms.size:  # the heaviest atom falls on a node, so that it is folded without loss

@@ -2,6 +2,7 @@
 
 from origins.ageing import Ageing
 from origins.barriers import barrier, triangular_barrier
+from origins.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
 from origins.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.contacts import Contacts
 from origins.continuous_mixture import continuous_mixture
@@ -46,6 +47,7 @@ from origins.weibull import gw_elastic, gw_plastic
 
 __all__ = [
     "Ageing",
+    "Bootstrapped",
     "Contacts",
     "Delay",
     "DomainSamples",
@@ -63,6 +65,8 @@ __all__ = [
     "Thresholds",
     "barrier",
     "boltzmann_reforming",
+    "bootstrap",
+    "bootstrap_laws",
     "circular_island",
     "column_stiffness",
     "continuous_mixture",

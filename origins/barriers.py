@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _BLOCK = 1 << 13  # islands at once, to stay in the cache
 _LANDSCAPES = 512
-_NOTHING = 1e-15  # against the largest wave, smaller ones are rounding
+_NOTHING = 1e-13  # against the largest wave, smaller ones count as none
 
 
 def barrier(atoms: "ase.Atoms", angle: npt.ArrayLike, substrate: Substrate | None = None) -> Array:

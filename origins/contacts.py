@@ -69,6 +69,13 @@ class Contacts:
         self.thresholds = as_thresholds(thresholds)
         self.interface = self.thresholds.interface
         self.start = as_start(start)
+        positions, weights = self.thresholds.atoms
+        loose = float(weights[positions <= 0.0].sum())
+        if loose > 0.0:
+            raise InputError(
+                f"thresholds: a weight of {loose:.3g} lies at x = 0; such contacts never hold, so leave them out and "
+                "count them apart"
+            )
         try:
             self.mean_threshold = self.thresholds.mean()
         except (OverflowError, ZeroDivisionError) as error:

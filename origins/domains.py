@@ -221,6 +221,8 @@ def _family(
     if islands is not None:
         if lattice_constant is not None:
             refuse("lattice_constant", lattice_constant, "islands have their own; leave it out")
+        if hasattr(islands, "get_positions"):
+            refuse("islands", islands, "is one island, and they are a list; write [atoms]")
         if len(islands) == 0:
             refuse("islands", islands, "must hold at least one ase.Atoms")
         return ListedFamily(islands, substrate, shares_of(weights, len(islands)))
@@ -234,7 +236,10 @@ def _family(
         if decay > _MOST_ATOMS:
             refuse("mean_atoms", mean_atoms, f"must be at most {_MOST_ATOMS:g}")
         return TriangularFamily(a, substrate, np.empty((0, 2), dtype=np.int64), np.empty(0), decay)
-    pairs = np.asarray(sizes)
+    try:
+        pairs = np.asarray(sizes)
+    except ValueError:  # rows of different lengths
+        pairs = np.empty(0)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) == 0 or pairs.dtype.kind not in "iu" or pairs.min() < 1:
         refuse("sizes", sizes, "must be pairs (n_i, n_j) of whole numbers of at least 1, such as [(10, 9)]")
     if pairs.prod(-1, dtype=float).max() > _MOST_ATOMS:

@@ -60,8 +60,12 @@ def grains(
         if rho > _LARGEST:
             refuse("rho", rho, f"must be at most {_LARGEST:g}")
         return law(excess, B)
-    if alpha is None or time is None:
+    if alpha is None and time is None:
         refuse("rho", rho, "is missing; give rho, such as 2.0, or alpha and time")
+    if alpha is None:
+        refuse("alpha", alpha, "is missing; rho = alpha time^(1/3) takes both, or give rho alone")
+    if time is None:
+        refuse("time", time, "is missing; rho = alpha time^(1/3) takes both, or give rho alone")
     alpha, time = positive("alpha", alpha), positive("time", time)
     with localcontext(prec=_DIGITS):
         excess = Decimal("1.5") * Decimal(alpha) * Decimal(time) ** (Decimal(1) / 3) - 1

@@ -183,8 +183,8 @@ def pressed(summits: Summits, pressure: float) -> SummitContact:
         refuse(
             "pressure",
             pressure,
-            f"exponential heights bear at most {summits.pressure(0.0):.3g} Pa, where every summit touches; write "
-            'height_law="gaussian" or model="persson"',
+            f"exponential heights bear at most {summits.pressure(0.0):.3g} Pa, where every summit touches; take "
+            'height_law="gaussian", or the thresholds of model="persson"',
         )
     if contact.area_fraction >= 1.0:
         refuse("pressure", pressure, _covered(contact, "lower it"))
@@ -194,7 +194,8 @@ def pressed(summits: Summits, pressure: float) -> SummitContact:
 def _covered(contact: SummitContact, remedy: str) -> str:
     return (
         f"summits would cover {contact.area_fraction:.3g} of the surface; Greenwood and Williamson hold for contacts "
-        f'far apart, so {remedy} or write model="persson"'
+        f'far apart, so {remedy}, or take the thresholds of model="persson"; are heights and pixel size in metres, '
+        "pressure and moduli in Pa?"
     )
 
 
@@ -245,7 +246,7 @@ def pressure_of_separation(
 def thresholds_of_compression(summits: Summits, material: Material, law: str) -> tuple[Bend, Bend]:
     """x_s in m and f_s in N against delta in m, under a threshold law; see rough_contact.from_topography.
 
-    Raises InputError where x_s would fall or stay as delta grows: where k grows as A or faster than that.
+    Raises InputError where x_s would fall or stay as delta grows: where k grows as f_s or faster than that.
     """
     area, load = summits.area, summits.load
     if law == "strength":

@@ -11,6 +11,7 @@ from origins.thresholds import Thresholds
 # b of x_s ~ delta^b, elastic and plastic, for k ~ A^(1/2)
 EXPONENTS = {"paper": (0.75, 0.5), "amontons": (1.0, 0.5), "strength": (0.5, 0.5)}
 _DEEPEST, _HIGHEST = -1e3, 1e6
+_SHORTEST, _LONGEST = 1e-150, 1e150  # whose squares are still numbers
 
 
 def gw_gaussian(
@@ -38,7 +39,7 @@ def gw_gaussian(
         h0/sigma_h, from the summits' mean plane, from -1e3 to 1e6. Heavy load is below 0; from about -3 on every
         summit touches, where the model has little left to say. separation_of_pressure finds it from a load.
     scale : float
-        Threshold of a contact compressed by sigma_h, a length.
+        Threshold of a contact compressed by sigma_h, a length, from 1e-150 to 1e150.
     law : "paper", "amontons" or "strength"
         As in from_topography.
     regime : "elastic", "plastic" or "mixed"
@@ -52,6 +53,8 @@ def gw_gaussian(
     z, scale = finite("separation", separation), positive("scale", scale)
     if not _DEEPEST <= z <= _HIGHEST:
         refuse("separation", separation, f"is h0/sigma_h and must lie between {_DEEPEST:g} and {_HIGHEST:g}")
+    if not _SHORTEST <= scale <= _LONGEST:
+        refuse("scale", scale, f"must lie between {_SHORTEST:g} and {_LONGEST:g}; choose another unit of length")
     if not isinstance(law, str) or law not in EXPONENTS:
         refuse("law", law, 'must be "paper", "amontons" or "strength"')
     elastic, plastic = EXPONENTS[law]

@@ -2,17 +2,22 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, non_negative
+from origins.errors import InputError, non_negative, refuse
 from origins.material import Material
 from origins.power_law import Array, Bend
 from origins.spectral_moments import SpectralMoments
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI
-_APART = 0.1  # area fraction beyond which summits are hardly apart: this toolkit's choice
-_ISOTROPIC = 1.5  # ratio of rms slopes along the axes, likewise
-_PLASTIC = 0.01  # fraction of contacts, likewise
+# where strain begins: this toolkit's choice
+_APART = 0.1  # area fraction beyond which contacts are hardly apart
+_FULL = 0.995  # area fraction that is full contact
+_ISOTROPIC = 1.5  # ratio of rms slopes along the axes
+_PLASTIC = 0.01  # fraction of contacts
+_STEEP = 0.5  # rms slope
+_PIXELS = 2.0  # radius of a contact, in pixels
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,8 @@ class Interface:
         Contacts per nominal area, 1/m².
     mean_radius : float
         <(A/pi)^(1/2)> over the contacts, m.
+    mean_threshold : float
+        <x_s> over fresh contacts, m: the way that one goes before it slips.
     mean_stiffness : float
         <k> over fresh contacts, k = f_s/x_s, N/m.
     mean_force_threshold : float
@@ -52,6 +59,8 @@ class Interface:
     plastic_fraction : float or None
         gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime "mixed"; all of
         them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
+    hertz_plastic_fraction : float or None
+        The same fraction were all contacts elastic under this pressure, whatever the regime.
     regime : str
         gw only, else "elastic": "elastic", "plastic" or "mixed".
     separation : float or None
@@ -68,12 +77,14 @@ class Interface:
     area_fraction: float
     contact_density: float
     mean_radius: float
+    mean_threshold: float
     mean_stiffness: float
     mean_force_threshold: float
     friction_coefficient: float
     force_law: Bend
     plasticity_index: float | None
     plastic_fraction: float | None
+    hertz_plastic_fraction: float | None
     regime: str = "elastic"
     separation: float | None = None
     patch_area: float | None = None
@@ -94,8 +105,17 @@ class Interface:
         return None if self.separation is None else self.separation + self.moments.summit_offset
 
     def force_threshold(self, threshold: npt.ArrayLike) -> Array:
-        """f_s in N of contacts that break at the stretches `threshold` in m; shape as given. Their k is f_s/x_s."""
-        return self.force_law(threshold)
+        """f_s in N of contacts that break at the stretches `threshold` in m; shape as given. Their k is f_s/x_s.
+
+        Raises InputError for what is no number, is not finite or is below zero.
+        """
+        try:
+            lengths = np.asarray(threshold, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            refuse("threshold", threshold, "must be a length in m, or an array of them")
+        if not (np.isfinite(lengths) & (lengths >= 0.0)).all():
+            refuse("threshold", threshold, "must be finite and zero or above, in m")
+        return self.force_law(lengths)
 
     def temperature(self, kelvin: float | None = None, energy: float | None = None) -> float:
         """k_BT/<k> in m², the temperature of a contact's laws, of `kelvin` (K) or of `energy` = k_BT (J).
@@ -116,6 +136,17 @@ class Interface:
                 f"contacts cover {self.area_fraction:.0%} of the surface: Greenwood and Williamson's summits are far "
                 "apart and do not feel each other"
             )
+        if self.model == "persson" and self.area_fraction >= _FULL:
+            said.append("full contact: no contact stands alone, and patches do not slip one by one")
+        elif self.model == "persson" and self.area_fraction > _APART:
+            said.append(
+                f"contacts cover {self.area_fraction:.0%} of the surface: neighbouring patches are hardly independent"
+            )
+        if self.moments.rms_slope > _STEEP:
+            said.append(
+                f"rms slope is {self.moments.rms_slope:.2g}, and the theories are for small ones: are heights and "
+                "pixel size in one unit?"
+            )
         along, across = sorted(self.moments.m2_axes)
         if across > _ISOTROPIC**2 * along:
             said.append(
@@ -124,4 +155,26 @@ class Interface:
             )
         if self.regime == "elastic" and (self.plastic_fraction or 0.0) > _PLASTIC:
             said.append(f"{self.plastic_fraction:.0%} of the contacts would be plastic, and are taken as elastic")
+        if self.regime == "plastic" and (self.hertz_plastic_fraction or 0.0) < _PLASTIC:
+            said.append(
+                f"{self.hertz_plastic_fraction:.1%} of the contacts would be plastic by Hertz' theory, and all are "
+                "taken as plastic"
+            )
+        if self.mean_threshold > self.mean_radius:
+            said.append(
+                f"contacts would slip after {self.mean_threshold:.2g} m on average, more than their mean radius of "
+                f"{self.mean_radius:.2g} m"
+            )
+        pixels = self.moments.pixel_size
+        # the area of Persson's patches is not the scan's to resolve
+        if self.model == "gw" and pixels is not None and self.mean_radius < _PIXELS * max(pixels):
+            said.append(
+                f"mean radius of a contact is {self.mean_radius / max(pixels):.2g} pixels: the scan does not resolve it"
+            )
+        local = self.material.local_friction
+        if self.law != "strength" and local is not None and self.friction_coefficient > local:
+            said.append(
+                f"friction coefficient {self.friction_coefficient:.2g} is above the local {local:.2g}: Eq. Q6 pairs "
+                "k and x_s at random"
+            )
         return tuple(said)

@@ -20,7 +20,7 @@ _NEAR, _NEAR_FLAT = 1e-5, 3e-3  # how far from a point a descent to it may end
 _LONGEST = 0.5  # step of a descent, in radians of the fastest wave
 _SAMPLES = 4
 _MOST_STEPS = 5000
-_FLATTEST = 1e-12
+_FLATTEST = 1e-15
 _NOISE = 4e-15  # rounding of a gradient, of the waves that have a part in it
 _TURN = 2.0 * np.pi
 

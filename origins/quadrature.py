@@ -43,7 +43,7 @@ def panel_edges(
     """
     lower, end = thresholds.support()
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
-    low, high = thresholds.ppf(_SEEDS), thresholds.isf(np.concatenate([_SEEDS, far, [tail]]))
+    low, high = thresholds.rough_quantiles(_SEEDS, np.concatenate([_SEEDS, far, [tail]]))
     # a quantile that a law cannot give is no seed
     low, high = low[np.isfinite(low)], high[np.isfinite(high)]
     seeds = [low, high[:-1], thresholds.breakpoints]
@@ -54,13 +54,13 @@ def panel_edges(
     edges = edges[(edges >= lower) & (edges <= top)]
     left, right = edges[:-1], edges[1:]
     scale = float(low[-1] if low.size else top) or 1.0
-    whole = _mass(thresholds, left, right, scale)
+    middle = _middle(left, right)
+    # asked for all three at once: many a law takes longer to be asked than to answer
+    whole, first, second = _mass(thresholds, np.stack([left, left, middle]), np.stack([right, middle, right]), scale)
     known = _cdf_mass(thresholds, left, right)
     finished_left, finished_right = [], []
     done = np.zeros(2)
     for _ in range(_DEPTH):
-        middle = _middle(left, right)
-        first, second = _mass(thresholds, left, middle, scale), _mass(thresholds, middle, right, scale)
         # rare but distant weight makes <x> large beside the median; and the nodes themselves are rounded, which no
         # halving can see through
         level = np.maximum(done + whole.sum(axis=1), 1.0)[:, None]
@@ -85,7 +85,10 @@ def panel_edges(
         # the cdf is asked again only where it told something: elsewhere the halves agree with the whole
         again = np.tile(missed[open_], 2)
         known = whole[0].copy()
-        known[again] = _cdf_mass(thresholds, left[again], right[again])
+        if again.any():
+            known[again] = _cdf_mass(thresholds, left[again], right[again])
+        middle = _middle(left, right)
+        first, second = _mass(thresholds, np.stack([left, middle]), np.stack([middle, right]), scale)
     else:
         finished_left.append(left)
         finished_right.append(right)
@@ -105,9 +108,10 @@ def _reach(thresholds: "Thresholds", x: float, tail: float) -> float:
 
 
 def _mass(thresholds: "Thresholds", left: Array, right: Array, scale: float) -> Array:
+    """Weight and first moment (over scale) of panels, shape (m, 2, n) for ends of shape (m, n)."""
     nodes, weights = gauss(left, right)
-    density = _finite_density(thresholds, nodes)
-    return np.stack([(density * weights).sum(-1), (density * weights * nodes).sum(-1) / scale])
+    weights *= _finite_density(thresholds, nodes)
+    return np.stack([weights.sum(-1), np.einsum("...i,...i->...", weights, nodes) / scale], axis=-2)
 
 
 def _finite_density(thresholds: "Thresholds", nodes: Array) -> Array:
@@ -118,9 +122,9 @@ def _finite_density(thresholds: "Thresholds", nodes: Array) -> Array:
 
 def _cdf_mass(thresholds: "Thresholds", left: Array, right: Array) -> Array:
     """Weight between left and right, atoms left out."""
-    low = thresholds.cdf(right) - thresholds.cdf(left)
-    high = thresholds.sf(left) - thresholds.sf(right)
-    mass = np.where(thresholds.cdf(left) < 0.5, low, high)
+    ends = np.stack([left, right])
+    below, above = thresholds.cdf(ends), thresholds.sf(ends)
+    mass = np.where(below[0] < 0.5, below[1] - below[0], above[0] - above[1])
     for position, weight in zip(*thresholds.atoms, strict=True):
         mass = mass - weight * ((left < position) & (position <= right))
     return mass

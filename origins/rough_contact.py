@@ -1,9 +1,12 @@
 """From a rough surface to thresholds in metres: contact model times threshold law."""
 
+from os import PathLike
+
 import numpy as np
 
 from origins.errors import positive, refuse, whole
 from origins.greenwood_williamson import (
+    SummitContact,
     critical_compression,
     plasticity_index,
     pressed,
@@ -61,7 +64,8 @@ def from_topography(
         amontons    delta            s
         strength    delta^(1/2)      refused: patches of one area would break at one threshold
 
-        for k ~ A^(1/2); plastic summits go as delta^(1/2) under every law. Another k: Material(contact_stiffness=...).
+        for k ~ A^(1/2); plastic summits go as delta^(1/2) under every law. Another k: Material(contact_stiffness=...),
+        but under "paper", whose k is c x_s and which refuses one.
     material : Material
         SI units; what the law needs and is not there is asked for by name.
     pressure : float
@@ -85,6 +89,7 @@ def from_topography(
 
     Raises InputError for values outside these and for combinations without meaning, with what to write instead.
     """
+    _no_file_name(heights)
     moments = spectral_moments(heights, pixel_size, detrend=detrend, periodic=periodic, step=step)
     return from_moments(
         moments,
@@ -118,6 +123,8 @@ def from_moments(
         refuse("law", law, 'must be "paper", "amontons" or "strength"')
     if not isinstance(material, Material):
         refuse("material", material, "must be origins.Material(contact_modulus=..., ...)")
+    if law == "paper" and material.contact_stiffness is not None:
+        refuse("material.contact_stiffness", material.contact_stiffness, 'law = "paper" has k = c x_s; leave it out')
     pressure = positive("pressure", pressure)
     if model == "gw":
         if patch_area is not None:
@@ -161,9 +168,16 @@ def resolution_study(
         refuse("factors", factors, "must be a tuple of whole numbers, such as (1, 2, 4, 8)")
     if "step" in options:
         refuse("step", options["step"], "is what the study varies; write factors=(1, 2, 4, 8)")
+    _no_file_name(heights)
     surface = as_topography(heights, pixel_size)
     steps = [whole("factors", factor, 1) for factor in factors]
     return tuple(from_topography(surface, step=step, **options) for step in steps)  # type: ignore[arg-type]
+
+
+def _no_file_name(heights: object) -> None:
+    if isinstance(heights, str | PathLike):
+        rule = f"is a file's name; write SurfaceTopography.read_topography({str(heights)!r}) in its place"
+        refuse("heights", heights, rule)
 
 
 def _on_summits(
@@ -172,10 +186,12 @@ def _on_summits(
     contact = pressed(summits_of(moments, material, regime, height_law), pressure)
     threshold, force = thresholds_of_compression(contact.summits, material, law)
     thresholds = contact.thresholds(threshold)
-    plastic = None
+    plastic = of_hertz = None
     if material.hardness is not None:
         limit = critical_compression(moments.summit_radius, material.contact_modulus, material.hardness)
         plastic = 1.0 if regime == "plastic" else contact.fraction_beyond(limit)
+        elastic = summits_of(moments, material, "elastic", height_law)
+        of_hertz = SummitContact(elastic, elastic.separation(pressure)).fraction_beyond(limit)
     stiffness = contact.mean(force.over(threshold))
     radius = contact.summits.area.each(lambda area: area.times(1.0 / np.pi).power(0.5))
     thresholds.interface = Interface(
@@ -187,12 +203,14 @@ def _on_summits(
         area_fraction=contact.area_fraction,
         contact_density=contact.contact_density,
         mean_radius=contact.mean(radius),
+        mean_threshold=thresholds.mean(),
         mean_stiffness=stiffness,
         mean_force_threshold=contact.mean(force),
         friction_coefficient=_friction(thresholds, contact.contact_density, stiffness, pressure),
         force_law=force.seen_from(threshold),
         plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
         plastic_fraction=plastic,
+        hertz_plastic_fraction=of_hertz,
         regime=regime,
         separation=contact.separation,
     )
@@ -221,12 +239,14 @@ def _on_patches(
         area_fraction=contact.area_fraction,
         contact_density=density,
         mean_radius=float(np.sqrt(patch_area / np.pi)),
+        mean_threshold=thresholds.mean(),
         mean_stiffness=stiffness,
         mean_force_threshold=mean_force,
         friction_coefficient=_friction(thresholds, density, stiffness, pressure),
         force_law=Bend(of_threshold, of_threshold, np.inf),
         plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
         plastic_fraction=plastic,
+        hertz_plastic_fraction=plastic,
         patch_area=patch_area,
     )
     return thresholds

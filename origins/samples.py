@@ -5,12 +5,12 @@ import numpy.typing as npt
 
 from origins.errors import InputError, finite_array, positive, refuse
 from origins.identical import identical
-from origins.inversion import invert_hazard
-from origins.quadrature import NODES, gauss
+from origins.mixture import Mixture
+from origins.smoothing import smooth
 from origins.thresholds import Array, Thresholds
 
-_MOST_CELLS = 39
 _DOUBT = 0.05
+_NARROWEST = 1e-9  # of the largest sample: what is closer together is one value
 
 
 def from_samples(
@@ -18,17 +18,21 @@ def from_samples(
     *,
     f_s: npt.ArrayLike | None = None,
     coefficient: float | None = None,
-    stiffness: float | None = None,
+    stiffness: npt.ArrayLike | None = None,
+    weights: npt.ArrayLike | None = None,
 ) -> Thresholds:
-    """A smooth P_c through threshold values of your own; one value, or all equal, gives identical().
+    """A smooth P_c through threshold values of your own; one value, or all equal to within 1e-9, gives identical().
 
     x_s : array of shape (n,), lengths above zero; or instead of it
-    f_s : array of shape (n,), forces above zero, turned into lengths either by the paper's quadratic law
-        f_s = coefficient * x_s^2 (coefficient in force per length^2) or at fixed stiffness, x_s = f_s / stiffness.
+    f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
+    coefficient : c of the paper's quadratic law f_s = c x_s^2 (Eq. PxPf), so x_s = (f_s/c)^(1/2); force per length^2.
+    stiffness : k of x_s = f_s/k, one for all contacts or an array of shape (n,), force per length, above zero.
+    weights : array of shape (n,), above zero, on any scale: how much each sample counts; all the same when left out.
 
-    The result carries its sampling error: `n_samples`, `cdf_error`, `cdf_misfit` (see Sampled).
-    Raises InputError for values that are missing, not finite or not above zero, and unless exactly one of x_s and
-    f_s, and for f_s exactly one of the two laws, is given.
+    The result carries its sampling error: `n_samples`, `effective_samples`, `cdf_error`, `cdf_misfit`, `beyond` (see
+    Sampled), and `origins.bootstrap` gives that of any number derived from it.
+    Raises InputError for values that are missing, not finite or not above zero, for arrays of different lengths, and
+    unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given.
     """
     if (x_s is None) == (f_s is None):
         raise InputError("from_samples: give either x_s, the thresholds as lengths, or f_s, as forces, and not both")
@@ -36,131 +40,98 @@ def from_samples(
         for name, value in (("coefficient", coefficient), ("stiffness", stiffness)):
             if value is not None:
                 refuse(name, value, "turns forces f_s into lengths; leave it out with x_s")
-        return _from_lengths(_above_zero("x_s", x_s))
-    forces = _above_zero("f_s", f_s)
+        lengths = _above_zero("x_s", x_s)
+    else:
+        lengths = _lengths(_above_zero("f_s", f_s), coefficient, stiffness)
+    counts = np.ones(lengths.size) if weights is None else _one_each("weights", weights, lengths.size)
+    order = np.argsort(lengths, kind="stable")
+    lengths, shares = lengths[order], counts[order] / counts.max()
+    shares /= shares.sum()
+    if lengths[-1] - lengths[0] <= _NARROWEST * lengths[-1]:
+        return identical(float(shares @ lengths))
+    return Sampled(lengths, shares, lengths.size, float(1.0 / (shares @ shares)))
+
+
+def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None) -> Array:
     if (coefficient is None) == (stiffness is None):
         raise InputError(
             "from_samples: with f_s give either coefficient, for f_s = coefficient * x_s^2, or stiffness, for "
             "x_s = f_s / stiffness, and not both"
         )
-    if coefficient is not None:
-        return _from_lengths(np.sqrt(forces / positive("coefficient", coefficient)))
-    return _from_lengths(forces / positive("stiffness", stiffness))
-
-
-def _above_zero(name: str, value: object) -> Array:
-    array = finite_array(name, value)
-    bad = np.flatnonzero(array <= 0.0)
+    if stiffness is None:
+        lengths = np.sqrt(forces / positive("coefficient", coefficient))
+    elif np.ndim(stiffness) == 0:
+        lengths = forces / positive("stiffness", stiffness)
+    else:
+        lengths = forces / _one_each("stiffness", stiffness, forces.size)
+    bad = np.flatnonzero(~((lengths > 0.0) & (lengths < np.inf)))
     if bad.size:
-        refuse(f"{name}[{bad[0]}]", array[bad[0]], "must be above zero: a contact holds until its threshold")
+        refuse(f"f_s[{bad[0]}]", forces[bad[0]], f"makes a length of {lengths[bad[0]]:g}; choose other units")
+    return lengths
+
+
+def _one_each(name: str, value: object, size: int) -> Array:
+    array = _above_zero(name, value, "")
+    if array.size != size:
+        refuse(name, array, f"must hold one value for each of the {size} samples")
     return array
 
 
-def _from_lengths(lengths: Array) -> Thresholds:
-    lengths = np.sort(lengths)
-    if lengths[0] == lengths[-1]:
-        return identical(float(lengths[0]))
-    return Sampled(lengths)
+def _above_zero(name: str, value: object, why: str = ": a contact holds until its threshold") -> Array:
+    array = finite_array(name, value)
+    bad = np.flatnonzero(array <= 0.0)
+    if bad.size:
+        refuse(f"{name}[{bad[0]}]", array[bad[0]], "must be above zero" + why)
+    return array
 
 
-class Sampled(Thresholds):
-    """Monotone cubic (PCHIP) cdf through a few quantiles of the samples; the density is continuous.
+class Sampled(Mixture):
+    """Logspline density: log P_c = m log x + a cubic spline with few knots, by maximum likelihood.
 
-    About 2 n^(1/3) cells between the smallest and the largest sample, at most 39, denser towards both ends; no
-    weight lies outside. Equal samples count as one value known to the distance of its neighbours.
+    How many knots, and whether P_c begins as a power x^m, at a finite value at x = 0 or with an edge at the smallest
+    sample, and ends as an exponential or with an edge at the largest, is what Schwarz' criterion makes of the samples;
+    thresholds over many decades are counted by log(1 + x/median). Each side of a gap is a law of its own. Beyond the
+    extreme samples there is about as much weight as random samples leave there, one sample's worth. <x_s> is that of
+    the samples, to round-off, where they do not span decades.
+
+    n log n in the number of samples; memory for a few copies of them.
 
     Attributes
     ----------
     n_samples : int
+    effective_samples : float
+        (sum of the weights)^2 / sum of their squares: what the errors count; n_samples without weights.
     cdf_error : float
         The cdf of the law the samples came from lies within this of their empirical cdf, everywhere at once, with
-        95 % confidence (Dvoretzky, Kiefer, Wolfowitz).
+        95 % confidence (Dvoretzky, Kiefer, Wolfowitz), by the effective samples.
     cdf_misfit : float
         Largest distance of this smooth cdf from the empirical one.
+    beyond : (float, float)
+        Weight below the smallest sample and above the largest.
+    onset_power, onset_power_error : float
+        m and its error over all models that the samples allow. Where P_c begins at a finite value, m = 0, and the error
+        is how far from 0 a fitted power would be, and its own; inf where the samples are too far from 0, or begin too
+        sharply, to tell.
     """
 
-    def __init__(self, ordered: Array) -> None:
-        self.n_samples = ordered.size
-        self.cdf_error = float(np.sqrt(np.log(2.0 / _DOUBT) / (2.0 * ordered.size)))
-        values, first, counts = np.unique(ordered, return_index=True, return_counts=True)
-        # the share below a value, from 0 at the smallest to 1 at the largest, and the share above it
-        rank = first + 0.5 * (counts - 1)
-        rank[0], rank[-1] = 0.0, ordered.size - 1.0
-        cells = int(min(np.round(2.0 * np.cbrt(ordered.size)), ordered.size - 1, _MOST_CELLS))
-        wanted = 0.5 * (1.0 - np.cos(np.pi * np.arange(cells + 1) / cells)) * rank[-1]
-        picked = np.unique(np.searchsorted(rank, np.round(wanted)).clip(0, rank.size - 1))
-        self._knots = values[picked]
-        self._below = rank[picked] / rank[-1]
-        self._above = (rank[-1] - rank[picked]) / rank[-1]
-        self._width = np.diff(self._knots)
-        self._share = np.diff(rank[picked]) / rank[-1]
-        slopes = _monotone_slopes(self._width, self._share / self._width)
-        # Bernstein coefficients of the cdf in each cell; 0 to 1 by the slopes' limits, so that sums never cancel
-        self._start = np.minimum(slopes[:-1] * self._width / (3.0 * self._share), 1.0)
-        self._end = np.minimum(slopes[1:] * self._width / (3.0 * self._share), 1.0)
-        self.onset_power = 0.0 if self._start[0] > 0.0 else 1.0 if self._end[0] < 1.0 else 2.0
-        steps = np.stack([first, first + counts]) / ordered.size
-        self.cdf_misfit = float(np.abs(self.cdf(values) - steps).max())
+    def __init__(self, ordered: Array, shares: Array, n_samples: int, effective_samples: float) -> None:
+        """ordered : values, sorted, at least two of them different; shares : what each counts, of sum 1."""
+        self.n_samples, self.effective_samples = n_samples, effective_samples
+        self.cdf_error = float(np.sqrt(np.log(2.0 / _DOUBT) / (2.0 * self.effective_samples)))
+        values, first = np.unique(ordered, return_index=True)
+        shares = np.add.reduceat(shares, first)
+        pieces = smooth(values, shares, self.effective_samples)
+        weights = np.array([piece.share for piece in pieces])
+        super().__init__([piece.law for piece in pieces], weights / weights.sum())
+        # a piece above a gap reaches down to 0 as well, with next to nothing
+        lowest = pieces[0].law
+        self.onset_power, self.onset_power_error = lowest.onset_power, lowest.onset_power_error
+        smooth_cdf, steps = self.cdf(values), np.cumsum(shares)
+        self.cdf_misfit = float(max((steps - smooth_cdf).max(), (smooth_cdf - steps + shares).max()))
+        self.beyond = float(self.cdf(values[0])), float(self.sf(values[-1]))
 
-    def support(self) -> tuple[float, float]:
-        return float(self._knots[0]), float(self._knots[-1])
+    def _ppf(self, q: Array) -> Array:
+        return self.components[0].ppf(q) if len(self.components) == 1 else super()._ppf(q)
 
-    @property
-    def breakpoints(self) -> Array:
-        return self._knots.copy()
-
-    def _place(self, x: Array) -> tuple[npt.NDArray[np.intp], Array, Array]:
-        """Cell, and the fractions of it below and above x."""
-        cell = np.clip(np.searchsorted(self._knots, x, side="right") - 1, 0, self._width.size - 1)
-        return cell, (x - self._knots[cell]) / self._width[cell], (self._knots[cell + 1] - x) / self._width[cell]
-
-    def _pdf(self, x: Array) -> Array:
-        cell, t, s = self._place(x)
-        start, end = self._start[cell], self._end[cell]
-        # the middle term may be negative, the sum never is
-        shape = start * s * s + 2.0 * (1.0 - end - start) * s * t + end * t * t
-        return 3.0 * self._share[cell] / self._width[cell] * np.maximum(shape, 0.0)
-
-    def _cdf(self, x: Array) -> Array:
-        cell, t, s = self._place(x)
-        part = 3.0 * self._start[cell] * t * s * s + 3.0 * (1.0 - self._end[cell]) * t * t * s + t * t * t
-        return np.minimum(self._below[cell] + self._share[cell] * part, 1.0)
-
-    def _sf(self, x: Array) -> Array:
-        cell, t, s = self._place(x)
-        part = 3.0 * self._end[cell] * s * t * t + 3.0 * (1.0 - self._start[cell]) * s * s * t + s * s * s
-        return np.minimum(self._above[cell + 1] + self._share[cell] * part, 1.0)
-
-    def _from_hazard(self, hazard: Array) -> Array:
-        flat = hazard.ravel()
-        known = -np.log(np.maximum(self._above, 1e-320))
-        cell = np.clip(np.searchsorted(known, flat, side="right") - 1, 0, self._width.size - 1)
-        left, right = self._knots[cell] * (1.0 - 1e-14), self._knots[cell + 1] * (1.0 + 1e-14)
-        left, right = np.maximum(left, self._knots[0]), np.minimum(right, self._knots[-1])
-        return invert_hazard(self, flat, left, right, 0.5 * left + 0.5 * right).reshape(hazard.shape)
-
-    def _moment(self, n: int) -> float:
-        if n > 2 * NODES - 3:
-            return super()._moment(n)
-        return self._integral(n, 0.0)
-
-    def _variance(self) -> float:
-        return self._integral(2, self.mean())
-
-    def _integral(self, n: int, centre: float) -> float:
-        """<(x - centre)^n>, exact: the density is a parabola in each cell."""
-        nodes, weights = gauss(self._knots[:-1], self._knots[1:])
-        return float((weights * (nodes - centre) ** n * self._pdf(nodes)).sum())
-
-
-def _monotone_slopes(width: Array, rise: Array) -> Array:
-    """Slopes at the knots by Fritsch and Butland: harmonic means inside, one-sided parabolas at the two ends."""
-    if rise.size == 1:
-        return np.repeat(rise, 2)
-    first, second = 2.0 * width[1:] + width[:-1], width[1:] + 2.0 * width[:-1]
-    inner = (first + second) / (first / rise[:-1] + second / rise[1:])
-    return np.concatenate([[_end_slope(*width[:2], *rise[:2])], inner, [_end_slope(*width[:-3:-1], *rise[:-3:-1])]])
-
-
-def _end_slope(near: float, far: float, near_rise: float, far_rise: float) -> float:
-    return max(((2.0 * near + far) * near_rise - near * far_rise) / (near + far), 0.0)
+    def _isf(self, q: Array) -> Array:
+        return self.components[0].isf(q) if len(self.components) == 1 else super()._isf(q)

@@ -5,7 +5,7 @@ import numpy.typing as npt
 from scipy.special import ndtr, ndtri
 
 from origins.errors import InputError, finite, non_negative, refuse
-from origins.frozen import check_single, is_frozen_continuous
+from origins.frozen import is_frozen_continuous, single_mean
 from origins.thresholds import Array
 
 _REACH = 8.3  # standard deviations of a Gaussian with weight 1e-16 beyond
@@ -96,8 +96,7 @@ class FrozenStart(Start):
 
     def __init__(self, frozen, name: str) -> None:  # type: ignore[no-untyped-def]
         self._frozen = frozen
-        check_single(name, frozen)
-        self._mean = float(frozen.mean())
+        self._mean = single_mean(name, frozen)
         if not np.isfinite(self._mean):
             raise InputError(
                 f"{name}: the mean of the distribution is {self._mean}; stretches need a finite mean"

@@ -1,8 +1,9 @@
 """Landscapes ruled by one wave: straight valleys with weak modulations along them.
 
-For each place d along a valley let m(d) be the lowest energy across it. A path that leaves for a copy of the lowest
-minimum meets every d, so it climbs to max m at least, and the bed of the valley climbs no higher: the barrier is
-max m - min m. This holds however weak the modulations are, and where they cancel but for their squares.
+For each place d along a valley let m(d) be the lowest energy across it. A path that stays in the valley to a copy of
+the lowest minimum meets every d, so it climbs to max m at least, and the bed climbs no higher: the barrier is
+max m - min m, where the ridges are higher still. This holds however weak the modulations are, and where they cancel
+but for their squares.
 """
 
 from math import gcd
@@ -20,12 +21,14 @@ _TURN = 2.0 * np.pi
 
 
 def ruled(land: Landscapes) -> np.ndarray:
-    """Whether the largest wave of a landscape lets it have one bed only in each of its valleys, shape (landscapes,)."""
+    """Whether valleys have one bed each and are easier to follow than to leave, shape (landscapes,)."""
     largest = land.sizes.argmax(-1)
     along = land.waves[largest] @ land.waves.T / (land.waves[largest] ** 2).sum(-1)[:, None]
     others = land.sizes / land.sizes.max(-1, keepdims=True)
     others[np.arange(len(largest)), largest] = 0.0
-    return ((others * np.abs(along)).sum(-1) < _RULED) & ((others * along**2).sum(-1) < _RULED)
+    one_bed = ((others * np.abs(along)).sum(-1) < _RULED) & ((others * along**2).sum(-1) < _RULED)
+    # beds lie at -1 + sum(others) at most, the ridges between valleys at 1 - sum(others) at least
+    return one_bed & (others.sum(-1) < 1.0)
 
 
 def along_valleys(land: Landscapes) -> tuple[Array, Array]:

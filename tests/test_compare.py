@@ -228,10 +228,10 @@ def test_shared_surface_is_drawn_where_all_share_it(write: Writer, panels: list[
 
 
 def test_surface_is_shared_only_if_it_is_one() -> None:
-    scenes = [toolkit.load_scene(tables(law, master={})) for law in (ROUGH, ROUGH | {"pressure": 2e6})]
+    scenes = [toolkit.load_scene(tables(law, 4e-8, master={})) for law in (ROUGH, ROUGH | {"pressure": 2e6})]
     heights, sizes = toolkit.surfaces.shared_surface(scenes)
     assert heights.shape == (32, 32) and sizes == pytest.approx((3.2e-7, 3.2e-7)) and np.ptp(heights) > 0.0
-    other = toolkit.load_scene(tables(ROUGH | {"surface": SURFACE | {"seed": 2}}, master={}))
+    other = toolkit.load_scene(tables(ROUGH | {"surface": SURFACE | {"seed": 2}}, 4e-8, master={}))
     plain = toolkit.load_scene(tables(WIDE, master={}))
     assert toolkit.surfaces.shared_surface([*scenes, other]) is None
     assert toolkit.surfaces.shared_surface([*scenes, plain]) is None

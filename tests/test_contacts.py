@@ -141,3 +141,18 @@ def test_bad_paths(path: object, begins: str) -> None:
 def test_lengths_whose_powers_overflow_are_refused(law: tuple[float, float]) -> None:
     with pytest.raises(InputError, match="choose another unit of length"):
         Contacts(origins.gaussian(*law))
+
+
+def test_contacts_that_never_hold_are_refused() -> None:
+    class Loose(origins.Thresholds):
+        """Half of the weight at 0, the rest at 1."""
+
+        def support(self) -> tuple[float, float]:
+            return 0.0, 1.0
+
+        @property
+        def atoms(self) -> tuple[np.ndarray, np.ndarray]:
+            return np.array([0.0, 1.0]), np.array([0.5, 0.5])
+
+    with pytest.raises(origins.InputError, match=r"a weight of 0\.5 lies at x = 0; such contacts never hold"):
+        origins.Contacts(Loose())

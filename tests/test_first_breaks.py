@@ -9,6 +9,7 @@ from scipy.special import gamma, gammainc, ndtr
 import origins
 from master.first import FirstBreaks
 from master.law import Law
+from master.problem import Problem
 
 mp = mpmath.MPContext()
 mp.dps = 25
@@ -124,6 +125,14 @@ def test_every_contact_breaks_once(law, start):
     assert first.density.total + first.atom_weights.sum() == pytest.approx(1.0, abs=1e-13)
 
 
+@pytest.mark.parametrize("law", [LAWS["gaussian"][0], LAWS["rectangular"][0]])
+def test_what_is_cut_from_a_start_is_not_missed_from_the_rest(law):
+    # a weight of about 4e-7 lies where no threshold is left, or fewer than floating point can tell
+    end = min(law.support()[1], float(law.isf(1e-300)))
+    first, _ = first_breaks(law, scipy.stats.expon(0.0, end / 14.8), end=60.0)
+    assert first.density.total == pytest.approx(1.0, abs=1e-12)
+
+
 def test_identical_thresholds_break_at_once_or_as_the_start_is_spread():
     first, _ = first_breaks(origins.identical(1.0), 0.3)
     assert first.atoms == pytest.approx([0.7], abs=1e-16)
@@ -144,3 +153,13 @@ def test_an_atom_beside_a_density_counts_only_for_contacts_below_it():
     first, unit = first_breaks(law, 0.7)
     assert not first.atoms.size
     assert first.density(np.array([0.1 / unit]))[0] / unit == pytest.approx(1.0 / 0.8, rel=1e-13)
+
+
+def test_an_atom_reads_every_jump_of_the_survival_that_a_start_is_conditioned_on():
+    # 1/S(|x_0|) jumps at the atom and bends at the rectangle, on both sides of 0
+    law = origins.mixture(
+        [origins.rectangular(0.1, 0.2), origins.identical(0.5), origins.gaussian(2.0, 0.1)], [0.5, 0.3, 0.2]
+    )
+    contacts = origins.Contacts(law, start=origins.gaussian_start(mean=-0.3, std=0.2))
+    first = Problem(contacts, 6.0 / contacts.mean_threshold, 1e-8).first
+    assert first.error < 1e-10

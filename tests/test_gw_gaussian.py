@@ -189,6 +189,8 @@ def test_summits_in_metres_are_this_law(law: str, regime: str) -> None:
         ((-1.1e3, 1.0), "separation = -1100.0: is h0/sigma_h"),
         ((2e6, 1.0), "separation = 2000000.0: is h0/sigma_h"),
         ((1.0, 0.0), "scale = 0.0"),
+        ((2.0, 1e300), "scale = 1e+300: must lie between"),
+        ((2.0, 1e-300), "scale = 1e-300: must lie between"),
         ((1.0, 1.0, "coulomb"), "law = 'coulomb'"),
         ((1.0, 1.0, "paper", "hard"), "regime = 'hard'"),
         ((1.0, 1.0, "paper", "mixed"), "plasticity_index = None"),
@@ -200,3 +202,10 @@ def test_bad_parameters_are_named(arguments: tuple, says: str) -> None:
     with pytest.raises(origins.InputError) as caught:
         origins.gw_gaussian(*arguments)
     assert str(caught.value).startswith(says) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("scale", [1e-150, 1e150])
+def test_the_ends_of_the_scale_are_numbers(scale: float) -> None:
+    law, one = (origins.gw_gaussian(2.0, s, "amontons", "mixed", 5.0) for s in (scale, 1.0))
+    assert law.mean() / scale == pytest.approx(one.mean(), rel=1e-12)
+    assert law.std() / scale == pytest.approx(one.std(), rel=1e-10)

@@ -19,7 +19,7 @@ from toolkit.scene import SHIPPED
 tables = tomllib.loads((SHIPPED / f"{sys.argv[1]}.toml").read_text())
 del tables["eq"]
 result = toolkit.run(tables)
-print(json.dumps({"force": result.master.force[-1], "modules": sorted(sys.modules)}))
+print(json.dumps({"force": float(result.master.force.max()), "modules": sorted(sys.modules)}))
 """,
         name,
     )

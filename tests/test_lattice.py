@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from master.lattice import STENCIL, cells, deposit, deposit_atoms, integrate, lagrange
+from master.lattice import STENCIL, cells, deposit_atoms, integrate, lagrange
+from master.lattice import lay as lay_all
 from master.piecewise import Piecewise, tabulate
 from origins.quadrature import gauss, panel_edges
 from origins.rectangular import rectangular
@@ -13,10 +14,7 @@ SIZE = 64
 
 
 def lay(density, edges, step, size=SIZE):
-    left, right = cells(np.asarray(edges, dtype=float), step, size)
-    nodes, weights = gauss(left, right)
-    (masses,) = deposit(left, right, [weights * density(nodes)], step, size)
-    return masses
+    return lay_all(lambda x: [density(x)], 1, np.asarray(edges, dtype=float), step, size)[0]
 
 
 def moments(masses, step, degree=7):
@@ -96,12 +94,10 @@ def test_no_mass_lands_before_the_first_node_or_beyond_the_last():
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.37])
-def test_densities_of_one_deposit_do_not_mix(shift):
-    left, right = cells(np.array([shift, 2.0, 3.3]), 0.1, SIZE)
-    nodes, weights = gauss(left, right)
-    both = deposit(left, right, [weights, weights * nodes], 0.1, SIZE)
-    alone = deposit(left, right, [weights * nodes], 0.1, SIZE)
-    assert (both[1] == alone[0]).all()
+def test_densities_laid_down_together_do_not_mix(shift):
+    edges = np.array([shift, 2.0, 3.3])
+    both = lay_all(lambda x: [np.ones(x.shape), x], 2, edges, 0.1, SIZE)
+    assert (both[1] == lay(lambda x: x, edges, 0.1)).all()
     assert both[0].sum() == pytest.approx(3.3 - shift, rel=1e-14)
     assert both[1].sum() == pytest.approx((3.3**2 - shift**2) / 2, rel=1e-14)
 

@@ -85,7 +85,9 @@ def test_ranks_share_one_run_and_one_voice(ranks: int, mpirun, scene, tmp_path: 
 def test_one_rank_speaks_for_all(words: list[str], mpirun, python) -> None:
     alone, together = python(SCRIPT, *words), mpirun(3, SCRIPT, *words)
     assert together.returncode == alone.returncode == 0
-    assert together.stdout == alone.stdout and together.stderr == ""
+    # no two run times are the same
+    told = [[line for line in done.stdout.splitlines() if "run time" not in line] for done in (alone, together)]
+    assert told[0] == told[1] and len(told[0]) > 1 and together.stderr == ""
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """From moments to thresholds: each contact model and threshold law against a second road."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -345,12 +346,59 @@ def test_what_strains_the_theory_is_said() -> None:
         assert found.interface is not None
         return found.interface.cautions
 
-    assert cautions(MOMENTS, 1e5, 1e10, "elastic") == ()
+    assert cautions(replace(MOMENTS, pixel_size=None), 1e5, 1e10, "elastic") == ()
     steep = SpectralMoments(m0=4e-14, m2_axes=(0.004, 0.001), m4_axes=(2e9, 3e9))
     said = cautions(steep, 3e7, 2.5e8, "elastic")
     assert len(said) == 3
     assert all(part in line for part, line in zip(("contacts cover", "factor 2:", "plastic"), said, strict=True))
     assert not any("plastic" in line for line in cautions(steep, 1e6, 2.5e8, "mixed"))
+    # a hardness out of reach of the elastic contacts, and one that most exceed
+    out_of_reach = cautions(steep, 1e5, 1e10, "plastic")
+    assert any("would be plastic by Hertz' theory" in line for line in out_of_reach)
+    assert not any("Hertz" in line for line in cautions(steep, 1e5, 2.5e7, "plastic"))
+
+
+FINE = replace(MOMENTS, m2_axes=(0.0035, 0.0035), pixel_size=None)
+
+
+@pytest.mark.parametrize(
+    ("calm", "change", "says"),
+    [
+        ({"model": "persson", "patch_area": PATCH}, {"pressure": 5e7}, "contacts cover 31% of the surface: neighb"),
+        ({"model": "persson", "patch_area": PATCH}, {"pressure": 1e9}, "full contact"),
+        ({}, {"moments": replace(FINE, m2_axes=(0.3, 0.3), m0=1e-10)}, "rms slope is 0.77"),
+        ({}, {"material": replace(MATERIAL, hardness=None, shear_modulus=1e6)}, "slip after"),
+        ({}, {"moments": replace(FINE, pixel_size=(1e-7, 1e-6))}, "pixels: the scan does not resolve it"),
+        (
+            {},
+            {
+                "material": origins.Material(
+                    contact_modulus=E_STAR, local_friction=MU, contact_stiffness=origins.PowerLaw(1e3, 0.0)
+                )
+            },
+            "is above the local 0.4: Eq. Q6",
+        ),
+    ],
+)
+def test_one_strain_at_a_time_is_said(calm: dict, change: dict, says: str) -> None:
+    soft = replace(MATERIAL, hardness=None)
+    common = {"moments": FINE, "model": "gw", "law": "amontons", "material": soft, "pressure": 1e5, **calm}
+    assert from_moments(**common).interface.cautions == ()
+    assert any(says in line for line in from_moments(**{**common, **change}).interface.cautions)
+
+
+@pytest.mark.parametrize("threshold", ["a", -1e-9, np.nan, [1e-9, np.inf], [[1.0], [1.0, 2.0]]])
+def test_forces_of_what_is_no_length_are_refused(threshold: object) -> None:
+    i = from_moments(MOMENTS, **GOOD).interface
+    assert i is not None and i.force_threshold(0.0) == 0.0
+    with pytest.raises(origins.InputError, match=r"^threshold = "):
+        i.force_threshold(threshold)
+
+
+def test_a_file_name_is_no_surface() -> None:
+    for call in (origins.from_topography, origins.resolution_study):
+        with pytest.raises(origins.InputError, match=r"write SurfaceTopography\.read_topography\('scan\.di'\)"):
+            call("scan.di", **GOOD)
 
 
 GOOD = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
@@ -365,6 +413,19 @@ GOOD = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
         ({"pressure": 0.0}, "pressure = 0.0"),
         ({"pressure": np.nan}, "pressure = nan"),
         ({"pressure": 1e9}, 'model="persson"'),
+        ({"pressure": 1e9}, "in metres"),
+        (
+            {
+                "law": "paper",
+                "material": origins.Material(
+                    contact_modulus=1e9,
+                    local_friction=0.3,
+                    force_coefficient=1e9,
+                    contact_stiffness=origins.PowerLaw(1.0, 1.0),
+                ),
+            },
+            "material.contact_stiffness = ",
+        ),
         ({"pressure": 1e9, "height_law": "exponential"}, "bear at most"),
         ({"height_law": "flat"}, "height_law = 'flat'"),
         ({"patch_area": 1e-12}, "patch_area = 1e-12"),

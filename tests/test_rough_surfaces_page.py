@@ -71,6 +71,34 @@ def test_numbers_in_the_text() -> None:
         assert float(f"{beyond:.{2 if beyond > 0.1 else 1}g}") == share
 
 
+@pytest.mark.parametrize("law", ["amontons", "paper"])
+def test_stress_above_the_hardness(law: str) -> None:
+    """Persson's share of area and load above H, by sums over the stresses as (PcPersson) has them."""
+    i = toolkit.load_scene(f"rough-persson-{law}").contacts.thresholds.interface
+    width, hardness = i.material.contact_modulus * np.sqrt(i.moments.m2), i.material.hardness
+    edges = np.unique(np.append(np.linspace(0.0, 10.0 * width, 101), hardness))
+    s, weights = gauss(edges[:-1], edges[1:])
+    density = weights * (np.exp(-(((s - i.pressure) / width) ** 2)) - np.exp(-(((s + i.pressure) / width) ** 2)))
+    area, load = (part[edges[:-1] >= hardness].sum() / part.sum() for part in (density, s * density))
+    assert i.plastic_fraction == pytest.approx(area, rel=1e-6)
+    assert f"{100 * area:.1f} %\nof the area" in PAGE and f"{100 * load:.1f} % of the load" in PAGE
+    assert any("plastic" in line for line in i.cautions)
+
+
+@pytest.mark.parametrize(("law", "exponent"), [*(("amontons", e) for e in (1.0, 1.4, 1.5)), ("strength", 1.0)])
+def test_how_steep_a_stiffness_may_be(law: str, exponent: float) -> None:
+    material = origins.Material(
+        contact_modulus=2e9, local_friction=0.4, shear_strength=1e7, contact_stiffness=origins.PowerLaw(1e9, exponent)
+    )
+    moments = origins.moments_of_summits(radius=1.1e-6, std=30e-9, density=2.1e12)
+    asked = {"model": "gw", "law": law, "material": material, "pressure": 1e6}
+    if (law, exponent) in (("amontons", 1.0), ("amontons", 1.4)):
+        assert origins.from_moments(moments, **asked).mean() > 0.0
+    else:
+        with pytest.raises(origins.InputError, match=r"material\.contact_stiffness"):
+            origins.from_moments(moments, **asked)
+
+
 def test_the_example_runs() -> None:
     code = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL)
     assert code is not None

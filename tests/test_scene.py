@@ -61,6 +61,7 @@ LAWS: dict[str, dict[str, Any]] = {
     "persson": {"centre": 1.0, "width": 0.5},
     "lubricated": {"width": 0.7, "power": 2.0, "decay": 1.5},
     "grains": {"alpha": 1.0, "time": 8.0, "B": 1.0, "jacobian": "paper"},
+    "domains": {"lattice_constant": 3.88, "sizes": [[7, 9]], "stiffness": 1.0, "samples": 200},
     "from-samples": {"x_s": [0.9, 1.0, 1.1, 1.3]},
     "from-topography": {"model": "gw", "law": "amontons", "pressure": 1e6, "surface": SURFACE, "material": MATERIAL},
 }
@@ -80,8 +81,8 @@ def changed(place: str, value: Any) -> dict[str, Any]:
     return scene
 
 
-def with_law(law: dict[str, Any]) -> dict[str, Any]:
-    return {**SCENE, "contacts": {"thresholds": law}}
+def with_law(law: dict[str, Any], to: float = 5.0) -> dict[str, Any]:
+    return {**SCENE, "contacts": {"thresholds": law}, "drive": {**SCENE["drive"], "to": to}}
 
 
 def test_scene_says_what_is_run() -> None:
@@ -122,7 +123,8 @@ def test_mixture_builds_its_components() -> None:
 
 
 def test_generated_surface_gives_its_thresholds() -> None:
-    built = toolkit.load_scene(with_law({"kind": "from-topography", **LAWS["from-topography"]})).contacts.thresholds
+    scene = with_law({"kind": "from-topography", **LAWS["from-topography"]}, to=5e-8)
+    built = toolkit.load_scene(scene).contacts.thresholds
     direct = origins.from_topography(
         origins.self_affine_surface((64, 64), 1e-8, hurst=0.8, rms_slope=0.1, seed=1),
         1e-8,
@@ -152,7 +154,7 @@ def test_scan_is_found_from_the_scene_file(file: str, more: dict[str, Any], tmp_
     surface_topography = pytest.importorskip("SurfaceTopography")
     (tmp_path / file).symlink_to(data / file)
     law = {"kind": "from-topography", **LAWS["from-topography"], **more, "surface": {"kind": "scan", "file": file}}
-    (tmp_path / "scan.toml").write_text(to_toml(with_law(law)))
+    (tmp_path / "scan.toml").write_text(to_toml(with_law(law, to=5e-8)))
     built = toolkit.load_scene(tmp_path / "scan.toml").contacts.thresholds
     scan = surface_topography.open_topography(str(data / file)).topography(channel_index=0)
     keywords = {"model": "gw", "law": "amontons", "pressure": 1e6, "material": origins.Material(**MATERIAL), **more}
@@ -170,6 +172,10 @@ def test_scan_is_found_from_the_scene_file(file: str, more: dict[str, Any], tmp_
         ({"file": "bare.txt", "channel": 1}, "surface.channel = 1: the file has 1 channel"),
         ({"file": "bare.txt", "channel": -1}, "surface.channel = -1: must be a whole number"),
         ({"file": "bare.txt", "physical_sizes": 1.0}, "surface.physical_sizes = 1.0: must be a pair"),
+        *(
+            ({"file": "bare.txt", "height_scale_factor": value}, f"surface.height_scale_factor = {value!r}: must be ")
+            for value in ("a", 0.0, -1.0)
+        ),
         ({"file": "bare.txt", "physical_sizes": [1e-6, 1e-6]}, ": heights.unit = None: lengths need one unit"),
         ({"file": "bare.txt", "physical_sizes": [1.0, 1.0], "unit": "furlong"}, ": heights.unit = 'furlong'"),
         ({"file": "bare.txt", "folder": "/"}, "surface.folder = '/': unknown key; scan takes file,"),
@@ -185,6 +191,12 @@ def test_scan_that_is_no_surface_is_refused(scan: dict[str, Any], message: str, 
         toolkit.load_scene(tmp_path / "scan.toml")
     assert str(caught.value).removeprefix("contacts.thresholds").removeprefix(".").startswith(message)
     assert "\n" not in str(caught.value)
+
+
+def test_surface_beyond_memory_is_refused() -> None:
+    law = {"kind": "from-topography", **LAWS["from-topography"], "surface": {**SURFACE, "shape": [1000000, 1000000]}}
+    with pytest.raises(InputError, match=r"^contacts\.thresholds\.surface\.shape = .*at most 268435456 points"):
+        toolkit.load_scene(with_law(law))
 
 
 @pytest.mark.parametrize("table", ["surface", "material"])
@@ -329,3 +341,9 @@ def test_dict_takes_numpy_numbers_and_refuses_what_toml_lacks() -> None:
     assert np.array_equal(scene.path, [0.0, 1.0, 2.0])
     with pytest.raises(InputError, match=r"^contacts\.thresholds\.std = .*: a scene holds numbers"):
         toolkit.load_scene(changed("contacts.thresholds.std", object()))
+
+
+def test_a_path_in_the_wrong_unit_is_refused() -> None:
+    law = {"kind": "gaussian", "mean": 7e-9, "std": 1e-9}
+    with pytest.raises(origins.InputError, match=r"drive\.to = 5\.0: is 7e\+08 mean thresholds of 7e-09; give it in"):
+        toolkit.load_scene(with_law(law))

@@ -390,3 +390,8 @@ def test_jumps_converge_at_third_order():
     order = observed_order(contacts, path, steps, rectangular_force(path))
     # where between two nodes the third bend falls scatters each error by a factor of about 2
     assert abs(order - 3.0) <= 0.5
+
+
+def test_a_path_beyond_numbers_is_refused():
+    with pytest.raises(origins.InputError, match=r"path\[-1\] = 1e\+300: is 1e\+300 mean thresholds; follow at most"):
+        master.solve(origins.Contacts(origins.gaussian(1.0, 0.05)), [0.0, 1e300])

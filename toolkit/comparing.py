@@ -11,6 +11,7 @@ from toolkit.deviation import worst_deviation
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated
 from toolkit.running import run
+from toolkit.sampling import RESAMPLES, sampling_errors
 from toolkit.scene import Scene
 
 
@@ -38,8 +39,8 @@ class Evidence:
 class Verdict:
     """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
 
-    sampled says whether the thresholds come from samples; friction_coefficient is F_k/load where they come from a
-    surface, else None.
+    sampled says whether the thresholds come from samples; cautions are the interface's; friction_coefficient is
+    F_k/load where they come from a surface, else None.
     """
 
     name: str
@@ -59,6 +60,7 @@ class Verdict:
     mean_threshold: float
     unit: str
     sampled: bool
+    cautions: tuple[str, ...]
     run_time: float
     evidence: Evidence | None
     result: Result
@@ -83,10 +85,14 @@ def compare(
 def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None) -> Verdict:
     import master
 
-    def measures() -> tuple[Any, Any]:
-        return master.propensity(scene.contacts), master.steady_state(scene.contacts)
+    def measures() -> tuple[Any, Any, dict[str, float]]:
+        return master.propensity(scene.contacts), master.steady_state(scene.contacts), sampling_errors(scene.contacts)
 
-    found, steady = on_root(comm, measures)
+    found, steady, sampled = on_root(comm, measures)
+
+    def with_sampling(name: str, error: float) -> float:
+        return float(np.hypot(error, sampled.get(name, 0.0)))
+
     result = run(scene, comm=comm, progress=progress)
     unit = scene.contacts.mean_threshold
     interface = scene.contacts.interface
@@ -98,18 +104,19 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
         onset_power=found.onset_power,
         onset_power_error=found.onset_power_error,
         critical_spring=found.critical_spring,
-        critical_spring_error=found.critical_spring_error,
+        critical_spring_error=with_sampling("critical_spring", found.critical_spring_error),
         static_to_kinetic=found.static_to_kinetic,
-        static_to_kinetic_error=found.static_to_kinetic_error,
+        static_to_kinetic_error=with_sampling("static_to_kinetic", found.static_to_kinetic_error),
         decoherence_length=found.decoherence_length / unit,
-        decoherence_length_error=found.decoherence_length_error / unit,
+        decoherence_length_error=with_sampling("decoherence_length", found.decoherence_length_error) / unit,
         kinetic_force=steady.force / unit,
-        kinetic_force_error=steady.force_error,
+        kinetic_force_error=with_sampling("kinetic_force", steady.force_error * unit) / unit,
         friction_coefficient=friction,
         friction_coefficient_error=None if friction is None else friction * (relative + HEIGHT_INTEGRALS),
         mean_threshold=unit,
         unit=result.thresholds.unit,
-        sampled=hasattr(scene.contacts.thresholds, "n_samples"),
+        sampled=bool(sampled),
+        cautions=() if interface is None else tuple(interface.cautions),
         run_time=found.run_time,
         evidence=None if result.eq is None else _evidence(result, result.eq, steady.force, scene),
         result=result,
@@ -172,9 +179,11 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
         notes.append("max |z|: their largest difference over the path in standard errors, about 3 by chance")
     if any(verdict.friction_coefficient is not None for verdict in verdicts):
         notes.append("F_k/load: k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest")
+    for verdict in verdicts:
+        notes += [f"{verdict.name}: {caution}" for caution in verdict.cautions]
     if any(verdict.sampled for verdict in verdicts):
         names = ", ".join(verdict.name for verdict in verdicts if verdict.sampled)
-        notes.append(f"{names}: thresholds from samples; errors are of the smooth law through them, sampling left out")
+        notes.append(f"{names}: thresholds from samples; errors are sampling errors, by {RESAMPLES} resampled laws")
     return notes
 
 

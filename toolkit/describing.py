@@ -6,9 +6,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from origins import Contacts
+from origins.domains import DomainSamples
 from origins.interface import Interface
 from origins.quadrature import gauss, panel_edges
 from origins.thresholds import Thresholds
+from toolkit.sampling import misfit, sampling_errors
 
 HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as the tests hold it
 _EPSILON = float(np.finfo(float).eps)
@@ -52,7 +54,8 @@ def describe(contacts: Contacts) -> Description:
     """Numbers of the contacts' thresholds.
 
     The errors of moments are distances of two roads, the family's own and a quadrature of the survival; those of
-    quantiles come from the survival at them; those of F_k and of the propensity are the master equation's.
+    quantiles come from the survival at them; those of F_k and of the propensity are the master equation's. Where the
+    thresholds come from samples, all count the sampling error too.
     """
     import master
 
@@ -72,7 +75,7 @@ def describe(contacts: Contacts) -> Description:
     ):
         numbers[name] = _quantile(law, q, above, unit)
     numbers["onset_power"] = Number(law.onset_power, law.onset_power_error, "")
-    notes = []
+    notes = misfit(law)
     if np.isfinite(law.moment(2)):
         steady, found = master.steady_state(contacts), master.propensity(contacts)
         numbers |= {
@@ -83,8 +86,14 @@ def describe(contacts: Contacts) -> Description:
         }
     else:
         notes.append("<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with")
+    for name, error in sampling_errors(contacts).items():
+        known = numbers[name]
+        numbers[name] = Number(known.value, float(np.hypot(known.error or 0.0, error)), known.unit)
     if law.interface is not None:
         numbers |= _of_interface(law.interface)
+        notes += law.interface.cautions
+    if law.domains is not None:
+        numbers |= _of_domains(law.domains)
     return Description(numbers, tuple(notes), time.perf_counter() - began)
 
 
@@ -137,3 +146,15 @@ def _of_interface(interface: Interface) -> dict[str, Number]:
             error = None if name in _GIVEN else abs(value) * HEIGHT_INTEGRALS
             numbers[name] = Number(value, error, _UNITS.get(name, "m" if "separation" in name else ""))
     return numbers
+
+
+def _of_domains(domains: DomainSamples) -> dict[str, Number]:
+    """What the sampled islands say beside their thresholds, with one standard error of the sampling."""
+    islands = domains.barriers.size
+    free, forces = domains.superlubric_weight, domains.forces
+    root = np.sqrt(forces.size)
+    return {
+        "superlubric_weight": Number(free, float(np.sqrt(free * (1.0 - free) / islands)), ""),
+        "mean_force": Number(domains.mean_force, float(forces.std() / root), "force"),
+        "distance_from_exponential": Number(domains.exponential_distance, float(0.5 / root), ""),
+    }

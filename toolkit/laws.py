@@ -24,7 +24,8 @@ THRESHOLDS = {
     "persson": "origins:persson",
     "lubricated": "origins:lubricated",
     "grains": "origins:grains",
-    "from-samples": "origins:from_samples",
+    "domains": "toolkit.islands:domains",
+    "from-samples": "toolkit.measured:from_samples",
     "from-topography": "toolkit.surfaces:from_topography",
 }
 
@@ -42,7 +43,7 @@ def identical_start(value: float) -> float:
 def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path) -> Any:
     """What the table's kind makes of the table's other keys.
 
-    Tables with a kind of their own inside lists, such as the components of a mixture, are built first. A function
+    The components of a mixture, tables with a kind of their own, are built first. A function
     with a parameter `folder` is given `folder`, from where the scene's file names count.
     Raises InputError with the path of the bad key, counted from `where`.
     """
@@ -54,10 +55,10 @@ def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder
     module, name = kinds[kind].split(":")
     function = getattr(import_module(module), name)
     arguments = {key: value for key, value in table.items() if key != "kind"}
-    for key, value in arguments.items():
-        if isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
-            items = enumerate(value)
-            arguments[key] = [build(kinds, item, f"{where}.{key}[{index}]", folder) for index, item in items]
+    value = arguments.get("components")
+    if isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+        items = enumerate(value)
+        arguments["components"] = [build(kinds, item, f"{where}.components[{index}]", folder) for index, item in items]
     return call(function, arguments, where, kind, folder=folder)
 
 

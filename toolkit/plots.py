@@ -104,8 +104,9 @@ def _per_unit(curve: ThresholdCurve) -> str:
 def _reach(curve: ThresholdCurve) -> tuple[float, float]:
     """A little beyond all but a thousandth of the thresholds, from 0 unless they all lie far from it."""
     first = float(curve.x[curve.survival < 1.0 - 1e-3].min())
-    last = float(curve.x[curve.survival > 1e-3].max())
-    margin = 0.15 * (last - first) or 0.1 * last
+    last = float(curve.x[curve.survival > 1e-3].max(initial=first))
+    # one exact value has no width of its own
+    margin = 0.15 * (last - first) if last - first > 1e-9 * last else 0.5 * last
     return (first - margin if first > 0.5 * last else 0.0), last + margin
 
 

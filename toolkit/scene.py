@@ -52,6 +52,8 @@ class SceneTable(Table, frozen=True):
     master: MasterTable | None = None
     eq: EqTable | None = None
 
+_FURTHEST = 1e6  # mean thresholds
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -127,6 +129,11 @@ def _checked(name: str, text: str, tables: Mapping[str, Any], folder: Path, solv
     start_law = None if start is None else laws.build(laws.START, start, "contacts.start", folder)
     with laws.inside("contacts", {"thresholds": "thresholds", "start": "start"}):
         contacts = Contacts(thresholds=thresholds, start=start_law)
+    if solved and to > _FURTHEST * contacts.mean_threshold:
+        unit = "m" if contacts.interface is not None else "the thresholds' unit"
+        times = to / contacts.mean_threshold
+        rule = f"is {times:.1g} mean thresholds of {contacts.mean_threshold:.3g}; give it in {unit}"
+        refuse("drive.to", to, f"{rule}, 1e6 mean thresholds at most")
     return Scene(name, table.title, text, folder, contacts, np.linspace(0.0, to, points), table.master, table.eq)
 
 

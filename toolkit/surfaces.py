@@ -1,5 +1,6 @@
 """Rough surfaces in scenes: a scan, a generated surface, a spectrum or summits, and the thresholds they give."""
 
+import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,6 +23,7 @@ SURFACES = {
     "summits": "origins:moments_of_summits",
 }
 HEIGHTS = ("scan", "self-affine")
+_MOST_POINTS = 2**28  # 2 GB of heights
 STIFFNESSES = {
     "sound": "origins:sound_stiffness",
     "mindlin": "origins:mindlin_stiffness",
@@ -102,6 +104,8 @@ def open_scan(
         raise InputError(f"file = {file!r}: needs SurfaceTopography; install mesofriction[topography]") from error
     channel = whole("channel", channel, least=0)
     sizes = None if physical_sizes is None else _pair("physical_sizes", physical_sizes)
+    if height_scale_factor is not None:
+        height_scale_factor = positive("height_scale_factor", height_scale_factor)
     given = {"physical_sizes": sizes, "unit": unit, "height_scale_factor": height_scale_factor}
     try:
         with open_topography(str(folder / file)) as reader:
@@ -131,6 +135,8 @@ def generate(
     short_cutoff: float | None = None,
 ) -> tuple[np.ndarray, Any]:
     """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
+    if isinstance(shape, list) and all(isinstance(n, int) for n in shape) and math.prod(shape) > _MOST_POINTS:
+        refuse("shape", shape, f"must be at most {_MOST_POINTS} points in all, such as [4096, 4096]")
     heights = origins.self_affine_surface(
         tuple(shape) if isinstance(shape, list) else shape,
         pixel_size,

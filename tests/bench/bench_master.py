@@ -119,32 +119,37 @@ def same_gaussian() -> None:
     """The same numbers from objects that know nothing of Gaussians, built anew in each call."""
     from scipy import stats
 
-    head("the same scene, objects built anew in each call, tolerance 1e-9")
+    head("the same scene, built anew in each call, tolerance 1e-9; beside: objects + Contacts + solve alone, ms")
     irregular = np.sort(np.concatenate([[0.0, 5.0], np.random.default_rng(1).uniform(0.0, 5.0, 499)]))
-    laws: dict[str, tuple[Callable[[], object], Callable[[], object]]] = {
+    laws: dict[str, tuple[Callable[[], Any], Callable[[], Any]]] = {
         "origins.gaussian, gaussian_start": (
             lambda: origins.gaussian(MEAN, STD),
             lambda: origins.gaussian_start(0.0, START_STD),
         ),
+        "scipy norm, gaussian_start": (
+            lambda: stats.norm(MEAN, STD),
+            lambda: origins.gaussian_start(0.0, START_STD),
+        ),
+        "scipy norm, scipy norm": (lambda: stats.norm(MEAN, STD), lambda: stats.norm(0.0, START_STD)),
         "scipy truncnorm, gaussian_start": (
             lambda: stats.truncnorm(-MEAN / STD, np.inf, MEAN, STD),
             lambda: origins.gaussian_start(0.0, START_STD),
         ),
-        "scipy truncnorm, scipy norm": (
-            lambda: stats.truncnorm(-MEAN / STD, np.inf, MEAN, STD),
-            lambda: stats.norm(0.0, START_STD),
-        ),
     }
     for name, (law, start) in laws.items():
         for spacing, path in (("regular", PATH), ("irregular", irregular)):
+            _, objects, _ = timed(lambda law=law, start=start: (law(), start()), 0.1)  # type: ignore[misc]
+            _, wrapped, _ = timed(partial(origins.Contacts, law(), start()), 0.1)
+            contacts = origins.Contacts(law(), start())
+            _, alone, _ = timed(partial(master.solve, contacts, path, 1e-9))
 
             def call(law: Any = law, start: Any = start, path: Array = path) -> master.Solution:
                 return master.solve(origins.Contacts(law(), start()), path, 1e-9)
 
             solution, *times = timed(call)
             true = float(np.abs(solution.force - gaussian_force(path, MEAN, STD, START_STD)).max())
-            inside = f"run_time {1e3 * solution.run_time:.2f}"
-            show(f"{name}, {spacing}", times, solution.force_error, true, inside)
+            parts = f"{1e3 * objects:.2f} + {1e3 * wrapped:.2f} + {1e3 * alone:.2f}"
+            show(f"{name}, {spacing}", times, solution.force_error, true, parts)
 
 
 def every_origin() -> None:

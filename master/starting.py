@@ -1,0 +1,156 @@
+"""Sums over the starting stretches: b_0(X) and what it releases at single positions X, for a start with a width.
+
+With q(x) = Q_ini(x) / S(|x|), a start with thresholds conditional on x_s > |x|:
+
+    b_0(X) = integral of q(x) P_c(x + X) over x + X > |x|,       dJ_0/dX = the same, times (x + X).
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from master.law import Law
+from master.piecewise import Piecewise, tabulate
+from origins import Contacts
+from origins.quadrature import GAUSS_NODES, gauss
+
+Array = npt.NDArray[np.float64]
+
+_NO_THRESHOLDS = 1e-300  # survival from which starts are cut off
+_LITTLE = 1e-6
+_CHUNK = 12_000  # nodes at a time, so that what is made on the way stays in the cache
+
+
+class StartSum:
+    """Panels over the start that its density and 1/S(|x|) are smooth on, and sums over them.
+
+    Attributes
+    ----------
+    low, high : float
+        Ends of the start, in units of the mean threshold.
+    edges : array
+        Edges of its panels.
+    mean : float
+        <x_ini>.
+    """
+
+    def __init__(self, contacts: Contacts, law: Law) -> None:
+        self._law, self._start = law, contacts.start
+        unit, reach = law.unit, law.support[1]
+        if contacts.cut_weight > 0.0 and not np.isfinite(reach):
+            reach = float(contacts.thresholds.isf(_NO_THRESHOLDS)) / unit
+        self.low = max(contacts.start.span[0] / unit, -reach)
+        self.high = min(contacts.start.span[1] / unit, reach)
+        self._scale = unit / (1.0 - contacts.cut_weight)
+        inner = contacts.start.breakpoints / unit
+        self._conditional = law.held < 1.0
+        seeds = np.concatenate([np.linspace(self.low, self.high, 9), inner])
+        if self._conditional:
+            # 1/S(|x|) has a cusp at 0 and kinks at the law's own: panels follow it as well as the start
+            marks = np.concatenate([law.breakpoints, law.atoms])
+            seeds = np.concatenate([seeds, marks, -marks, [0.0]])
+        seeds = np.unique(seeds[(seeds >= self.low) & (seeds <= self.high)])
+        table = tabulate(self._both, seeds, 1e-13)[0]
+        self.mean = contacts.start.mean() / unit if contacts.cut_weight == 0.0 else _mean(table) / table.total
+        self.edges = table.edges
+        nodes, weights = gauss(self.edges[:-1], self.edges[1:])
+        plain = weights * self._plain(nodes)
+        # beside a start much narrower than its mean, positions are rounded: the weights' sum need not be
+        mass = float(plain.sum())
+        self._scale /= mass
+        self._nodes, self._shares = nodes, plain / mass * self._held(nodes)
+        # where panels of the law are no narrower than these, sums over these alone do
+        inner = law.inner_edges(float(np.diff(self.edges)[plain.sum(axis=1) > _LITTLE * mass].max()))
+        self._law_edges = np.unique(np.concatenate([law.breakpoints, inner]))
+
+    def _plain(self, x: Array) -> Array:
+        """Q_ini, but 0 where it diverges: at an end, where no weight sits."""
+        density = self._start.pdf(x * self._law.unit) * self._scale
+        return np.where(np.isfinite(density), density, 0.0)
+
+    def _held(self, x: Array) -> Array:
+        """1/S(|x|); 0 where no threshold is left."""
+        if not self._conditional:
+            return np.ones(x.shape)
+        survival = self._law.sf(np.abs(x))
+        return np.divide(1.0, survival, out=np.zeros(x.shape), where=survival > _NO_THRESHOLDS)
+
+    def _both(self, x: Array) -> Array:
+        plain = self._plain(x)
+        return np.stack([plain, plain * self._held(x)] if self._conditional else [plain])
+
+    def rows(self, x: Array) -> Array:
+        """b_0 and dJ_0/dX at positions x, shape (2, *x.shape)."""
+        flat, edges = x.ravel(), self._law_edges
+        cut = np.searchsorted(edges, flat + self.high) - np.searchsorted(edges, flat + self.low, side="right")
+        nodes = GAUSS_NODES.size * np.cumsum(self.edges.size + cut)
+        chunks = np.flatnonzero(np.diff(nodes // _CHUNK)) + 1
+        parts = [
+            self._sum(positions, cut_here)
+            for positions, cut_here in zip(np.split(flat, chunks), np.split(cut, chunks), strict=True)
+        ]
+        return np.concatenate(parts, axis=1).reshape(2, *x.shape)
+
+    def _sum(self, x: Array, cut: npt.NDArray[np.intp]) -> Array:
+        law = self._law
+        apart = (x >= -2.0 * self.low) & (cut == 0)
+        reached = x + self.high > law.begins
+        out = np.zeros((2, x.size))
+        whole = np.flatnonzero(apart & reached)
+        if whole.size:
+            nodes, shares = self._nodes.ravel(), self._shares.ravel()
+            # times 1 and times (x + X), in one product
+            sums = law.pdf(nodes + x[whole, None]) @ np.stack([shares, shares * nodes], axis=1)
+            out[0, whole] = sums[:, 0]
+            out[1, whole] = sums[:, 1] + x[whole] * sums[:, 0]
+        split = np.flatnonzero(~apart & reached)
+        if split.size:
+            out[:, split] = self._split(x[split])
+        for atom, weight in zip(law.atoms, law.atom_weights, strict=True):
+            at = atom - x
+            inside = (np.abs(at) < atom) & (at >= self.low) & (at <= self.high)
+            share = np.where(inside, weight * self._plain(at) * self._held(at), 0.0)
+            out += np.stack([share, atom * share])
+        return out
+
+    def _split(self, x: Array) -> Array:
+        """The same where edges of the law, or the condition x_0 + X > |x_0|, cut the range of the start."""
+        least = np.clip(-0.5 * x, self.low, self.high)[:, None]
+        own = np.broadcast_to(self.edges, (x.size, self.edges.size))
+        edges = np.concatenate([own, self._law_edges - x[:, None]], axis=1)
+        edges = np.sort(np.clip(edges, least, self.high), axis=1)
+        left, right = edges[:, :-1], edges[:, 1:]
+        row, piece = np.nonzero(right - left > 1e-15 * (self.high - self.low))
+        if not row.size:
+            return np.zeros((2, x.size))
+        left, right = left[row, piece], right[row, piece]
+        panel = np.searchsorted(self.edges, 0.5 * (left + right)) - 1
+        # most panels are whole, and their sums over the start known
+        cut = (left != self.edges[panel]) | (right != self.edges[panel + 1])
+        nodes, weights = self._nodes[panel], self._shares[panel]
+        if cut.any():
+            nodes[cut], weights[cut] = gauss(left[cut], right[cut])
+            weights[cut] *= self._plain(nodes[cut]) * self._held(nodes[cut])
+        nodes += x[row, None]
+        weights *= self._law.pdf(nodes)
+        return np.stack(
+            [
+                np.bincount(row, weights=weights.sum(-1), minlength=x.size),
+                np.bincount(row, weights=np.einsum("ij,ij->i", weights, nodes), minlength=x.size),
+            ]
+        )
+
+    def broken(self, x: float) -> float:
+        """Fraction broken by X = x, from survival alone: no peak of b_0 that a table missed is missed here."""
+        law = self._law
+        inner = np.concatenate([law.edges - x, law.atoms - x, law.edges, -law.edges, [-0.5 * x]])
+        edges = np.unique(np.concatenate([self.edges, inner[(inner > self.low) & (inner < self.high)]]))
+        nodes, weights = gauss(edges[:-1], edges[1:])
+        size = np.abs(nodes)
+        held, beyond = law.sf(np.stack([size, np.maximum(size, nodes + x)]))
+        share = np.divide(held - beyond, held, out=np.zeros(held.shape), where=held > _NO_THRESHOLDS)
+        return float((weights * self._plain(nodes) * share).sum())
+
+
+def _mean(table: Piecewise) -> float:
+    nodes, weights = gauss(table.edges[:-1], table.edges[1:])
+    return float((weights * nodes * table(nodes)).sum())

@@ -1,0 +1,106 @@
+"""Sampling error of what is derived from thresholds that come from samples."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import refuse, whole
+from origins.samples import Sampled
+from origins.thresholds import Array, Thresholds
+
+_CONFIDENCE = 1.96
+_DRAWN = 1 << 15
+_CELLS = 1 << 12
+
+
+@dataclass(frozen=True)
+class Bootstrapped:
+    """Statistics of a law from samples and their sampling errors, arrays of the statistics' shape.
+
+    Attributes
+    ----------
+    value : array
+        Of the law itself.
+    standard_error : array
+        Scatter over the resampled laws.
+    bias : array
+        Their mean less `value`: what smoothing and the choice of knots do.
+    resampled : array of shape (resamples, ...)
+        Of each resampled law.
+    """
+
+    value: Array
+    standard_error: Array
+    bias: Array
+    resampled: Array
+
+    @property
+    def error(self) -> Array:
+        """(standard_error^2 + bias^2)^(1/2), the error to state with `value`."""
+        return np.hypot(self.standard_error, self.bias)
+
+    @property
+    def interval(self) -> tuple[Array, Array]:
+        """Ends of the 95 % confidence interval, 1.96 errors to either side of `value`."""
+        return self.value - _CONFIDENCE * self.error, self.value + _CONFIDENCE * self.error
+
+
+def bootstrap(
+    thresholds: Thresholds,
+    statistic: Callable[[Thresholds], npt.ArrayLike],
+    resamples: int = 100,
+    seed: int = 0,
+) -> Bootstrapped:
+    """Sampling error of `statistic(thresholds)` for thresholds that come from from_samples.
+
+    statistic : a number or an array of any fixed shape made of a law: lambda law: law.pdf(x), or several numbers that
+        master.propensity and master.steady_state find.
+    resamples : how many laws bootstrap_laws gives, at least 2; the error is known to about 1 in (2 resamples)^(1/2).
+    seed : whole number; the same seed gives the same resamples.
+
+    Raises InputError for thresholds that are not from samples, and for a statistic that is not finite or changes shape.
+    """
+    laws = bootstrap_laws(thresholds, whole("resamples", resamples, 2), seed)
+    value = _checked(statistic(thresholds), None)
+    resampled = np.stack([_checked(statistic(law), value.shape) for law in laws])
+    return Bootstrapped(value, resampled.std(axis=0, ddof=1), resampled.mean(axis=0) - value, resampled)
+
+
+def bootstrap_laws(thresholds: Thresholds, resamples: int = 100, seed: int = 0) -> Iterator[Thresholds]:
+    """Laws that other samples would have given: as many as the effective ones, drawn from the smooth law `thresholds`
+    itself and smoothed in the same way (smoothed bootstrap, Silverman and Young, Biometrika 74, 469, 1987).
+
+    Drawing from the law, not from the samples, leaves no ties, which would be taken for structure, and shows what
+    smoothing does to a statistic. What it cannot show is structure that the law itself has missed.
+    Raises InputError for thresholds that are not from samples of at least two values.
+    """
+    if not isinstance(thresholds, Sampled):
+        refuse("thresholds", thresholds, "must come from from_samples, with at least two different values")
+    count, seed = whole("resamples", resamples, 1), whole("seed", seed, 0)
+    return (_resampled(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))
+
+
+def _checked(found: npt.ArrayLike, shape: tuple[int, ...] | None) -> Array:
+    values = np.asarray(found, dtype=float)
+    if not np.isfinite(values).all():
+        refuse("statistic", values[~np.isfinite(values)].flat[0], "must be finite for the law and all resampled ones")
+    if shape is not None and values.shape != shape:
+        refuse("statistic", values.shape, f"must keep its shape {shape} for the resampled laws")
+    return values
+
+
+def _resampled(law: Sampled, generator: np.random.Generator) -> Sampled:
+    size = max(round(law.effective_samples), 2)
+    if size <= _DRAWN:
+        x = np.sort(law.rvs(size, generator))
+        return Sampled(x, np.full(size, 1.0 / size), size, float(size))
+    # most are counted in cells of equal weight, at their medians; those in the two outermost are drawn one by one
+    counts = generator.multinomial(size, np.full(_CELLS, 1.0 / _CELLS))
+    inner = np.flatnonzero(counts[1:-1]) + 1
+    low = np.sort(law.ppf(generator.random(counts[0]) / _CELLS))
+    high = np.sort(law.isf(generator.random(counts[-1]) / _CELLS))
+    x = np.concatenate([low, law.ppf((inner + 0.5) / _CELLS), high])
+    shares = np.concatenate([np.ones(low.size), counts[inner], np.ones(high.size)]) / size
+    return Sampled(x, shares, size, float(size))

@@ -1,0 +1,321 @@
+"""Barriers of rigid islands: closed sums, sums over atoms and the search for the lowest saddle against one another."""
+
+import ase
+import numpy as np
+import pytest
+
+import origins
+from origins.critical_points import Landscapes
+from origins.errors import InputError
+from origins.minimax import lowest_saddles
+from origins.valleys import along_valleys, ruled
+
+HEXAGONAL = origins.hexagonal_substrate()
+
+
+def atoms_at(points: np.ndarray) -> ase.Atoms:
+    return ase.Atoms(numbers=[0] * len(points), positions=np.column_stack([points, np.zeros(len(points))]))
+
+
+def inversion_symmetric(a: np.ndarray) -> float:
+    """Barrier of a_1 cos u + a_2 cos v + a_3 cos(u + v), from the points where it can be level.
+
+    Four of them are fixed by inversion. Where all a have one sign in their product and no 1/a exceeds the sum of the
+    others there are two more, of energy -(a_1 a_2/a_3 + a_2 a_3/a_1 + a_3 a_1/a_2)/2. With a product above zero these
+    are minima, joined by three saddles; a path round the torus needs two.
+    """
+    fixed = np.sort([a[0] + a[1] + a[2], a[0] - a[1] - a[2], -a[0] + a[1] - a[2], -a[0] - a[1] + a[2]])
+    inverse = 1.0 / np.abs(a)
+    if a.prod() > 0.0 and 2.0 * inverse.max() < inverse.sum():
+        return fixed[1] + 0.5 * (a[0] * a[1] / a[2] + a[1] * a[2] / a[0] + a[2] * a[0] / a[1])
+    return fixed[1] - fixed[0]
+
+
+def test_a_thousand_random_islands_on_sin_x_plus_sin_y() -> None:
+    rng = np.random.default_rng(0)
+    sizes, phases = np.empty((1000, 2)), np.empty((1000, 2))
+    closed = np.empty(1000)
+    for case in range(1000):
+        a, angle = rng.uniform(0.5, 12.0), rng.uniform(-7.0, 7.0)
+        n_i, n_j = (int(n) for n in rng.integers(1, 40, 2))
+        island = origins.triangular_island(a, n_i, n_j)
+        turned = island.positions[:, :2] @ [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
+        direct = np.exp(1j * turned).sum(0)
+        closed[case] = origins.triangular_barrier(a, n_i, n_j, angle)
+        assert abs(closed[case] - 2.0 * np.abs(direct).min()) < 1e-12 * n_i * n_j
+        assert abs(origins.barrier(island, angle, origins.square_substrate()) - closed[case]) < 1e-12 * n_i * n_j
+        sizes[case], phases[case] = np.abs(direct), np.angle(direct)
+    # the search for the lowest saddle knows of no closed form; energies in units of the larger wave
+    scale = sizes.max(-1, keepdims=True)
+    found, lowest = lowest_saddles(Landscapes(np.eye(2), sizes / scale, phases))
+    assert np.abs(found * scale[:, 0] - closed).max() < 1e-10
+    assert np.abs(lowest * scale[:, 0] + sizes.sum(-1)).max() < 1e-10
+
+
+def test_the_same_on_a_torus_of_another_shape() -> None:
+    """sin x + sin y told as waves along (1, 1) and (1, -1) and their multiples, or turned and stretched."""
+    island, angle = origins.triangular_island(2.7, 5, 4), np.linspace(0.0, 3.0, 40)
+    square = origins.barrier(island, angle)
+    for turn in (0.3, np.pi / 4):
+        cos, sin = np.cos(turn), np.sin(turn)
+        turned = origins.fourier_substrate([[cos, sin], [-sin, cos]], [1.0, 1.0j], constant=5.0)
+        np.testing.assert_allclose(origins.barrier(island, angle + turn, turned), square, atol=1e-12)
+    stretched = origins.square_substrate(3.0, 4.0)
+    wide = origins.triangular_island(2.7 * 4.0 / (2.0 * np.pi), 5, 4)
+    np.testing.assert_allclose(origins.barrier(wide, angle, stretched), 3.0 * square, atol=1e-12)
+    # a third wave that adds nothing, and one of almost nothing
+    for extra in (1e-14, 1e-18):
+        more = origins.fourier_substrate([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], [-1j, -1j, extra])
+        np.testing.assert_allclose(origins.barrier(island, angle, more), square, atol=1e-11)
+
+
+def test_one_atom_on_three_cosines() -> None:
+    one, angle = origins.triangular_island(2.5, 1, 1), np.linspace(0.0, 6.0, 7)
+    # hollows of -3/2 over saddles of -1; turned over, wells of -3 and saddles of 1
+    np.testing.assert_allclose(origins.barrier(one, angle, HEXAGONAL), 0.5, atol=1e-13)
+    np.testing.assert_allclose(origins.barrier(one, angle, origins.hexagonal_substrate(-2.0)), 8.0, atol=1e-13)
+
+
+def test_inversion_symmetric_islands_on_three_cosines() -> None:
+    """A thousand islands against the closed form, the two places where minima split among them."""
+    rng = np.random.default_rng(1)
+    outlines = [
+        origins.hexagonal_island(2.5, 7.5),
+        origins.square_island(2.1, 6, 5),
+        origins.triangular_island(2.5, 7, 4),
+        origins.circular_island(3.0, 20.0),
+    ]
+    for island in outlines:
+        angle = rng.uniform(0.0, 2.0 * np.pi, 250)
+        factors = origins.structure_factors(island, angle, HEXAGONAL.wavevectors)
+        assert np.abs(factors.imag).max() < 1e-12
+        expected = np.array([inversion_symmetric(row) for row in factors.real])
+        assert np.abs(origins.barrier(island, angle, HEXAGONAL) - expected).max() < 1e-10
+
+
+@pytest.mark.parametrize("beyond", [0.0, 1e-12, -1e-9, 1e-6, -1e-6, 1e-4, -1e-3])
+def test_where_minima_split(beyond: float) -> None:
+    """Beside 1/a_3 = 1/a_1 + 1/a_2 the lowest point has no curvature in one direction."""
+    rng = np.random.default_rng(2)
+    a = rng.uniform(0.3, 1.0, size=(40, 3))
+    a[:, 2] = (1.0 + beyond) / (1.0 / a[:, 0] + 1.0 / a[:, 1])
+    a /= a.max(-1, keepdims=True)
+    signs = rng.choice([-1.0, 1.0], size=a.shape)
+    waves = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+    found, _ = lowest_saddles(Landscapes(waves, a, np.where(signs > 0.0, 0.0, np.pi)))
+    expected = [inversion_symmetric(row) for row in a * signs]
+    assert np.abs(found - expected).max() < 1e-10
+
+
+def test_islands_of_threefold_symmetry() -> None:
+    """Three equal waves of total phase w: level at u = w/3 + 2 pi k/3, where one minimum dies at w = pi/2."""
+    total = np.concatenate([np.linspace(-3.1, 3.1, 63), np.pi / 2 + np.array([0.0, 1e-9, -1e-7, 1e-5])])
+    waves = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, -1.0]])
+    phases = np.repeat(total[:, None] / 3.0, 3, axis=1)
+    found, lowest = lowest_saddles(Landscapes(waves, np.ones(phases.shape), phases))
+    symmetric = 3.0 * np.cos(total[:, None] / 3 + 2.0 * np.pi * np.arange(3) / 3)
+    np.testing.assert_allclose(lowest, symmetric.min(-1), atol=1e-13)
+    # saddles: two of the three waves at one phase u, the third at w - 2u, with sin u = sin(w - 2u): w - 2u = pi - u
+    np.testing.assert_allclose(lowest + found, -np.cos(total), atol=1e-10)
+
+
+def test_valleys_against_the_whole_search() -> None:
+    """Structure factors that nearly vanish: barriers of 1e-10 of the largest wave and below keep their digits."""
+    a = np.array([2.0e-3, 1e-5, 1e-7])
+    waves = np.array([[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]])
+    substrate = [origins.fourier_substrate(waves, [1.0, small, small]) for small in a]
+    one = atoms_at(np.zeros((1, 2)))
+    found = np.array([origins.barrier(one, 0.0, s) for s in substrate])
+    # to first order the two small waves cancel in the valley of the large one
+    np.testing.assert_allclose(found, a * a / 2.0, rtol=1e-12, atol=4e-16)
+    # up to where valleys are no longer told apart, waves across and oblique among them
+    rng = np.random.default_rng(3)
+    waves = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 2.0], [1.0, 1.0], [2.0, 0.0]])
+    land = Landscapes(waves, rng.uniform(0.0, [1.0, 0.5, 0.3, 0.1, 0.05], (400, 5)), rng.uniform(0.0, 7.0, (400, 5)))
+    clear = ruled(land)
+    assert 40 < clear.sum() < 360
+    own = Landscapes(waves, (land.sizes / land.sizes.max(-1, keepdims=True))[clear], land.phases[clear])
+    for one_road, other in zip(along_valleys(own), lowest_saddles(own), strict=True):
+        np.testing.assert_allclose(one_road, other, atol=1e-13)
+
+
+def test_double_valleys_and_parallel_waves() -> None:
+    """The large wave has two beds per period, one of them lower; a wave of twice its frequency makes them differ."""
+    one = atoms_at(np.zeros((1, 2)))
+    # x: beds at pi/2 and 3 pi/2; y: 0.1 cos y everywhere; 0.05 sin x makes the bed at 3 pi/2 the lower one, and
+    # 0.02 cos(x + y) adds to the wave along it: cos(3 pi/2 + y) = sin y
+    waves = [[2.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
+    found = origins.barrier(one, 0.0, origins.fourier_substrate(waves, [1.0, -0.05j, 0.1, 0.02]))
+    assert found == pytest.approx(2.0 * np.hypot(0.1, 0.02), abs=2e-4)
+
+
+def climb(a: np.ndarray, p: np.ndarray) -> float:
+    """max - min of a_1 cos(t + p_1) + a_2 cos(2t + p_2): its level points are roots of a polynomial in exp(it)."""
+    z = np.roots([2 * a[1] * np.exp(1j * p[1]), a[0] * np.exp(1j * p[0]), 0, -a[0] * np.exp(-1j * p[0]),
+                  -2 * a[1] * np.exp(-1j * p[1])])  # fmt: skip
+    t = np.angle(z)
+    for _ in range(4):
+        slope = a[0] * np.sin(t + p[0]) + 2 * a[1] * np.sin(2 * t + p[1])
+        bend = a[0] * np.cos(t + p[0]) + 4 * a[1] * np.cos(2 * t + p[1])
+        t = t - np.where(np.abs(np.abs(z) - 1.0) < 1e-3, slope / bend, 0.0)
+    level = a[0] * np.cos(t + p[0]) + a[1] * np.cos(2 * t + p[1])
+    return float(level.max() - level.min())
+
+
+def test_second_harmonics_along_each_axis() -> None:
+    """f(x) + g(y): a path along x climbs all of f, one along y all of g, however small the one beside the other."""
+    one = atoms_at(np.zeros((1, 2)))
+    waves = [[1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [0.0, 2.0]]
+    rng = np.random.default_rng(6)
+    for small in (1.0, 0.3, 1e-2, 1e-6, 1e-12, 1e-14):
+        for _ in range(20):
+            a, p = rng.uniform(0.2, 1.0, 4) * [1.0, 1.0, small, small], rng.uniform(0.0, 2.0 * np.pi, 4)
+            expected = min(climb(a[:2], p[:2]), climb(a[2:], p[2:]))
+            found = origins.barrier(one, 0.0, origins.fourier_substrate(waves, a * np.exp(1j * p)))
+            assert abs(found - expected) < 1e-12 + 1e-13 * (small < 1e-12)
+
+
+def flooded(substrate: origins.Substrate, factors: np.ndarray, n: int) -> float:
+    """The barrier by raising the water on a grid of n x n points until the lowest pool reaches a copy of itself."""
+    share = np.stack(np.meshgrid(*[np.arange(n) / n] * 2, indexing="ij"), axis=-1)
+    angle = 2.0 * np.pi * share @ substrate.indices.T
+    heights = (np.exp(1j * angle) @ (substrate.coefficients * factors)).real.ravel()
+    order = np.argsort(heights)
+    root, step = np.arange(n * n), np.zeros((n * n, 2), dtype=int)
+    under, winds = np.zeros(n * n, dtype=bool), np.zeros(n * n, dtype=bool)
+
+    def find(i: int) -> tuple[int, np.ndarray]:
+        way, places = np.zeros(2, dtype=int), []
+        while root[i] != i:
+            places.append((i, way.copy()))
+            way += step[i]
+            i = root[i]
+        for place, before in places:
+            root[place], step[place] = i, way - before
+        return i, way
+
+    for v in order:
+        under[v] = True
+        for move in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1)):
+            to = np.array(divmod(int(v), n)) + move
+            w = (to % n) @ [n, 1]
+            if under[w]:
+                a, from_a = find(int(v))
+                b, from_b = find(int(w))
+                loop = to // n + from_b - from_a
+                if a != b:
+                    root[b], step[b] = a, -loop
+                    winds[a] |= winds[b]
+                elif loop.any():
+                    winds[a] = True
+        if winds[find(int(order[0]))[0]]:
+            return float(heights[v] - heights[order[0]])
+    raise AssertionError
+
+
+def test_random_islands_on_random_substrates_against_a_flood() -> None:
+    """The exact barrier lies within the flood's own error, of the order of h²."""
+    rng = np.random.default_rng(4)
+    richer = origins.fourier_substrate(
+        [[1.0, 0.2], [-0.1, 1.1], [0.9, 1.3], [1.8, 2.6], [1.1, -0.9]], [1.0, 0.8j, -0.6, 0.3, 0.5 + 0.2j]
+    )
+    for substrate, cases in ((HEXAGONAL, 8), (richer, 8)):
+        for case in range(cases):
+            island = origins.irregular_island(2.6, 6.0, seed=case)
+            angle = rng.uniform(0.0, 2.0 * np.pi)
+            factors = origins.structure_factors(island, angle, substrate.wavevectors)
+            exact = float(origins.barrier(island, angle, substrate))
+            scale = np.abs(substrate.coefficients * factors).sum()
+            h = 2.0 * np.pi * np.abs(substrate.indices).max() / 96
+            assert abs(flooded(substrate, factors, 96) - exact) < 0.25 * h * h * scale
+
+
+def test_where_the_island_stands_or_what_it_weighs_does_not_matter() -> None:
+    island, angle = origins.irregular_island(2.5, 8.0, seed=5), np.linspace(0.0, 6.0, 20)
+    moved = island.copy()
+    moved.positions += [3.3, -1.2, 4.0]
+    moved.set_masses(np.random.default_rng(0).uniform(1.0, 9.0, len(island)))
+    for substrate in (None, HEXAGONAL):
+        np.testing.assert_allclose(
+            origins.barrier(moved, angle, substrate), origins.barrier(island, angle, substrate), atol=1e-11
+        )
+    # by symmetry: sin x + sin y and the hexagonal cosines look the same after a quarter and a sixth of a turn
+    np.testing.assert_allclose(origins.barrier(island, angle + np.pi / 2), origins.barrier(island, angle), atol=1e-12)
+    np.testing.assert_allclose(
+        origins.barrier(island, angle + np.pi / 3, HEXAGONAL), origins.barrier(island, angle, HEXAGONAL), atol=1e-10
+    )
+
+
+def test_commensurate_islands() -> None:
+    """phi = 0 exactly: every atom in the same place of the cell, and a barrier per atom."""
+    for n in (1, 3, 40):
+        square = origins.square_island(2.0 * np.pi, n, n + 1)
+        assert origins.barrier(square, 0.0) == pytest.approx(2.0 * len(square), rel=1e-13)
+        assert origins.triangular_barrier(2.0 * np.pi, n, n + 1, 0.0, HEXAGONAL) == pytest.approx(0.5 * n * (n + 1))
+    assert origins.triangular_barrier(2.0 * np.pi, 2500, 4000, 0.0, HEXAGONAL) == pytest.approx(0.5e7, rel=1e-12)
+    assert origins.triangular_barrier(2.0 * np.pi, 2500, 4000, np.pi / 3, HEXAGONAL) > 0.0
+
+
+def test_barriers_that_vanish() -> None:
+    # rows of 4 at a quarter of the period: the waves along x cancel
+    assert origins.triangular_barrier(np.pi / 2, 4, 3, 0.0) < 1e-14
+    assert origins.barrier(origins.square_island(np.pi / 2, 4, 3), 0.0) < 1e-14
+    assert origins.triangular_barrier(np.pi, 3000, 3000, 0.0) < 1e-12 * 9e6
+    # nothing to climb along the troughs of a substrate that varies in one direction only
+    troughs = origins.fourier_substrate([[1.0, 0.0], [3.0, 0.0]], [1.0, 0.5])
+    island = origins.triangular_island(2.5, 5, 4)
+    assert origins.barrier(island, [0.1, 0.2], troughs).tolist() == [0.0, 0.0]
+    assert origins.triangular_barrier(2.5, [[3], [4]], 4, [0.1, 0.2], troughs).tolist() == [[0.0] * 2] * 2
+    # three cosines, two of which vanish: a square of two sites half a period apart along one of them
+    pair = atoms_at(np.array([[0.0, 0.0], [np.pi, 0.0]]))
+    assert origins.barrier(pair, 0.0, HEXAGONAL) < 1e-14
+
+
+def test_closed_sums_on_any_substrate() -> None:
+    angle = np.linspace(0.0, 2.0, 30)
+    for n_i, n_j in ((5, 4), (6, 7), (1, 8)):
+        atoms = origins.triangular_island(2.5, n_i, n_j)
+        np.testing.assert_allclose(
+            origins.triangular_barrier(2.5, n_i, n_j, angle, HEXAGONAL),
+            origins.barrier(atoms, angle, HEXAGONAL),
+            atol=1e-11 * n_i * n_j,
+        )
+
+
+def test_shapes_and_sizes() -> None:
+    assert origins.triangular_barrier(2.5, 3, 3, 0.2).shape == () == origins.barrier(atoms_at(np.eye(2)), 0.2).shape
+    n, angle = np.array([1, 10, 3162])[:, None], np.linspace(0.0, 1.0, 9001)
+    found = origins.triangular_barrier(2.5, n, n + 1, angle)
+    assert found.shape == (3, 9001)
+    assert found[2, 8500] == origins.triangular_barrier(2.5, 3162, 3163, angle[8500])
+    # a single atom meets the bare substrate at any angle
+    assert (origins.triangular_barrier(2.5, 1, 1, angle) == 2.0).all()
+
+
+BAD = [
+    (lambda: origins.barrier("atoms", 0.0), "atoms = 'atoms': "),
+    (lambda: origins.barrier(origins.triangular_island(1.0, 2, 2), np.inf), "angle[0] = inf: "),
+    (lambda: origins.barrier(origins.triangular_island(1.0, 2, 2), 0.0, "square"), "substrate = 'square': "),
+    (lambda: origins.triangular_barrier(0.0, 2, 2, 0.0), "lattice_constant = 0.0: "),
+    (lambda: origins.triangular_barrier(1.0, 2, -2, 0.0), "n_j = -2: "),
+    (
+        lambda: origins.triangular_barrier(
+            1.0, 2, 2, 0.0, origins.fourier_substrate([[1, 0], [0, 1], [0, np.sqrt(2)]], [1, 1, 1])
+        ),
+        "wavevectors = array of shape (3, 2): must be whole multiples",
+    ),
+    (
+        # (cos x + cos y)²: the energy is lowest along whole lines
+        lambda: origins.triangular_barrier(
+            1.0, 1, 1, 0.0, origins.fourier_substrate([[2, 0], [0, 2], [1, 1], [1, -1]], [0.5, 0.5, 1, 1])
+        ),
+        "substrate: the energy of this island is level along whole lines",
+    ),
+]
+
+
+@pytest.mark.parametrize("call, begins", BAD)
+def test_bad_input_is_named(call, begins: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        call()
+    assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value)

@@ -1,0 +1,121 @@
+"""Sampling errors: against the scatter of fresh samples, intervals that hold the truth as often as they say."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import master
+import origins
+from origins import InputError
+
+WEIBULL = stats.weibull_min(2.5)
+
+
+def sampled(n: int, seed: int = 0) -> origins.Thresholds:
+    return origins.from_samples(WEIBULL.rvs(n, random_state=seed))
+
+
+def steepest_fall(law: origins.Thresholds) -> float:
+    """max x P_c - 1: K* of a relaxed start as far as no contact breaks twice."""
+    x = law.ppf(np.linspace(0.002, 0.998, 1000))
+    return float((x * law.pdf(x)).max()) - 1.0
+
+
+def test_interval_of_the_steepest_fall_holds_the_truth() -> None:
+    """95 % intervals of 24 data sets: at 95 % fewer than 20 hold the truth once in 150 times; at 75 % as a rule.
+
+    tests/bench/bench_samples.py counts hundreds.
+    """
+    x = WEIBULL.ppf(np.linspace(0.002, 0.998, 1000))
+    truth = float((x * WEIBULL.pdf(x)).max()) - 1.0
+    held = near = 0
+    for seed in range(24):
+        found = origins.bootstrap(sampled(150, seed), steepest_fall, resamples=10, seed=seed)
+        held += found.interval[0] <= truth <= found.interval[1]
+        near += abs(found.value - truth) <= found.error
+    assert held >= 20 and 8 <= near <= 23
+
+
+def test_errors_are_the_scatter_of_fresh_samples() -> None:
+    """Of moments and of the density, which is a curve with its error at each point."""
+    x = WEIBULL.ppf([0.05, 0.25, 0.5, 0.75, 0.95])
+
+    def several(law: origins.Thresholds) -> np.ndarray:
+        return np.array([law.mean(), law.moment(2) / (2.0 * law.mean()), *law.pdf(x)])
+
+    fresh = np.array([several(sampled(400, seed)) for seed in range(1, 41)])
+    found = origins.bootstrap(sampled(400), several, resamples=40)
+    assert found.value.shape == found.error.shape == (7,) and found.resampled.shape == (40, 7)
+    ratio = found.standard_error / fresh.std(axis=0, ddof=1)
+    assert (ratio > 0.55).all() and (ratio < 1.8).all()
+    assert found.standard_error[0] == pytest.approx(WEIBULL.std() / 20.0, rel=0.3)
+    np.testing.assert_allclose(found.value, several(sampled(400)), rtol=1e-14)
+    np.testing.assert_allclose(found.bias, found.resampled.mean(axis=0) - found.value, atol=1e-15)
+    np.testing.assert_allclose(found.error**2, found.standard_error**2 + found.bias**2, rtol=1e-13)
+    np.testing.assert_allclose(found.interval[1] - found.value, 1.96 * found.error, rtol=1e-12)
+
+
+def test_propensity_with_its_sampling_error() -> None:
+    """The numbers of a verdict in one go; the truth within three errors."""
+
+    def numbers(law: object) -> list[float]:
+        contacts = origins.Contacts(law)
+        found = master.propensity(contacts, 1e-5)
+        return [found.critical_spring, found.static_to_kinetic, found.decoherence_length]
+
+    found = origins.bootstrap(sampled(3000), numbers, resamples=10)
+    exact = numbers(WEIBULL)
+    assert (np.abs(found.value - exact) < 3.0 * found.error).all()
+    assert (found.error > 1e-3).all() and (found.error < [0.05, 0.03, 0.05]).all()
+
+
+@pytest.mark.parametrize("n", [2000, 200_000])
+def test_many_samples_are_drawn_in_cells(n: int) -> None:
+    """Resampled laws of either way have the moments, the extremes and the scatter that n samples have."""
+    law = sampled(n)
+    laws = list(origins.bootstrap_laws(law, 16, seed=3))
+    assert all(one.n_samples == n and one.effective_samples == n for one in laws)
+    means = np.array([one.mean() for one in laws])
+    assert abs(means.mean() - law.mean()) < 4.0 * law.std() / np.sqrt(16 * n)
+    assert means.std(ddof=1) == pytest.approx(law.std() / np.sqrt(n), rel=0.55)
+    spread = np.array([one.std() for one in laws])
+    assert spread.mean() == pytest.approx(law.std(), rel=5.0 / np.sqrt(16 * n) + 1e-5)
+    # the smallest of n samples lies where a share 1/n does, give or take
+    lowest = np.array([law.cdf(one.breakpoints[1]) * n for one in laws])
+    assert 0.3 < np.median(lowest) < 3.0
+
+
+def test_same_seed_same_laws() -> None:
+    law, x = sampled(100), np.array([0.5, 1.0])
+
+    def densities(count: int, seed: int) -> list[list[float]]:
+        return [one.pdf(x).tolist() for one in origins.bootstrap_laws(law, count, seed)]
+
+    first, again, other = densities(3, 1), densities(5, 1), densities(3, 2)
+    assert first == again[:3] and first != other
+
+
+def test_weights_count_by_effective_samples() -> None:
+    samples = stats.gamma(2.0).rvs(2000, random_state=1)
+    law = origins.from_samples(samples, weights=samples)
+    found = origins.bootstrap(law, lambda law: law.mean(), resamples=25)
+    assert found.standard_error == pytest.approx(law.std() / np.sqrt(law.effective_samples), rel=0.45)
+
+
+@pytest.mark.parametrize(
+    "call, begins",
+    [
+        (lambda: origins.bootstrap(origins.gaussian(1.0, 0.1), lambda law: law.mean()), "thresholds = "),
+        (lambda: origins.bootstrap(origins.from_samples([1.0, 1.0]), lambda law: law.mean()), "thresholds = "),
+        (lambda: origins.bootstrap_laws(origins.identical(1.0), 3), "thresholds = "),
+        (lambda: origins.bootstrap(sampled(20), lambda law: law.mean(), resamples=1), "resamples = 1: "),
+        (lambda: origins.bootstrap(sampled(20), lambda law: law.mean(), seed=-1), "seed = -1: "),
+        (lambda: origins.bootstrap_laws(sampled(20), 0), "resamples = 0: "),
+        (lambda: origins.bootstrap(sampled(20), lambda law: np.inf), "statistic = inf: must be finite"),
+        (lambda: origins.bootstrap(sampled(20), lambda law: law.breakpoints, resamples=30), "statistic = "),
+    ],
+)
+def test_bad_input_is_named(call, begins: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        call()
+    assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value)

@@ -1,0 +1,78 @@
+"""Your own samples in scenes: lists, files, and the errors that come of few samples."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import origins
+from toolkit.describing import describe
+from toolkit.measured import from_samples
+from toolkit.sampling import NAMES, misfit, sampling_errors
+
+SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
+
+
+def write(folder: Path, text: str) -> Path:
+    (folder / "own.txt").write_text(text, encoding="utf-8")
+    return folder
+
+
+def test_a_file_gives_the_law_of_its_values(tmp_path: Path) -> None:
+    lines = "# thresholds\n" + "".join(f"{value!r}  # nm\n" for value in SAMPLES.tolist())
+    law, x = from_samples(write(tmp_path, lines), file="own.txt"), np.linspace(0.3, 2.0, 9)
+    assert (law.pdf(x) == origins.from_samples(SAMPLES).pdf(x)).all()
+
+
+def test_forces_and_weights_from_a_file(tmp_path: Path) -> None:
+    weights = np.linspace(1.0, 3.0, SAMPLES.size)
+    lines = "".join(f"{force!r},{weight!r}\n" for force, weight in zip(SAMPLES.tolist(), weights.tolist(), strict=True))
+    law = from_samples(write(tmp_path, lines), file="own.txt", quantity="f_s", coefficient=2.0)
+    own = origins.from_samples(f_s=SAMPLES, coefficient=2.0, weights=weights)
+    assert law.mean() == own.mean() and law.sf(0.7) == own.sf(0.7)
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "message"),
+    [
+        ("1.0\ntwo\n", {}, r"file = 'own\.txt': line 2 holds 'two'; write one value a line"),
+        ("1.0\n1.0 2.0\n", {}, "line 2 holds '1.0 2.0'"),
+        ("1 2 3\n", {}, "line 1 holds '1 2 3'"),
+        ("# nothing\n", {}, "holds no numbers"),
+        ("1.0\n-2.0\n", {}, r"x_s\[1\] = -2\.0: must be above zero"),
+        ("1.0\nnan\n", {}, r"x_s\[1\] = nan: must be finite"),
+        ("1.0\n", {"quantity": "x"}, "quantity = 'x': must be"),
+        ("1.0\n", {"x_s": [1.0]}, "holds the samples; leave x_s, f_s and weights out"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path: Path, text: str, more: dict, message: str) -> None:
+    with pytest.raises(origins.InputError, match=message):
+        from_samples(write(tmp_path, text), file="own.txt", **more)
+
+
+def test_absent_files_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(origins.InputError, match=r"file = 'none\.txt': cannot be read as text"):
+        from_samples(tmp_path, file="none.txt")
+    with pytest.raises(origins.InputError, match="quantity = 'f_s': says what a file holds"):
+        from_samples(tmp_path, x_s=[1.0, 2.0], quantity="f_s")
+
+
+def test_errors_of_samples_are_sampling_errors(monkeypatch: pytest.MonkeyPatch) -> None:
+    contacts = origins.Contacts(origins.from_samples(SAMPLES))
+    errors = sampling_errors(contacts)
+    assert tuple(errors) == NAMES
+    expected = SAMPLES.std(ddof=1) / np.sqrt(SAMPLES.size)
+    # an error from 20 resamples is known to a sixth
+    assert abs(errors["mean"] / expected - 1.0) < 0.7
+    monkeypatch.setattr("toolkit.describing.sampling_errors", lambda contacts: errors)
+    numbers = describe(contacts).numbers
+    assert all(numbers[name].error >= errors[name] for name in NAMES)
+    assert sampling_errors(origins.Contacts(origins.gaussian(1.0, 0.1))) == {}
+
+
+def test_a_smooth_law_that_misses_its_samples_says_so() -> None:
+    random = np.random.default_rng(0)
+    far = np.concatenate([random.normal(1.0, 0.01, 500), random.normal(3.0, 0.01, 500), [10.0, 10.01, 10.02]])
+    (note,) = misfit(origins.from_samples(far))
+    assert "from that of the samples, sampling allows 0.043" in note
+    assert misfit(origins.from_samples(SAMPLES)) == misfit(origins.gaussian(1.0, 0.1)) == []
