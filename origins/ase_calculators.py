@@ -1,6 +1,6 @@
 """The ASE calculators behind origins.calculators. Importing this file imports ase, so only functions do."""
 
-from typing import Any, ClassVar
+from typing import Any
 
 import ase
 import numpy as np
@@ -15,13 +15,14 @@ from origins.thresholds import Array
 class _OfPositions(Calculator):
     """Energy, energies and forces that positions alone decide."""
 
-    implemented_properties: ClassVar[list[str]] = ["energy", "energies", "forces"]
+    def __init__(self, **keywords: Any) -> None:
+        self.implemented_properties = ["energy", "energies", "forces"]
+        super().__init__(**keywords)
 
     def check_state(self, atoms: ase.Atoms, tol: float = 0.0) -> list[str]:
         # ASE's own comparison takes longer than the calculation, and overlooks steps below 1e-15
-        if self.atoms is not None and np.array_equal(self.atoms.positions, atoms.positions):
-            return []
-        return list(all_changes)
+        same = self.atoms is not None and np.array_equal(self.atoms.positions, atoms.positions)
+        return [] if same else list(all_changes)
 
 
 class SubstrateCalculator(_OfPositions):
@@ -43,6 +44,7 @@ class SubstrateCalculator(_OfPositions):
         system_changes: list[str] = all_changes,
     ) -> None:
         super().calculate(atoms, properties, system_changes)
+        assert self.atoms is not None  # ASE's own copy
         flat = self.atoms.positions[:, :2]
         energies = self.substrate.energy(flat)
         forces = np.zeros((len(flat), 3))
@@ -64,6 +66,7 @@ class HarmonicBonds(_OfPositions):
         system_changes: list[str] = all_changes,
     ) -> None:
         super().calculate(atoms, properties, system_changes)
+        assert self.atoms is not None  # ASE's own copy
         points = self.atoms.positions
         count = len(points)
         first, second = self.pairs.T

@@ -22,6 +22,7 @@ _LOOSE = 0.02  # force left on a band, of the substrate's
 _TIGHTER = 0.3
 _MOST_TRIES, _MOST_PIECES = 4, 200
 _SAMPLES = 16  # of the energy between two images
+_SHORT = 0.05  # of the height of the way
 _SAME = 0.1  # minima nearer than this, in radians of the period, are one
 
 
@@ -37,7 +38,13 @@ class _Piece:
 
 
 def highest_saddle(
-    island: MovingIsland, scales: Scales, start: LevelPoint, guess: Array, *, limit: float = np.inf, cut_first: bool = False
+    island: MovingIsland,
+    scales: Scales,
+    start: LevelPoint,
+    guess: Array,
+    *,
+    limit: float = np.inf,
+    cut_first: bool = False,
 ) -> tuple[LevelPoint, LevelPoint]:
     """The highest saddle on the way from a minimum to its copy, and the lowest minimum passed.
 
@@ -59,7 +66,7 @@ def highest_saddle(
         profile = _profile(island, band)
         top = int(profile.energies.argmax())
         height = profile.energies[top] - start.energy if height is None else height
-        if height <= scales.noise or profile.energies[top] < highest.energy - scales.noise:
+        if height <= scales.noise or profile.energies[top] < highest.energy - _SHORT * (highest.energy - start.energy):
             continue
         chain = _chain(island, scales, piece, profile, 0.02 * height + scales.noise)
         lowest = min(lowest, *(point for point, _ in chain), key=lambda point: point.energy)
@@ -67,6 +74,10 @@ def highest_saddle(
             todo += [_Piece(first, profile.part(first, i, k, last), last) for (first, i), (last, k) in pairwise(chain)]
             continue
         saddle = settle(island, scales, profile.places[top], 1)
+        # the profile may be a little too low between images
+        lower = saddle is None or saddle.energy <= highest.energy
+        if lower and profile.energies[top] < highest.energy - scales.noise:
+            continue
         rest = None
         if saddle is not None and saddle.ways_down == 1:
             if saddle.energy >= limit:
@@ -138,15 +149,14 @@ def _spaced(band: Array, scales: Scales, finer: int) -> Array:
     along = np.concatenate([[0.0], np.cumsum(lengths)])
     count = max(_LEAST_IMAGES, int(np.ceil(along[-1] / (_SPACING * scales.radian)))) + 2 * finer
     if count > _MOST_IMAGES:
-        raise InputError(f"atoms: the elastic band needs more than {_MOST_IMAGES} images; take fewer atoms or rigid=True")
+        raise InputError(f"atoms: the elastic band needs over {_MOST_IMAGES} images; take fewer atoms or rigid=True")
     places = np.linspace(0.0, along[-1], count + 1)
     flat = band.reshape(len(band), -1)
     return np.column_stack([np.interp(places, along, column) for column in flat.T]).reshape(count + 1, *band.shape[1:])
 
 
-def _relaxed(
-    island: MovingIsland, scales: Scales, stiffest: float, band: Array, tries: int
-) -> Array:
+def _relaxed(island: MovingIsland, scales: Scales, stiffest: float, band: Array, tries: int) -> Array:
+    """The band after ASE's NEB has let it slip off the heights, as low as it came."""
     images = [island.image(points) for points in band]
     energies = [image.get_potential_energy() for image in images]
     height = max(energies) - min(energies[0], energies[-1])

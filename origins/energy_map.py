@@ -65,7 +65,8 @@ class EnergyMap:
     def _bends(self) -> Array:
         """Second differences of the energy along four directions, shape (4, n, n)."""
         e = self.energies
-        return np.array([np.abs(np.roll(e, (i, j), (0, 1)) + np.roll(e, (-i, -j), (0, 1)) - 2.0 * e) for i, j in _LINES])
+        pairs = [np.roll(e, (i, j), (0, 1)) + np.roll(e, (-i, -j), (0, 1)) for i, j in _LINES]
+        return np.abs(np.array(pairs) - 2.0 * e)
 
     def valleys(self) -> list[Node]:
         """Nodes with no lower neighbour that may be next to the lowest minimum, the lowest first."""

@@ -60,11 +60,12 @@ def relax(island: MovingIsland, scales: Scales, points: Array, stiffest: float) 
         stiffest = found.stiffest
     raise RuntimeError(
         "forces did not vanish on the way down to a minimum: those of the calculator are not smooth, not those of its "
-        "energy, or nothing holds the atoms")
+        "energy, or nothing holds the atoms"
+    )
 
 
 def settle(island: MovingIsland, scales: Scales, points: Array, climbing: int) -> LevelPoint | None:
-    """The point without force next to `points`, sought upwards along the `climbing` softest modes; None if not found."""
+    """The point without force near `points`, upwards along the `climbing` softest modes; None where none is found."""
     basis = island.basis()
     best = np.inf
     for _ in range(_MOST_HESSIANS):
@@ -74,20 +75,23 @@ def settle(island: MovingIsland, scales: Scales, points: Array, climbing: int) -
         flat = 20.0 * np.finfo(float).eps * len(island.moving) * scales.force / (_PROBE * scales.radian)
         sizes = np.maximum(np.abs(curvatures), flat)
         sizes[:climbing] *= -1.0
-        last = np.inf
+        last, before = np.inf, points
         for count in range(_MOST_STEPS):
             energy, forces = island.evaluate(points)
             along = directions.T @ forces.ravel()
             error = float(0.5 * (along**2 / np.abs(sizes)).sum())
-            if error <= _CLOSE * scales.energy + 0.01 * scales.noise or (error >= best and error < 1e-9 * scales.energy):
+            stalled = error >= best and error < 1e-9 * scales.energy
+            if stalled or error <= _CLOSE * scales.energy + 0.01 * scales.noise:
                 if count == 0:
                     down = int((curvatures < -10.0 * flat).sum())
                     stiffest = float(np.abs(curvatures).max())
                     return LevelPoint(points, energy, error + scales.noise, down, directions, stiffest)
                 break
             if error > 0.5 * last:
+                # a step by old curvatures that led astray is taken back
+                points = points if count == 1 else before
                 break
-            last, best = error, min(best, error)
+            last, best, before = error, min(best, error), points
             step = (directions @ (along / sizes)).reshape(-1, 3)
             points = points + step * min(1.0, 0.5 * scales.radian / np.linalg.norm(step, axis=1).max())
     return None

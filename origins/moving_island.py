@@ -4,7 +4,7 @@ ASE's tools see it as Atoms of their own: one for the centre of a rigid island, 
 Importing this file imports ase, so only functions do.
 """
 
-from typing import Any, ClassVar
+from typing import Any
 
 import ase
 import numpy as np
@@ -56,8 +56,12 @@ class MovingIsland:
     def evaluate(self, points: Array) -> tuple[float, Array]:
         """Energy, and the force on `points` along what is left to them, of their shape."""
         self._all.positions[self.moving] = self._rest + (points - self.points)
-        forces = self._all.get_forces()[self.moving]
-        energy = float(self._all.get_potential_energy())
+        try:
+            forces = self._all.get_forces()[self.moving]
+            energy = float(self._all.get_potential_energy())
+        except Exception as error:
+            said = f"{type(error).__name__}: {error}".splitlines()[0]
+            refuse("calculator", said, "must give energies and forces wherever the island goes")
         if not (np.isfinite(energy) and np.isfinite(forces).all()):
             refuse("calculator", energy, "must give finite energies and forces wherever the island goes")
         self.evaluations += 1
@@ -98,9 +102,8 @@ class MovingIsland:
 class _IslandCalculator(BaseCalculator):
     """One for each image: it keeps the last result, which ASE asks for three times in a step."""
 
-    implemented_properties: ClassVar[list[str]] = ["energy", "forces"]
-
     def __init__(self, island: MovingIsland) -> None:
+        self.implemented_properties = ["energy", "forces"]
         super().__init__()
         self.island = island
         self._points: Array | None = None
@@ -112,7 +115,7 @@ class _IslandCalculator(BaseCalculator):
 
     def get_property(self, name: str, atoms: ase.Atoms | None = None, allow_calculation: bool = True) -> Any:
         # ASE compares cells, masses and more as well, which takes longer than most substrates
-        if atoms is not None and not np.array_equal(atoms.positions, self._points):
+        if atoms is not None and (self._points is None or not np.array_equal(atoms.positions, self._points)):
             self.calculate(atoms, [name], [])
         if name not in self.results:
             raise PropertyNotImplementedError(name)

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.energy_map import EnergyMap, Way, energy_map
-from origins.errors import InputError, finite_array, refuse
+from origins.errors import InputError, refuse
 from origins.thresholds import Array
 
 if TYPE_CHECKING:
@@ -122,9 +122,8 @@ def relaxed_barrier(
     height = saddle.energy - minimum.energy
     lowest, highest = island.atoms_at(minimum.points), island.atoms_at(saddle.points)
     calls = island.evaluations + (0 if island is slider else slider.evaluations)
-    return RelaxedBarrier(
-        max(height, 0.0), minimum.error + saddle.error, lowest, highest, calls, perf_counter() - started
-    )
+    off = float(minimum.error + saddle.error)
+    return RelaxedBarrier(max(float(height), 0.0), off, lowest, highest, calls, perf_counter() - started)
 
 
 def _periods(atoms: "ase.Atoms", calculator: Any, given: npt.ArrayLike | None) -> Array:
@@ -135,11 +134,15 @@ def _periods(atoms: "ase.Atoms", calculator: Any, given: npt.ArrayLike | None) -
             flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
             found = flat if len(flat) == 2 else None
         if found is None:
-            refuse("periods", None, "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: neither atoms nor calculator tell")
+            refuse("periods", None, "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell")
         given = found
-    periods = finite_array("periods", np.ravel(np.asarray(given))).reshape(np.shape(given))
-    if periods.shape != (2, 2) or not abs(np.linalg.det(periods)) > 1e-6 * (periods**2).sum():
-        refuse("periods", periods, "must be two vectors that are not parallel, such as [[2.5, 0.0], [0.0, 2.5]]")
+    try:
+        periods: Array = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        periods = np.empty(0)
+    right = periods.shape == (2, 2) and np.isfinite(periods).all()
+    if not right or not abs(np.linalg.det(periods)) > 1e-6 * (periods**2).sum():
+        refuse("periods", given, "must be two vectors that are not parallel, such as [[2.5, 0.0], [0.0, 2.5]]")
     return periods
 
 
@@ -155,7 +158,7 @@ def _known_periods(calculator: Any) -> Array | None:
 
 
 def _moved(slider: "MovingIsland", shift: Array) -> tuple[float, Array]:
-    energy, forces = slider.evaluate(slider.points + [shift[0], shift[1], 0.0])
+    energy, forces = slider.evaluate(slider.points + _flat(shift))
     return energy, forces[0, :2]
 
 
@@ -174,7 +177,8 @@ def _scales(slider: "MovingIsland", periods: Array) -> "Scales":
     for period in periods:
         off = max(abs(_moved(slider, place + period)[0] - was) for place, was in zip(places, energies, strict=True))
         if off > 1e-9 * force * radian + 4.0 * noise:
-            refuse("periods", periods, f"are none: moved by ({period[0]:.6g}, {period[1]:.6g}) energies change by {off:.2g}")
+            shown = f"({period[0]:.6g}, {period[1]:.6g})"
+            refuse("periods", periods, f"must leave energies as they are; moved by {shown} they change by {off:.2g}")
     return Scales(radian, force, noise)
 
 
@@ -190,20 +194,28 @@ def _rigid(slider: "MovingIsland", scales: "Scales", chart: EnergyMap) -> tuple[
     minimum = min((relax(slider, scales, start, stiffest(slider, scales, start)) for start in starts), key=_energy)
     node = chart.nearest((minimum.points - slider.points)[0, :2])
     blocked = np.zeros(chart.energies.shape, dtype=bool)
-    best = None
+    best: LevelPoint | None = None
     for _ in range(chart.energies.size):
         way = chart.lowest_way(node, blocked)
         if way is None or (best is not None and way.level - chart.margin >= best.energy):
             break
         path = slider.points + _flat(chart.displacements(way.nodes))
         top = path[chart.energies[tuple(way.nodes.T % len(chart.energies))].argmax()]
+        # a saddle known already to be no lower needs no band
         saddle = None if best is None else settle(slider, scales, top[None], 1)
-        if saddle is None or saddle.ways_down != 1 or saddle.energy < best.energy - _KNOWN * scales.energy:
-            saddle, _ = highest_saddle(slider, scales, minimum, _between(minimum, path, _copy(chart, way)), cut_first=True)
-            if saddle is minimum:
+        if (
+            best is None
+            or saddle is None
+            or saddle.ways_down != 1
+            or saddle.energy < best.energy - _KNOWN * scales.energy
+        ):
+            guess = _between(minimum, path, _copy(chart, way))
+            found, _ = highest_saddle(slider, scales, minimum, guess, cut_first=True)
+            if found is minimum:
                 return minimum, minimum
-            if saddle.energy > way.level + chart.margin:
+            if found.energy > way.level + chart.margin:
                 raise RuntimeError("a band leads higher than the map it was laid on: a defect of this program")
+            saddle = found
             if best is None or saddle.energy < best.energy:
                 best = saddle
         for place in (top, saddle.points[0]):
@@ -225,7 +237,7 @@ def _free(island: "MovingIsland", scales: "Scales", chart: EnergyMap) -> tuple["
     minimum = min((relax(island, scales, start, steep) for start in starts), key=_energy)
     shake, basis = np.random.default_rng(0), island.basis()
     for _ in range(_MOST_MINIMA):
-        best = None
+        best: LevelPoint | None = None
         for shift in _ways_on(chart, (minimum.points - island.points).mean(axis=0)[:2]):
             path = minimum.points + _flat(shift)[:, None]
             # a band of one symmetry could not leave it
@@ -239,6 +251,7 @@ def _free(island: "MovingIsland", scales: "Scales", chart: EnergyMap) -> tuple["
             if saddle.energy < limit:
                 best = saddle
         else:
+            assert best is not None  # the first band has no limit
             return minimum, best
     raise InputError("atoms: bands lead to ever lower minima; take rigid=True or atoms that hold together more stiffly")
 
