@@ -1,4 +1,4 @@
-"""Minima and saddles of an island's energy: ASE's FIRE brings it near, Newton's method to rounding.
+"""Minima and saddles of an island's energy: ASE's LBFGS brings it near, Newton's method to rounding.
 
 Importing this file imports ase, so only functions do.
 """
@@ -6,14 +6,14 @@ Importing this file imports ase, so only functions do.
 from dataclasses import dataclass
 
 import numpy as np
-from ase.optimize import FIRE
+from ase.optimize import LBFGS
 
 from origins.moving_island import MovingIsland
 from origins.thresholds import Array
 
 _PROBE = 1e-4  # of a radian of the period, for curvatures by differences of forces
 _MOST_HESSIANS, _MOST_STEPS = 100, 12
-_MOST_RELAXATION, _NEAR = 300, 0.03  # steps of FIRE, and the force on an atom at which Newton's method takes over
+_MOST_RELAXATION, _NEAR = 300, 0.03  # steps of LBFGS, and the force on an atom at which Newton's method takes over
 _CLOSE = 1e-15  # error of an energy to aim at, in units of the substrate's energy
 
 
@@ -46,9 +46,8 @@ def relax(island: MovingIsland, scales: Scales, points: Array, stiffest: float) 
     """The minimum that `points` lead down to; `stiffest` is the largest curvature, energy per length squared."""
     for _ in range(5):
         image = island.image(points)
-        pace = 1.0 / np.sqrt(stiffest)
-        reach = 0.3 * scales.radian * np.sqrt(len(points))
-        optimizer = FIRE(image, logfile=None, dt=0.3 * pace, dtmax=pace, maxstep=reach)
+        # ASE's annotation leaves out the None that its optimizers take for silence
+        optimizer = LBFGS(image, logfile=None, alpha=stiffest, maxstep=0.3 * scales.radian)  # type: ignore[arg-type]
         optimizer.run(fmax=_NEAR * scales.force, steps=_MOST_RELAXATION)
         found = settle(island, scales, image.positions, 0)
         if found is None:
@@ -66,7 +65,7 @@ def relax(island: MovingIsland, scales: Scales, points: Array, stiffest: float) 
 
 def settle(island: MovingIsland, scales: Scales, points: Array, climbing: int) -> LevelPoint | None:
     """The point without force near `points`, upwards along the `climbing` softest modes; None where none is found."""
-    basis = island.basis()
+    basis, points = island.basis(), island.unturned(points)
     best = np.inf
     for _ in range(_MOST_HESSIANS):
         curvatures, modes = np.linalg.eigh(_hessian(island, scales, points, basis))

@@ -83,6 +83,12 @@ class MovingIsland:
             return free
         return free @ np.linalg.qr(self._turn.ravel()[axes, None], mode="complete")[0][:, 1:]
 
+    def unturned(self, points: Array) -> Array:
+        """The points without the turn that rounding has let in, which stiff bonds make much of."""
+        if self._turn is None:
+            return points
+        return points - ((points - self.points) * self._turn).sum() * self._turn
+
     def image(self, points: Array) -> ase.Atoms:
         """The points as Atoms of their own, for ASE's optimizers and bands."""
         image = ase.Atoms(numbers=np.zeros(len(points), dtype=int), positions=points)

@@ -101,7 +101,8 @@ def relaxed_barrier(
         if not hasattr(atoms, method):
             refuse("atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
     if not hasattr(calculator, "get_forces"):
-        refuse("calculator", calculator, "must be an ASE calculator, such as origins.substrate_calculator(substrate)")
+        shown = type(calculator).__name__
+        refuse("calculator", shown, "must be an ASE calculator, such as origins.substrate_calculator(substrate)")
     if len(atoms) == 0 or not np.isfinite(atoms.get_positions()).all():
         refuse("atoms", atoms, "must hold at least one atom, all at finite positions")
     from origins.moving_island import MovingIsland
