@@ -18,7 +18,7 @@ Node = tuple[int, int]
 
 _SIZES = (16, 32, 64, 128)  # nodes along each period
 _FINE = 64
-_CURVED = 0.02  # how far the energy may be from its tangents, as a share of the height of the way
+_CURVED = 0.01  # how far the energy may be from its tangents, as a share of the height of the way
 _LINES = ((0, 1), (1, 0), (1, 1), (1, -1))
 _NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from origins.moving_island import MovingIsland
 
 _MOST_FLEXIBLE = 1500
-_DISC = 2.0  # steps of the map around a saddle
+_DISC = 1.0  # steps of the map around a saddle
 _KNOWN = 1e-9  # saddles nearer in energy than this are taken for one
 _STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))  # periods that straight bands lead over
 _LONG = 1.2  # against the longer period
@@ -85,8 +85,9 @@ def relaxed_barrier(
         within a SumCalculator; else the cell vectors of the atoms along which they are periodic.
 
     Energies are in the unit of the calculator, lengths in that of the atoms. For a rigid planar island a map of one
-    cell shows where the lowest minimum and the lowest ways lie, and none is left out that could be lower. Otherwise
-    minima are sought from 16 places and bands are laid along five ways: the barrier holds for the lowest found.
+    cell shows where the lowest minimum and the lowest ways lie, and every way it tells apart that could be lower is
+    tried. Otherwise minima are sought from 17 places and bands are laid along up to five ways: the barrier holds for
+    the lowest found.
 
     With its atoms free both the minimum and the saddle of an island lie no higher than those of the rigid one, as its
     paths hold the rigid ones; the barrier, their difference, may lie on either side.

@@ -155,15 +155,13 @@ def test_random_rigid_islands_on_other_substrates_climb_what_the_exact_search_sa
         assert off <= found.barrier_error + 1e-11 * len(island)
 
 
-@pytest.mark.parametrize("seed", [200, 221])
-def test_no_saddle_of_a_band_is_passed_over(seed: int) -> None:
-    # profiles between the images of a band are too low here for the second of two saddles of nearly one height
-    rng = np.random.default_rng(seed)
-    for _ in range(4):
-        substrate = random_substrate(rng, 7)
-        found = relaxed_barrier(ase.Atoms("H", positions=[[0, 0, 0]]), substrate_calculator(substrate))
-        exact = origins.barrier(ase.Atoms("H", positions=[[0, 0, 0]]), 0.0, substrate)
-        assert found.barrier == pytest.approx(exact, abs=1e-9)
+@pytest.mark.parametrize("seed", [51, 116, 284, 106])
+def test_landscapes_that_are_hard_to_search(seed: int) -> None:
+    # in three of them Newton's steps by old curvatures go back and forth for ever, in the last two saddles lie close by
+    atom = ase.Atoms("H", positions=[[0, 0, 0]])
+    substrate = random_substrate(np.random.default_rng(seed), 7)
+    found = relaxed_barrier(atom, substrate_calculator(substrate))
+    assert abs(found.barrier - origins.barrier(atom, 0.0, substrate)) <= found.barrier_error + 1e-10
 
 
 def test_another_calculator_gives_another_barrier() -> None:
