@@ -16,7 +16,7 @@ from origins.thresholds import Array
 Mask = npt.NDArray[np.bool_]
 Node = tuple[int, int]
 
-_SIZES = (16, 32, 64, 128)  # nodes along each period
+SIZES = (16, 32, 64, 128)  # nodes along each period
 _FINE = 64
 _CURVED = 0.01  # how far the energy may be from its tangents, as a share of the height of the way
 _LINES = ((0, 1), (1, 0), (1, 1), (1, -1))
@@ -115,14 +115,18 @@ class EnergyMap:
         return None
 
 
-def energy_map(periods: Array, evaluate: Callable[[Array], tuple[float, Array]], noise: float) -> EnergyMap:
+def energy_map(
+    periods: Array, evaluate: Callable[[Array], tuple[float, Array]], noise: float, least: int = SIZES[0]
+) -> EnergyMap:
     """The map of an energy that `evaluate` tells, with the force, at a displacement; fine enough for its lowest way.
+
+    It has at least `least` nodes along each period, one of SIZES.
 
     Raises InputError where the finest map does not follow the energy: it varies too fast, or its forces belong to
     another energy.
     """
     before = np.inf
-    for n in _SIZES:
+    for n in SIZES[SIZES.index(least) :]:
         energies, forces = np.empty((n, n)), np.empty((n, n, 2))
         for i in range(n):
             for j in range(n):

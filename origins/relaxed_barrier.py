@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from origins.energy_map import EnergyMap, Way, energy_map
+from origins.energy_map import SIZES, EnergyMap, Way, energy_map
 from origins.errors import InputError, refuse
 from origins.thresholds import Array
 
@@ -113,14 +113,16 @@ def relaxed_barrier(
     if not rigid and len(slider.moving) > _MOST_FLEXIBLE:
         refuse("atoms", atoms, f"may hold at most {_MOST_FLEXIBLE} atoms that move by themselves; take rigid=True")
     scales = _scales(slider, cell)
-    chart = energy_map(cell, lambda shift: _moved(slider, shift), scales.noise)
-    scales = replace(scales, radian=chart.radian)
-    if rigid and planar:
-        minimum, saddle = _rigid(slider, scales, chart)
-        island = slider
-    else:
-        island = MovingIsland(atoms, calculator, rigid, planar)
-        minimum, saddle = _free(island, scales, chart)
+    island = slider if rigid and planar else MovingIsland(atoms, calculator, rigid, planar)
+    found, least = None, SIZES[0]
+    while found is None:
+        if least > SIZES[-1]:
+            raise RuntimeError("bands lead higher than the finest map they were laid on: a defect of this program")
+        chart = energy_map(cell, lambda shift: _moved(slider, shift), scales.noise, least)
+        scales = replace(scales, radian=chart.radian)
+        found = _rigid(slider, scales, chart) if island is slider else _free(island, scales, chart)
+        least = 2 * len(chart.energies)
+    minimum, saddle = found
     height = saddle.energy - minimum.energy
     lowest, highest = island.atoms_at(minimum.points), island.atoms_at(saddle.points)
     calls = island.evaluations + (0 if island is slider else slider.evaluations)
@@ -184,8 +186,11 @@ def _scales(slider: "MovingIsland", periods: Array) -> "Scales":
     return Scales(radian, force, noise)
 
 
-def _rigid(slider: "MovingIsland", scales: "Scales", chart: EnergyMap) -> tuple["LevelPoint", "LevelPoint"]:
-    """The lowest minimum, and the saddle of the lowest way; ways are closed one by one until none can be lower."""
+def _rigid(slider: "MovingIsland", scales: "Scales", chart: EnergyMap) -> tuple["LevelPoint", "LevelPoint"] | None:
+    """The lowest minimum, and the saddle of the lowest way; ways are closed one by one until none can be lower.
+
+    None where a band strays from the way it was laid on: the map is too coarse for that.
+    """
     from origins.elastic_band import highest_saddle
     from origins.level_points import level_place, relax, settle, stiffest
 
@@ -216,7 +221,7 @@ def _rigid(slider: "MovingIsland", scales: "Scales", chart: EnergyMap) -> tuple[
             if found is minimum:
                 return minimum, minimum
             if found.energy > way.level + chart.margin:
-                raise RuntimeError("a band leads higher than the map it was laid on: a defect of this program")
+                return None
             saddle = found
             if best is None or saddle.energy < best.energy:
                 best = saddle
