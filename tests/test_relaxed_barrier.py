@@ -125,7 +125,7 @@ def test_bonds_are_those_of_ase_force_field() -> None:
 def test_random_rigid_islands_climb_what_the_closed_form_says() -> None:
     rng = np.random.default_rng(7)
     calculator = substrate_calculator(SQUARE)
-    for _ in range(150):
+    for _ in range(120):
         a, angle = float(rng.uniform(1.5, 7.0)), float(rng.uniform(0.0, 2.0 * np.pi))
         n_i, n_j = (int(n) for n in rng.integers(1, 21, 2))
         island = turned(origins.triangular_island(a, n_i, n_j), angle)
@@ -143,7 +143,7 @@ def test_random_rigid_islands_climb_what_the_closed_form_says() -> None:
 
 def test_random_rigid_islands_on_other_substrates_climb_what_the_exact_search_says() -> None:
     rng = np.random.default_rng(11)
-    for k in range(24):
+    for k in range(18):
         if k % 3 < 2:
             substrate = origins.hexagonal_substrate([1.0, -1.0][k % 3])
         else:
@@ -255,14 +255,14 @@ def test_flexible_island_tends_to_the_rigid_one() -> None:
     substrate = substrate_calculator(SQUARE)
     rigid = relaxed_barrier(island, substrate)
     lows, tops = [], []
-    for stiffness in (1e3, 1e2, 10.0):
+    for stiffness in (1e3, 1e2):
         calculator = SumCalculator([substrate, origins.harmonic_bonds(island, stiffness)])
         found = relaxed_barrier(island, calculator, rigid=False)
         lows.append(rigid.minimum.get_potential_energy() - found.minimum.get_potential_energy())
         tops.append(rigid.saddle.get_potential_energy() - found.saddle.get_potential_energy())
     # strain gains energy as 1/stiffness, at the saddle as at the minimum: the barrier may change either way
     for gains in (lows, tops):
-        assert 0.0 < gains[0] < gains[1] < gains[2]
+        assert 0.0 < gains[0] < gains[1]
         assert gains[1] / gains[0] == pytest.approx(10.0, rel=0.05)
     assert abs(lows[0] - tops[0]) < 1e-2
 
