@@ -3,6 +3,7 @@
 from origins.ageing import Ageing
 from origins.barriers import barrier, triangular_barrier
 from origins.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
+from origins.calculators import harmonic_bonds, substrate_calculator
 from origins.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.contacts import Contacts
 from origins.continuous_mixture import continuous_mixture
@@ -33,6 +34,7 @@ from origins.persson import persson
 from origins.power_law import PowerLaw
 from origins.rectangular import rectangular
 from origins.reforming import boltzmann_reforming
+from origins.relaxed_barrier import RelaxedBarrier, relaxed_barrier
 from origins.rough_contact import from_moments, from_topography, resolution_study
 from origins.samples import from_samples
 from origins.self_affine import self_affine_surface
@@ -58,6 +60,7 @@ __all__ = [
     "Interface",
     "Material",
     "PowerLaw",
+    "RelaxedBarrier",
     "SpectralMoments",
     "Start",
     "Substrate",
@@ -82,6 +85,7 @@ __all__ = [
     "gw_elastic",
     "gw_gaussian",
     "gw_plastic",
+    "harmonic_bonds",
     "hexagonal_island",
     "hexagonal_substrate",
     "identical",
@@ -95,6 +99,7 @@ __all__ = [
     "pressure_of_separation",
     "rectangular",
     "rectangular_island",
+    "relaxed_barrier",
     "resolution_study",
     "self_affine_surface",
     "separation_of_pressure",
@@ -103,6 +108,7 @@ __all__ = [
     "square_island",
     "square_substrate",
     "structure_factors",
+    "substrate_calculator",
     "triangular_barrier",
     "triangular_island",
     "triangular_structure_factors",

@@ -17,6 +17,7 @@ def refuse(name: str, value: object, rule: str) -> NoReturn:
         shown = f"array of shape {value.shape}"
     elif isinstance(value, np.generic):
         shown = repr(value.item())
+    shown = " ".join(shown.split())
     if len(shown) > 60:
         shown = shown[:57] + "..."
     raise InputError(f"{name} = {shown}: {rule}")
