@@ -20,7 +20,7 @@ def closest(contacts: Contacts, path: npt.ArrayLike, *, n_contacts: int, seed: i
     Raises InputError for a path that does not go forward from 0 and for n_contacts below 1.
     """
     check_contacts(contacts, "eq_model.closest")
-    positions = Drive(path).path
+    positions = Drive(path).only_forward("the algorithm of the closest contact").path
     generator = np.random.default_rng(whole("seed", seed, 0))
     x, gap = draw_start(contacts, whole("n_contacts", n_contacts, 1), generator)
     fresh, used = contacts.thresholds.rvs(1024, generator), 0

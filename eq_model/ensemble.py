@@ -79,7 +79,7 @@ class Ensemble:
         if self.total > _MOST_CONTACTS:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
         self.key = key_of(seed)
-        positions = Drive(path).path
+        positions = Drive(path).only_forward("eq_model.simulate").path
         self._table, self._start_table = tables(contacts)
         start = contacts.start
         self._single, self._stretch = start.is_single, start.mean()

@@ -12,14 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cohort import SLACK, starting
+from master.forward import MOST_NODES, ROUND_OFF, estimate, first_step, least_share
 from master.law import Law
 from master.leg import Leg, State
 from master.moves import Move, moves
-from master.solve import MOST_NODES, ROUND_OFF, estimate, first_step, least_share
 from master.stretches import CohortDistribution, stretches
 from origins import Contacts
-from origins.contacts import check_contacts
-from origins.errors import finite, finite_array, positive, refuse
+from origins.errors import finite, refuse
 
 Array = npt.NDArray[np.float64]
 
@@ -142,29 +141,17 @@ class PathSolution:
         return stretches(self._course.law, state.cohorts, state.at)
 
 
-def solve_cohorts(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e-8) -> PathSolution:
-    """Force along a path that may turn round, for a rigid slider that starts at X = 0, at T = 0 (paper App. C).
+def solve_cohorts(contacts: Contacts, path: Array, tolerance: float = 1e-8) -> PathSolution:
+    """Force along a path that may turn round, for a rigid slider that starts at X = 0, at T = 0 (paper App. C);
+    arguments checked before.
 
     Every contact breaks where its stretch meets its threshold at +x_s or -x_s, so one that has survived a stretch of
     either sign is known to be stronger; the paper's P_b(x) = P(-x) forgets that.
-
-    Parameters
-    ----------
-    contacts : Contacts
-        Thresholds and starting stretches.
-    path : array of shape (n,)
-        Slider positions X (lengths), straight between points, of either sign; from X = 0 straight to the first.
-    tolerance : float
-        Largest error of the force wanted, in units of the mean threshold.
-
-    Raises InputError for a path that is not finite and for a tolerance that is not above zero.
     """
     began = time.perf_counter()
-    tolerance = positive("tolerance", tolerance)
-    check_contacts(contacts, "master.solve")
-    positions = finite_array("path", path)
+    path = np.asarray(path, dtype=float)
     unit = contacts.mean_threshold
-    x = positions / unit
+    x = path / unit
     law = Law(contacts, _reach(contacts, x))
     course, error, message = _refine(law, State(0.0, [starting(contacts, law)]), moves(x), x, tolerance)
     success = error <= tolerance
@@ -173,7 +160,7 @@ def solve_cohorts(contacts: Contacts, path: npt.ArrayLike, tolerance: float = 1e
     if contacts.cut_weight > 0.0:
         message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
     return PathSolution(
-        path=positions,
+        path=path,
         force=course.force() * unit,
         force_error=error,
         holding=np.ones(x.size),

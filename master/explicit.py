@@ -75,7 +75,7 @@ def explicit(contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Bre
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.explicit")
-    drive = Drive(path)
+    drive = Drive(path).only_forward("the explicit scheme")
     step = positive("step", step)
     if breaking not in ("survival", "printed"):
         refuse("breaking", breaking, 'must be "survival" or "printed"')

@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from master.decoherence import decoherence_length
+from master.forward import MOST_NODES, SMOOTH, estimate, first_step, round_off
 from master.problem import Problem
 from master.renewal import LaterReleased
-from master.solve import MOST_NODES, SMOOTH, estimate, first_step, round_off
 from master.steady import steady_state
 from origins import Contacts
 from origins.contacts import check_contacts

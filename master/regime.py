@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from master.propensity import propensity
-from master.ride import Rule
 from origins import Contacts
+from origins.drive import SlipRule
 
 Array = npt.NDArray[np.float64]
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
@@ -47,7 +47,7 @@ class Regime:
 
 
 def regime(
-    contacts: Contacts, spring: float, rule: Rule, drive: Array, drop: Array, path: Array, tolerance: float
+    contacts: Contacts, spring: float, rule: SlipRule, drive: Array, drop: Array, path: Array, tolerance: float
 ) -> Regime:
     """Judge slips of force `drop` at drive positions `drive` (lengths) along `path`."""
     start = propensity(contacts, tolerance)
@@ -63,7 +63,7 @@ def regime(
 def _judge(
     contacts: Contacts,
     spring: float,
-    rule: Rule,
+    rule: SlipRule,
     drive: Array,
     trend: float | None,
     path: Array,

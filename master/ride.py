@@ -12,21 +12,20 @@ of its path.
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from master.cohort import SLACK, Cohort
 from master.curve import inverse, landing, onset
+from master.forward import first_step, least_share
 from master.law import Law
 from master.leg import Leg, State
 from master.moves import moves
 from master.sliding import Holding, Sliding
-from master.solve import first_step, least_share
+from origins.drive import SlipRule
 
 Array = npt.NDArray[np.float64]
-Rule = Literal["reset", "instant", "reform-after"]
 
 _HORIZON = 3.0
 _LONGER = 2.5
@@ -60,7 +59,7 @@ class Ride:
     """
 
     def __init__(
-        self, law: Law, begin: State, spring: float, rule: Rule, drive: Array, tolerance: float, level: int
+        self, law: Law, begin: State, spring: float, rule: SlipRule, drive: Array, tolerance: float, level: int
     ) -> None:
         self._law, self._spring, self._rule = law, spring, rule
         self._tolerance, self._scale = tolerance, 0.5**level

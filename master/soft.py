@@ -7,20 +7,18 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cohort import starting
+from master.forward import MOST_NODES, ROUND_OFF, estimate
 from master.law import Law
 from master.leg import State
 from master.regime import Regime, regime
-from master.ride import Ride, Rule
-from master.solve import MOST_NODES, ROUND_OFF, estimate
+from master.ride import Ride
 from origins import Contacts
-from origins.contacts import check_contacts
-from origins.errors import finite_array, positive, refuse
+from origins.drive import SlipRule
 
 Array = npt.NDArray[np.float64]
 
 _BEYOND = 1.7
 _STALL = 20.0
-_RULES = ("reset", "instant", "reform-after")
 
 
 @dataclass(frozen=True)
@@ -94,34 +92,17 @@ class SoftSolution:
 
 
 def solve_soft(
-    contacts: Contacts, path: npt.ArrayLike, spring: float, slip: Rule = "reset", tolerance: float = 1e-8
+    contacts: Contacts, path: Array, spring: float, slip: SlipRule = "reset", tolerance: float = 1e-8
 ) -> SoftSolution:
-    """Force as the drive X_T moves along `path` and pulls the slider by a spring, at T = 0 (paper Sec. III D).
+    """Force as the drive X_T moves along `path` and pulls the slider by a spring K/(N_c <k>), at T = 0 (paper Sec.
+    III D); slips as said in master.ride; arguments checked before.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        Thresholds and starting stretches.
-    path : array of shape (n,)
-        Positions X_T of the drive (lengths), straight between points; it may turn round. The drive begins where it
-        balances the start, X_T = F(0)/K with the slider at X = 0.
-    spring : float
-        K/(N_c <k>).
-    slip : "reset", "instant" or "reform-after"
-        What a slip does, as said in master.ride.
-    tolerance : float
-        Largest error wanted, in units of the mean threshold.
-
-    Raises InputError for a path that is not finite, a spring or a tolerance that is not above zero, and another `slip`.
+    The drive begins where it balances the start, X_T = F(0)/K with the slider at X = 0.
     """
     began = time.perf_counter()
-    tolerance, spring = positive("tolerance", tolerance), positive("spring", spring)
-    check_contacts(contacts, "master.solve")
-    drive = finite_array("path", path)
-    if slip not in _RULES:
-        refuse("slip", slip, 'must be "reset", "instant" or "reform-after"')
+    path = np.asarray(path, dtype=float)
     unit = contacts.mean_threshold
-    x = drive / unit
+    x = path / unit
     law, begin = _start(contacts, x, spring)
     ride, error, message = _refine(law, begin, spring, slip, x, tolerance)
     success = error <= tolerance
@@ -132,14 +113,14 @@ def solve_soft(
     table = np.array([[s.drive, s.before, s.after, s.force_before, s.force_after] for s in ride.slips]).reshape(-1, 5)
     slips = Slips(*(unit * table.T))
     return SoftSolution(
-        path=drive,
+        path=path,
         position=unit * ride.position,
         force=unit * ride.force,
         force_error=error,
         holding=np.ones(x.size),
         slips=slips,
         period=abs(float(slips.drive[-1] - slips.drive[-2])) if len(ride.slips) > 1 else None,
-        regime=regime(contacts, spring, slip, slips.drive, slips.drop, drive, tolerance),
+        regime=regime(contacts, spring, slip, slips.drive, slips.drop, path, tolerance),
         run_time=time.perf_counter() - began,
         nodes=ride.nodes,
         success=success,
@@ -156,7 +137,9 @@ def _start(contacts: Contacts, x: Array, spring: float) -> tuple[Law, State]:
     return law, State(0.0, [starting(contacts, law)])
 
 
-def _refine(law: Law, begin: State, spring: float, rule: Rule, x: Array, tolerance: float) -> tuple[Ride, float, str]:
+def _refine(
+    law: Law, begin: State, spring: float, rule: SlipRule, x: Array, tolerance: float
+) -> tuple[Ride, float, str]:
     """A ride on lattices fine enough, its error estimate and the reason for stopping short."""
     travel = float(np.abs(np.diff(x, prepend=0.0)).sum())
     floor = ROUND_OFF * (1.0 + travel) * (1.0 + spring)

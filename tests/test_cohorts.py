@@ -381,5 +381,5 @@ def test_any_path(path):
 )
 def test_bad_input_is_refused_in_one_line(path, tolerance, words):
     with pytest.raises(origins.InputError, match=words) as caught:
-        solve_cohorts(origins.Contacts(origins.gaussian(1.0, 0.1)), path, tolerance)
+        master.solve(origins.Contacts(origins.gaussian(1.0, 0.1)), path, tolerance)
     assert "\n" not in str(caught.value)

@@ -115,6 +115,8 @@ def test_paths() -> None:
     assert Drive([0.0, 1.0, 1.0, 3.0]).path.tolist() == [0.0, 1.0, 1.0, 3.0]
     assert Drive(2.0).path.tolist() == [2.0] and Drive([3]).path.dtype == float
     assert Drive(np.linspace(0, 5, 501)).path.shape == (501,)
+    assert Drive([0.0, 2.0]).forward and not Drive([0.0, 2.0, 1.0]).forward and not Drive([-0.1, 1.0]).forward
+    assert Drive([0.0, 1.0], time=[0.0, 3.0]).only_forward("this").time.tolist() == [0.0, 3.0]
 
 
 @pytest.mark.parametrize(
@@ -124,8 +126,8 @@ def test_paths() -> None:
         ([[0.0, 1.0]], "path = array of shape (1, 2): "),
         ([0.0, np.nan, 1.0], "path[1] = nan: "),
         ([0.0, np.inf], "path[1] = inf: "),
-        ([-0.1, 1.0], "path[0] = -0.1: the slider starts at X = 0"),
-        ([0.0, 2.0, 1.0, 3.0], "path[2] = 1.0: lies behind path[1] = 2; the path must not turn round"),
+        ([-0.1, 1.0], "path[0] = -0.1: lies behind X = 0; this takes a path that does not turn round"),
+        ([0.0, 2.0, 1.0, 3.0], "path[2] = 1.0: lies behind path[1] = 2; this takes a path that does not turn round"),
         ("far", "path = 'far': "),
         (None, "path"),
         ([0.0, "x"], "path = [0.0, 'x']: "),
@@ -133,7 +135,7 @@ def test_paths() -> None:
 )
 def test_bad_paths(path: object, begins: str) -> None:
     with pytest.raises(InputError) as refusal:
-        Drive(path)  # type: ignore[arg-type]
+        Drive(path).only_forward("this")  # type: ignore[arg-type]
     assert str(refusal.value).startswith(begins)
 
 

@@ -104,7 +104,7 @@ def test_lengths_only_set_the_scale():
         ([0.0, 1.0], 0.0, "survival", "step = 0.0: must be above zero"),
         ([0.0, 1.0], float("nan"), "survival", "step = nan: must be finite"),
         ([0.0, 1.0], 1.0 / (2 * MOST_NODES), "survival", "write step="),
-        ([1.0, 0.0], 0.1, "survival", "must not turn round"),
+        ([1.0, 0.0], 0.1, "survival", "does not turn round"),
         ([0.0, 1.0], 0.1, "exact", 'must be "survival" or "printed"'),
     ],
 )

@@ -1,0 +1,161 @@
+"""A rigid slider that moves forward: lattices are refined until the error estimate is below the tolerance."""
+
+import time
+
+import numpy as np
+import numpy.typing as npt
+
+from master.law import Law
+from master.problem import Problem
+from master.renewal import LaterReleased, bound
+from master.solution import Solution
+from origins import Contacts
+from origins.errors import refuse
+
+Array = npt.NDArray[np.float64]
+
+ROUND_OFF = 1e-13
+MOST_NODES = 2**20
+SMOOTH = 1.0 / 32.0  # four times what is left of a difference at eighth order would be 1/64
+_CLOSE = 0.5**0.5  # ratio of the steps of two lattices whose difference is at least the error of the finer
+_FEW = 200  # positions: fewer may all fall where a lattice happens to be good
+_FEWEST_NODES = 256
+_STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
+_BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
+_MOST_AROUND = 2000
+_FURTHEST = 1e100  # mean thresholds: its square is still a number
+
+
+def solve_forward(contacts: Contacts, path: Array, tolerance: float) -> Solution:
+    """Force F(X) on a rigid slider that moves forward from X = 0 (paper Eqs. Q5a-Q6), arguments checked before."""
+    began = time.perf_counter()
+    x = path / contacts.mean_threshold
+    if x[-1] > _FURTHEST:
+        refuse("path[-1]", path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
+    problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance)
+    first = problem.first
+    force = first.mean_start + x - first.released(x)
+    released, error, later, message = _refine(problem, x, tolerance)
+    force = (force - released) * problem.unit
+    success = error <= tolerance
+    if success:
+        message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
+    if contacts.cut_weight > 0.0:
+        message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
+    return Solution(
+        path=path,
+        force=force,
+        force_error=error,
+        holding=np.ones(x.size),
+        run_time=time.perf_counter() - began,
+        nodes=0 if later is None else later.lattice.size,
+        success=success,
+        message=message,
+        _problem=problem,
+        _later=later,
+    )
+
+
+def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float, LaterReleased | None, str]:
+    """J_1 at x, its error estimate, what it was read from and the reason for stopping short."""
+    end = float(x[-1])
+    floor = round_off(problem)
+    tiny = min(1e-2 * tolerance, 1e-9)
+    listed = problem.law.atomic and problem.first.single
+    if listed or bound(problem, end, 1e-2 * floor) <= 1e-2 * floor:
+        message = f"{_limit(problem, floor)}, above the tolerance {tolerance:.1e}"
+        return problem.chain.released(x), floor, None, message
+    step = first_step(problem.law, problem.rough, end, tolerance)
+    rough = problem.rough
+    shrink = 0.5 if rough else _CLOSE
+    coarser: tuple[LaterReleased, Array] | None = None
+    best: tuple[Array, float, LaterReleased] | None = None
+    difference = before = np.inf
+    while True:
+        later = LaterReleased(problem, step, x, tiny)
+        answer = later(x)
+        if coarser is not None:
+            change = np.abs(answer - coarser[1])
+            # towards X = 0 a coarser lattice hands over to finer ones earlier: there the change is the error itself
+            finer = later.step_at(x) < coarser[0].step_at(x)
+            before, difference = difference, float(change[finer].max(initial=0.0))
+            if (rough or x.size < _FEW) and finer.any():
+                around = _around(x[finer], 2.0 * step)
+                around = around[later.step_at(around) < coarser[0].step_at(around)]
+                difference = max(difference, float(np.abs(later(around) - coarser[0](around)).max(initial=0.0)))
+            handed_over = 1.5 * float(change[~finer].max(initial=0.0))
+            if rough:
+                left = estimate(difference, before, least_share(problem, step), problem.law.diverges)
+            else:
+                left = difference
+            error = max(left, handed_over) + later.left_out + later.drift + floor
+            if not rough or np.isfinite(before):
+                if best is None or error < best[1]:
+                    best = answer, error, later
+                level = max(difference, float(change.max()))
+                stalled = level <= floor or (difference > 0.5 * before and level < _STALL * floor)
+                if best[1] <= tolerance:
+                    return *best, ""
+                if stalled:
+                    return *best, f"{_limit(problem, best[1])}, above the tolerance {tolerance:.1e}"
+                if end / step > MOST_NODES / 2:
+                    reached = f"error estimate {best[1]:.1e} on {later.lattice.size} nodes, above the tolerance"
+                    return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
+        coarser = later, answer
+        step *= shrink
+
+
+def round_off(problem: Problem) -> float:
+    """Error that no lattice goes below: tables, and a kernel's mass off by an ulp, which adds up as a square."""
+    return ROUND_OFF * (1.0 + problem.end) + 2e-16 * problem.end**2 + problem.first.error
+
+
+def _limit(problem: Problem, reached: float) -> str:
+    """What no finer lattice mends."""
+    known = problem.first.error
+    return f"first breaks are known to {known:.1e} only" if known > 0.5 * reached else f"round-off allows {reached:.1e}"
+
+
+def least_share(problem: Problem, step: float) -> float:
+    """The smallest part of the last difference that is believed to be the error left."""
+    if not problem.rough:
+        return SMOOTH
+    tallest = np.abs(np.concatenate([problem.law.jump_sizes, problem.first.jump_sizes])).max(initial=0.0)
+    # what stands between two jumps closer than some nodes is not resolved: there nothing falls evenly yet
+    return 2.0 if tallest * step > 0.25 else 0.25
+
+
+def _around(x: Array, step: float) -> Array:
+    """Some nodes to either side of the positions x: beside jumps, errors depend on where among nodes a point falls."""
+    near = (x[:: 1 + x.size // _MOST_AROUND, None] + step * _BESIDE).ravel()
+    return near[(near > 0.0) & (near <= x[-1])]
+
+
+def first_step(law: Law, rough: bool, end: float, tolerance: float) -> float:
+    """Coarsest of the lattices tried: the second should do, the third where the problem is rough, its error being of
+    order (step / narrowest width)^8."""
+    if rough:
+        step = min(5.6 * law.narrowest * min(tolerance, 1e-3) ** 0.125, 4.0 * end / _FEWEST_NODES)
+    else:
+        step = min(2.1 * law.narrowest * min(tolerance, 3e-5) ** 0.125, end / _FEWEST_NODES)
+    step = max(step, end * 8.0 / MOST_NODES)
+    atoms, weights = law.atoms, law.atom_weights
+    if atoms.size:  # the heaviest atom falls on a node, so that it is folded without loss
+        heaviest = float(atoms[weights.argmax()])
+        step = heaviest / np.ceil(heaviest / step)
+    return step
+
+
+def estimate(difference: float, before: float, least: float, diverges: bool) -> float:
+    """Error of the last of three lattices from the two differences between them.
+
+    With errors that fall by r from each lattice to the next, the last error is r/(1-r) of the last difference. The
+    ratio seen is taken with a margin of 4, but never for less than `least`: a small one may be luck. Beside a
+    diverging density errors fall unevenly, and by less than half each time.
+    """
+    if difference == 0.0:
+        return 0.0
+    if diverges:
+        return 4.0 * max(difference, 0.25 * before if np.isfinite(before) else 0.0)
+    ratio = difference / before if before > 0.0 else 1.0
+    return difference * max(4.0 * ratio if ratio < 0.25 else 2.0, least)
