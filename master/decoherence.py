@@ -119,15 +119,13 @@ def _slow(law: Law) -> list[complex]:
 
 def _grid(law: Law, edges: Array, reach: float) -> list[complex]:
     """Guesses within `reach` of the imaginary axis, nearest first: where a Newton step from a grid stays near."""
-    real, imaginary = np.meshgrid(-np.arange(0.25, reach + 0.25, 0.25), np.arange(0.0, 10.1, 0.4))
-    s = (real + 1j * imaginary).ravel()
+    real, imaginary = -np.arange(0.25, reach + 0.25, 0.25), np.arange(0.0, 10.1, 0.4)
+    s = real + 1j * imaginary[:, None]
     nodes, log_mass = _nodes(law, edges, 12.0)
     with np.errstate(over="ignore", invalid="ignore"):
-        steps = [
-            (wave.sum(1) - 1.0) / (wave @ nodes)
-            for wave in (np.exp(log_mass - part[:, None] * nodes) for part in np.array_split(s, 16))
-        ]
-    step = np.concatenate(steps)
+        # e^{-sx} is a growth times a wave: few of either make the whole grid
+        growth, waves = np.exp(log_mass - real[:, None] * nodes).T, np.exp(-1j * imaginary[:, None] * nodes)
+        step = (waves @ growth - 1.0) / ((waves * nodes) @ growth)
     guesses = (s + step)[np.abs(step) < 0.3]
     _, distinct = np.unique(np.round(guesses / 0.2), return_index=True)
     guesses = guesses[distinct]

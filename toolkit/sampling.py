@@ -56,6 +56,6 @@ def misfit(law: Thresholds) -> list[str]:
         return []
     off, allowed = f"{law.cdf_misfit:.2g}", f"{law.cdf_error:.2g}"
     return [
-        f"the smooth law's cdf lies {off} from that of the samples, sampling allows {allowed}: it misses exact values "
-        "or far groups; give these apart, in a mixture"
+        f"the smooth law's cdf lies {off} from that of the samples, sampling allows {allowed}: they are rounded "
+        "coarsely, or hold structure that it misses; give that apart, in a mixture"
     ]
