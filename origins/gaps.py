@@ -8,7 +8,7 @@ from origins.thresholds import Array
 FEW = 5  # distinct samples that make a group of their own; fewer are strays
 _BESIDE = 50  # distances that a gap is held against, at most
 _LEAST_BESIDE = 3
-_CHANCE = 14.0  # -log of how rarely a law without gaps loses a stray
+_CHANCE = 10.0  # -log of how rarely a law without gaps has one
 
 
 def widest_gap(x: Array) -> tuple[int, float]:
@@ -38,7 +38,7 @@ def cut_off(x: Array, most: int) -> tuple[int, int]:
     if not upper.size:
         return 0, 0
     above, below = int(upper.argmax()) + 1, int(lower.argmax()) + 1
-    if max(upper[above - 1], lower[below - 1]) < _CHANCE + np.log(x.size):
+    if max(upper[above - 1], lower[below - 1]) < _CHANCE:
         return 0, 0
     return (x.size - above, above) if upper[above - 1] > lower[below - 1] else (below, below)
 
