@@ -27,16 +27,28 @@ def from_samples(
 ) -> Thresholds:
     """A smooth P_c through threshold values of your own; one value, or all equal to within 1e-9, gives identical().
 
-    x_s : array of shape (n,), lengths above zero; or instead of it
+    Values that repeat are exact, atoms of the law, where rounding does not explain it: where one is there at least
+    10 times more often than 5 times what is beside it (the least of the two values to either side; on a grid, of
+    lengths or of forces c x_s^2, the larger of its two neighbours), and where there are at most 12 values in all, each
+    10 times or more, that do not follow each other at one step, or at most 3. Equal means to within 1e-12. Samples
+    rounded to a grid, whose neighbours repeat alike, stay smooth.
+
+    Samples beyond a gap far wider than chance leaves keep their weight and mean: each group has a law of its own, and
+    fewer than five different values beyond a gap get a narrow bell each, of the relative width of the law next to them.
+
+    x_s : array of shape (n,), lengths from 1e-100 to 1e100; or instead of it
     f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
     coefficient : c of the paper's quadratic law f_s = c x_s^2 (Eq. PxPf), so x_s = (f_s/c)^(1/2); force per length^2.
     stiffness : k of x_s = f_s/k, one for all contacts or an array of shape (n,), force per length, above zero.
     weights : array of shape (n,), above zero, on any scale: how much each sample counts; all the same when left out.
+        The lightest, which together count for less than a millionth of one effective sample, are left out. A heavy
+        sample is not an exact value: only repeats are.
 
     The result carries its sampling error: `n_samples`, `effective_samples`, `cdf_error`, `cdf_misfit`, `beyond` (see
     Sampled), and `origins.bootstrap` gives that of any number derived from it.
-    Raises InputError for values that are missing, not finite or not above zero, for arrays of different lengths, and
-    unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given.
+    Raises InputError for values that are missing, not finite or not above zero, for arrays of different lengths,
+    unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given, and for samples
+    over more decades (some tens) than a logspline can follow.
     """
     if (x_s is None) == (f_s is None):
         raise InputError("from_samples: give either x_s, the thresholds as lengths, or f_s, as forces, and not both")
@@ -114,9 +126,10 @@ class Sampled(Mixture):
 
     How many knots, and whether P_c begins as a power x^m, at a finite value at x = 0 or with an edge at the smallest
     sample, and ends as an exponential or with an edge at the largest, is what Schwarz' criterion makes of the samples;
-    thresholds over many decades are counted by log(1 + x/median). Each side of a gap is a law of its own. Beyond the
-    extreme samples there is about as much weight as random samples leave there, one sample's worth. <x_s> is that of
-    the samples, to round-off, where they do not span decades.
+    thresholds over many decades are counted by log(1 + x/median). Each side of a gap is a law of its own, a few samples
+    beyond one are narrow bells, and exact values atoms. Beyond the extreme samples there is about as much weight as
+    random samples leave there, one sample's worth. <x_s> is that of the samples to 1e-8: where the likeliest law has
+    another mean, it is tilted by e^{tilt x}.
 
     n log n in the number of samples; memory for a few copies of them.
 
@@ -132,6 +145,8 @@ class Sampled(Mixture):
         Largest distance of this smooth cdf from the empirical one.
     beyond : (float, float)
         Weight below the smallest sample and above the largest.
+    smooth_part : Thresholds or None
+        The law without its atoms.
     onset_power, onset_power_error : float
         m and its error over all models that the samples allow. Where P_c begins at a finite value, m = 0, and the error
         is how far from 0 a fitted power would be, and its own; inf where the samples are too far from 0, or begin too

@@ -52,6 +52,8 @@ class Smoothed(Thresholds):
     ----------
     beyond : (float, float)
         Weight below the first sample and above the last.
+    extremes : (float, float)
+        The first and the last sample.
     """
 
     def __init__(
@@ -79,7 +81,7 @@ class Smoothed(Thresholds):
         self._below, self._above = np.cumsum(weights)[:-1], np.cumsum(weights[::-1])[-2::-1]
         with np.errstate(divide="ignore"):
             self._hazards = np.where(self._below < 0.5, -np.log1p(-np.minimum(self._below, 0.5)), -np.log(self._above))
-        self._first, self._last = extremes
+        self.extremes = self._first, self._last = extremes
         places = np.concatenate([[self._first], variable.inverse(fit.joints[1:-1]), [self._last]])
         self._rate = -fall * float(np.exp(variable.log_slope(places[-1:])[0]))
         self._support = 0.0 if ends.from_zero else self._first, np.inf if ends.open_above else self._last

@@ -11,6 +11,7 @@ from origins.logspline import Fit, cost, fit
 from origins.smoothed import Smoothed, Variable
 from origins.spline import Spline
 from origins.thresholds import Array, Thresholds
+from origins.tilting import with_mean
 
 # an edge, a gap and a density that diverges at 0 must be worth this much more of the log-likelihood than a number
 _EDGE = 3.0
@@ -18,7 +19,6 @@ _SUSPECT = 1.5  # samples that the law expects beyond the extreme one, from wher
 _FAR, _FARTHEST = 8.0, 1000.0  # times the median: samples beyond may be, or are, thresholds of many decades
 _STANDS_OUT, _OBVIOUS = 10.0, 100.0  # width of a gap beyond the log of the number of samples, and for sure
 _DEEPEST = 12
-_TILT_STEP, _TILTS, _MEAN = 0.25, 60, 1e-9
 # standard deviation of a stray's kernel, at most: of its value, and of the gap before it
 _OF_VALUE, _OF_GAP = 0.125, 0.15
 
@@ -118,60 +118,10 @@ def _one_piece(x: Array, shares: Array, size: float) -> Piece:
 def _piece(x: Array, shares: Array, size: float, choice: _Choice, onset_error: float) -> Piece:
     """The law of a choice, with the samples' mean."""
     law = Smoothed(choice.fit, choice.variable, choice.ends, (float(x[0]), float(x[-1])), onset_error)
-    if not choice.variable.bent:
+    found = with_mean(float(shares @ x), law, choice.fit, choice.variable, choice.ends)
+    if found is law:
         return Piece(law, 1.0, choice.score)
-    found = tilted(law, choice, (float(x[0]), float(x[-1])), float(shares @ x))
     return Piece(found, 1.0, choice.score + size * float(shares @ (found.logpdf(x) - law.logpdf(x))))
-
-
-def tilted(law: Smoothed, choice: _Choice, extremes: tuple[float, float], mean: float) -> Smoothed:
-    """The law nearest to `law` (Kullback and Leibler) that has the samples' mean: its density times e^{tilt x}.
-
-    The mean of log(1 + x/median) is the samples' for bent laws, that of x is not.
-    """
-    found, variable = choice.fit, choice.variable
-    knots = found.spline.knots
-    parts = np.maximum(np.ceil(np.diff(knots) / _TILT_STEP), 1.0).astype(int)
-    pairs = zip(knots[:-1], knots[1:], parts, strict=True)
-    fine = np.append(np.concatenate([np.linspace(a, b, part, endpoint=False) for a, b, part in pairs]), knots[-1])
-    heights, shape = found.spline(fine), np.expm1(fine) / np.expm1(knots[-1])
-    steepest = Spline(fine, shape).slopes[1]
-    fall = choice.ends.bent - found.spline.slopes[1] - (found.power / knots[-1] if found.power else 0.0)
-
-    def off(tilt: float) -> float:
-        nonlocal law
-        spline = Spline(fine, heights + tilt * shape)
-        law = Smoothed(replace(found, spline=spline), variable, choice.ends, extremes, law.onset_power_error)
-        return law.mean() / mean - 1.0
-
-    # the tail must fall; how far the tilt may have to go down nobody knows
-    low, high = 0.0, 0.0
-    miss = law.mean() / mean - 1.0
-    below = above = miss
-    for _ in range(_TILTS):
-        if below <= 0.0 <= above:
-            break
-        if above < 0.0:
-            low, below = high, above
-            high = 0.5 * (high + fall / steepest) if choice.ends.open_above else 2.0 * high + 0.1
-            above = off(high)
-        else:
-            high, above = low, below
-            low = 2.0 * low - 0.1
-            below = off(low)
-    for step in range(_TILTS):
-        if abs(miss) < _MEAN or not below <= 0.0 <= above or low == high:
-            break
-        # regula falsi, Illinois' rule
-        tilt = (low * above - high * below) / (above - below)
-        last, miss = miss, off(tilt)
-        if miss < 0.0:
-            low, below = tilt, miss
-            above *= 0.5 if last < 0.0 and step else 1.0
-        else:
-            high, above = tilt, miss
-            below *= 0.5 if last > 0.0 and step else 1.0
-    return law
 
 
 def _between_two(ends: tuple[float, float], upper: float, size: float) -> Piece:
