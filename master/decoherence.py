@@ -20,6 +20,7 @@ _REACH = 6.0
 _TAILS = np.array([1e-50, 1e-150, 1e-290])
 _FAR = 10.0 ** -np.arange(20.0, 300.0, 5.0)
 _MOST_NODES = 2**18
+_ASTRAY = 3.0  # from a guess: other guesses are nearer to what lies there
 
 
 def decoherence_length(contacts: Contacts) -> tuple[float, float]:
@@ -164,12 +165,13 @@ def _nodes(law: Law, edges: Array, fastest: float) -> tuple[Array, Array]:
 def _newton(law: Law, edges: Array, s: complex, finer: int) -> complex:
     """Newton's method for p^(s) = 1; NaN where it does not settle. `finer` multiplies the nodes per wave."""
     nodes, log_mass = _nodes(law, edges, finer * max(abs(s), 4.0))
+    start = s
     for _ in range(40):
         with np.errstate(over="ignore", invalid="ignore"):
             # one exponential of the sum: e^{-sx} alone overflows where P_c underflows
             wave = np.exp(log_mass - s * nodes)
             step = (wave.sum() - 1.0) / (wave @ nodes)
-        if not np.isfinite(step):
+        if not np.isfinite(step) or abs(s - start) > _ASTRAY:
             break
         s += step / max(1.0, 2.0 * abs(step))
         if abs(step) < 1e-13 * (1.0 + abs(s)):

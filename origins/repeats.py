@@ -10,7 +10,7 @@ Flags = npt.NDArray[np.bool_]
 _SAME = 1e-12  # relative distance of samples that are one value
 _OFTEN = 10
 _STANDS_OUT = 5  # times as often as the values beside it
-_ALWAYS_EXACT, _FEW = 3, 12  # values in all
+_ALWAYS_EXACT, _FEW = 3, 8  # values in all
 _EVEN = 1e-3  # of the step of a grid
 
 
@@ -50,16 +50,16 @@ def _stand_out(values: Array, counts: Array) -> Flags:
     """Values there ten times more often than five times what is beside them."""
     if values.size < 2:
         return np.zeros(values.size, dtype=bool)
-    beside = np.array([-2, -1, 1, 2])
-    place = np.arange(values.size)[:, None] + beside
-    there = (place >= 0) & (place < values.size)
-    place = np.clip(place, 0, values.size - 1)
-    near = np.where(there, counts[place], np.nan)
+    window = np.arange(values.size)[:, None] + np.arange(-2, 3)
+    there = (window >= 0) & (window < values.size)
+    inside, window = there[:, 1:] & there[:, :-1], np.clip(window, 0, values.size - 1)
+    beside = [0, 1, 3, 4]
+    near = np.where(there, counts[window], np.nan)[:, beside]
     # a density may be steep on the scale of rounding: there the larger neighbour explains most
     even = np.zeros(values.size, dtype=bool)
     for y in (values, values * values):
-        away = np.where(there, np.abs(y[place] - y[:, None]), np.nan)
-        steps = away / np.nanmin(away, axis=1, keepdims=True)
+        gaps = np.where(inside, np.diff(y[window], axis=1), np.nan)
+        steps = gaps / np.nanmin(gaps, axis=1, keepdims=True)
         even |= ~(np.abs(steps - np.round(steps)) > _EVEN).any(axis=1)
     explained = np.where(even, np.nanmax(near[:, 1:3], axis=1), np.nanmin(near, axis=1))
     return counts >= _OFTEN + _STANDS_OUT * explained

@@ -29,7 +29,7 @@ def from_samples(
 
     Values that repeat are exact, atoms of the law, where rounding does not explain it: where one is there at least
     10 times more often than 5 times what is beside it (the least of the two values to either side; on a grid, of
-    lengths or of forces c x_s^2, the larger of its two neighbours), and where there are at most 12 values in all, each
+    lengths or of forces c x_s^2, the larger of its two neighbours), and where there are at most 8 values in all, each
     10 times or more, that do not follow each other at one step, or at most 3. Equal means to within 1e-12. Samples
     rounded to a grid, whose neighbours repeat alike, stay smooth.
 

@@ -7,6 +7,7 @@ from origins.samples import Sampled
 from origins.thresholds import Array, Thresholds
 
 RESAMPLES = 20  # an error known to a sixth of itself
+_CONFIDENCE = 0.95
 _TOLERANCE = 1e-4  # far below any sampling error
 NAMES = (
     "mean",
@@ -21,12 +22,14 @@ NAMES = (
     "static_to_kinetic",
     "decoherence_length",
 )
+_LEAST_IS_ONE = ("critical_spring", "static_to_kinetic")  # as 1/(1 + K*), and F_s/F_k
 
 
 def sampling_errors(contacts: Contacts) -> dict[str, float]:
     """One standard error of each of NAMES, bias of the smoothing included; lengths in the unit of the thresholds.
 
-    Empty where the thresholds do not come from samples.
+    inf for K* and F_s/F_k where all resampled laws have the least value there is, 0 and 1: then no error can be read
+    off (see unseen). Empty where the thresholds do not come from samples.
     """
     if not isinstance(contacts.thresholds, Sampled):
         return {}
@@ -39,15 +42,37 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
         found = master.propensity(resampled, tolerance=_TOLERANCE)
         moments = [law.mean(), law.std(), law.moment(2), law.moment(3)]
         quantiles = [float(law.ppf(0.01)), float(law.ppf(0.5)), float(law.isf(0.01))]
-        # X* may be infinite: its inverse is not
-        derived = [found.critical_spring, found.static_to_kinetic, 1.0 / found.decoherence_length]
+        # K* and X* may be infinite: their inverses are not
+        derived = [1.0 / (1.0 + found.critical_spring), found.static_to_kinetic, 1.0 / found.decoherence_length]
         return np.array([*moments, *quantiles, law.moment(2) / (2.0 * law.mean()), *derived])
 
     spread = bootstrap(contacts.thresholds, statistic, resamples=RESAMPLES)
-    errors = np.array(spread.error)
-    rate = spread.value[-1]
-    errors[-1] = errors[-1] / rate**2 if rate > 0.0 else np.inf
-    return dict(zip(NAMES, errors.tolist(), strict=True))
+    errors = dict(zip(NAMES, np.array(spread.error).tolist(), strict=True))
+    values = dict(zip(NAMES, spread.value.tolist(), strict=True))
+    for name in ("critical_spring", "decoherence_length"):
+        errors[name] = _of_inverse(values[name], errors[name])
+    for name in _LEAST_IS_ONE:
+        if (spread.resampled[:, NAMES.index(name)] == 1.0).all() and values[name] == 1.0:
+            errors[name] = np.inf
+    return errors
+
+
+def _of_inverse(inverse: float, error: float) -> float:
+    """Error of 1/inverse."""
+    if error == 0.0:
+        return 0.0
+    return error / inverse**2 if inverse > 0.0 else np.inf
+
+
+def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
+    """A note where no resampled law shows an instability, so that the error of K* = 0 is not known; else nothing."""
+    if critical_spring > 0.0 or np.isfinite(errors.get("critical_spring", 0.0)):
+        return []
+    chance = 1.0 - (1.0 - _CONFIDENCE) ** (1.0 / RESAMPLES)
+    return [
+        f"K* = 0 in all {RESAMPLES} resampled laws too: other samples would give K* > 0 in less than {chance:.0%} of "
+        f"cases ({_CONFIDENCE:.0%} confidence), and how large it would be is not known"
+    ]
 
 
 def misfit(law: Thresholds) -> list[str]:
