@@ -170,7 +170,7 @@ def _newton(law: Law, edges: Array, s: complex, finer: int) -> complex:
         with np.errstate(over="ignore", invalid="ignore"):
             # one exponential of the sum: e^{-sx} alone overflows where P_c underflows
             wave = np.exp(log_mass - s * nodes)
-            step = (wave.sum() - 1.0) / (wave @ nodes)
+            step = (wave.sum() - 1.0) / (wave * nodes).sum()  # no @: threads cost more than so short a sum
         if not np.isfinite(step) or abs(s - start) > _ASTRAY:
             break
         s += step / max(1.0, 2.0 * abs(step))
