@@ -49,19 +49,24 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
     spread = bootstrap(contacts.thresholds, statistic, resamples=RESAMPLES)
     errors = dict(zip(NAMES, np.array(spread.error).tolist(), strict=True))
     values = dict(zip(NAMES, spread.value.tolist(), strict=True))
-    for name in ("critical_spring", "decoherence_length"):
-        errors[name] = _of_inverse(values[name], errors[name])
+    resampled = dict(zip(NAMES, spread.resampled.T, strict=True))
+    errors["critical_spring"] = _of_spring(values["critical_spring"], resampled["critical_spring"])
+    rate = values["decoherence_length"]
+    if errors["decoherence_length"] > 0.0:
+        errors["decoherence_length"] = errors["decoherence_length"] / rate**2 if rate > 0.0 else np.inf
     for name in _LEAST_IS_ONE:
-        if (spread.resampled[:, NAMES.index(name)] == 1.0).all() and values[name] == 1.0:
+        if values[name] == 1.0 and (resampled[name] == 1.0).all():
             errors[name] = np.inf
     return errors
 
 
-def _of_inverse(inverse: float, error: float) -> float:
-    """Error of 1/inverse."""
-    if error == 0.0:
-        return 0.0
-    return error / inverse**2 if inverse > 0.0 else np.inf
+def _of_spring(inverse: float, resampled: Array) -> float:
+    """Error of K* from 1/(1 + K*), of the law and of the resampled ones: 0 where K* is infinite for all of them."""
+    inverses = np.append(inverse, resampled)
+    if not inverses.all():
+        return np.inf if inverses.any() else 0.0
+    springs = 1.0 / resampled
+    return float(np.hypot(springs.std(ddof=1), springs.mean() - 1.0 / inverse))
 
 
 def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
