@@ -20,6 +20,7 @@ _REACH = 6.0
 _TAILS = np.array([1e-50, 1e-150, 1e-290])
 _FAR = 10.0 ** -np.arange(20.0, 300.0, 5.0)
 _MOST_NODES = 2**18
+_ASTRAY = 3.0  # from a guess: other guesses are nearer to what lies there
 
 
 def decoherence_length(contacts: Contacts) -> tuple[float, float]:
@@ -119,15 +120,13 @@ def _slow(law: Law) -> list[complex]:
 
 def _grid(law: Law, edges: Array, reach: float) -> list[complex]:
     """Guesses within `reach` of the imaginary axis, nearest first: where a Newton step from a grid stays near."""
-    real, imaginary = np.meshgrid(-np.arange(0.25, reach + 0.25, 0.25), np.arange(0.0, 10.1, 0.4))
-    s = (real + 1j * imaginary).ravel()
+    real, imaginary = -np.arange(0.25, reach + 0.25, 0.25), np.arange(0.0, 10.1, 0.4)
+    s = real + 1j * imaginary[:, None]
     nodes, log_mass = _nodes(law, edges, 12.0)
     with np.errstate(over="ignore", invalid="ignore"):
-        steps = [
-            (wave.sum(1) - 1.0) / (wave @ nodes)
-            for wave in (np.exp(log_mass - part[:, None] * nodes) for part in np.array_split(s, 16))
-        ]
-    step = np.concatenate(steps)
+        # e^{-sx} is a growth times a wave: few of either make the whole grid
+        growth, waves = np.exp(log_mass - real[:, None] * nodes).T, np.exp(-1j * imaginary[:, None] * nodes)
+        step = (waves @ growth - 1.0) / ((waves * nodes) @ growth)
     guesses = (s + step)[np.abs(step) < 0.3]
     _, distinct = np.unique(np.round(guesses / 0.2), return_index=True)
     guesses = guesses[distinct]
@@ -166,12 +165,13 @@ def _nodes(law: Law, edges: Array, fastest: float) -> tuple[Array, Array]:
 def _newton(law: Law, edges: Array, s: complex, finer: int) -> complex:
     """Newton's method for p^(s) = 1; NaN where it does not settle. `finer` multiplies the nodes per wave."""
     nodes, log_mass = _nodes(law, edges, finer * max(abs(s), 4.0))
+    start = s
     for _ in range(40):
         with np.errstate(over="ignore", invalid="ignore"):
             # one exponential of the sum: e^{-sx} alone overflows where P_c underflows
             wave = np.exp(log_mass - s * nodes)
-            step = (wave.sum() - 1.0) / (wave @ nodes)
-        if not np.isfinite(step):
+            step = (wave.sum() - 1.0) / (wave * nodes).sum()  # no @: threads cost more than so short a sum
+        if not np.isfinite(step) or abs(s - start) > _ASTRAY:
             break
         s += step / max(1.0, 2.0 * abs(step))
         if abs(step) < 1e-13 * (1.0 + abs(s)):

@@ -72,8 +72,9 @@ def bootstrap_laws(thresholds: Thresholds, resamples: int = 100, seed: int = 0) 
     """Laws that other samples would have given: as many as the effective ones, drawn from the smooth law `thresholds`
     itself and smoothed in the same way (smoothed bootstrap, Silverman and Young, Biometrika 74, 469, 1987).
 
-    Drawing from the law, not from the samples, leaves no ties, which would be taken for structure, and shows what
-    smoothing does to a statistic. What it cannot show is structure that the law itself has missed.
+    Drawing from the law, not from the samples, leaves no ties but those of its exact values, which stay where they are
+    and vary in weight, and shows what smoothing does to a statistic. What it cannot show is structure that the law
+    itself has missed.
     Raises InputError for thresholds that are not from samples of at least two values.
     """
     if not isinstance(thresholds, Sampled):
@@ -93,14 +94,25 @@ def _checked(found: npt.ArrayLike, shape: tuple[int, ...] | None) -> Array:
 
 def _resampled(law: Sampled, generator: np.random.Generator) -> Sampled:
     size = max(round(law.effective_samples), 2)
+    positions, weights = law.atoms
+    smooth = law.smooth_part
+    hits = generator.multinomial(size, np.append(weights, max(1.0 - weights.sum(), 0.0)))
+    x, counts = positions[hits[:-1] > 0], hits[:-1][hits[:-1] > 0].astype(float)
+    if smooth is not None:
+        drawn, each = _drawn(smooth, int(hits[-1]), generator)
+        x, counts = np.append(x, drawn), np.append(counts, each)
+    order = np.argsort(x, kind="stable")
+    return Sampled(x[order], counts[order] / size, size, float(size), known=positions)
+
+
+def _drawn(law: Thresholds, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
+    """As many samples of a law, and how many each stands for."""
     if size <= _DRAWN:
-        x = np.sort(law.rvs(size, generator))
-        return Sampled(x, np.full(size, 1.0 / size), size, float(size))
+        return law.rvs(size, generator), np.ones(size)
     # most are counted in cells of equal weight, at their medians; those in the two outermost are drawn one by one
     counts = generator.multinomial(size, np.full(_CELLS, 1.0 / _CELLS))
     inner = np.flatnonzero(counts[1:-1]) + 1
-    low = np.sort(law.ppf(generator.random(counts[0]) / _CELLS))
-    high = np.sort(law.isf(generator.random(counts[-1]) / _CELLS))
+    low = law.ppf(generator.random(counts[0]) / _CELLS)
+    high = law.isf(generator.random(counts[-1]) / _CELLS)
     x = np.concatenate([low, law.ppf((inner + 0.5) / _CELLS), high])
-    shares = np.concatenate([np.ones(low.size), counts[inner], np.ones(high.size)]) / size
-    return Sampled(x, shares, size, float(size))
+    return x, np.concatenate([np.ones(low.size), counts[inner], np.ones(high.size)])

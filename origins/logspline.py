@@ -22,6 +22,7 @@ _PATIENCE = 3  # knots added in vain before the search for more ends
 class Fit:
     """The model chosen: log-density = power * log y + spline(y), up to the constant that normalises it.
 
+    joints : knots of the spline that may be seen in its derivatives.
     power_error is the error of the power, score the log-likelihood less what the coefficients cost, `beyond` the weight
     below the first sample and above the last.
     """
@@ -31,6 +32,7 @@ class Fit:
     power_error: float
     score: float
     beyond: tuple[float, float]
+    joints: Array
 
 
 def cost(size: float) -> float:
@@ -90,12 +92,13 @@ class _Search:
 
     def _fit(self, best: Model, models: list[Model]) -> Fit:
         spline = Spline(self._knots[best.kept], best.coefficients[: best.kept.size])
+        joints = spline.knots
         inner, tail = np.split(best.density, [self._likelihood.nodes.size])
         beyond = float(inner[self._likelihood.nodes < self._knots[0]].sum()), float(tail.sum())
         if not self._likelihood.ends.power:
-            return Fit(spline, 0.0, 0.0, self._score(best), beyond)
+            return Fit(spline, 0.0, 0.0, self._score(best), beyond, joints)
         power, error = float(best.coefficients[-1]), self._power_error(best, models)
-        return Fit(spline, power, error, self._score(best), beyond)
+        return Fit(spline, power, error, self._score(best), beyond, joints)
 
     def _power_error(self, best: Model, models: list[Model]) -> float:
         """Error of the power within all models, each as likely as Akaike's criterion has it: what the spline takes on

@@ -52,6 +52,8 @@ class Smoothed(Thresholds):
     ----------
     beyond : (float, float)
         Weight below the first sample and above the last.
+    extremes : (float, float)
+        The first and the last sample.
     """
 
     def __init__(
@@ -79,12 +81,12 @@ class Smoothed(Thresholds):
         self._below, self._above = np.cumsum(weights)[:-1], np.cumsum(weights[::-1])[-2::-1]
         with np.errstate(divide="ignore"):
             self._hazards = np.where(self._below < 0.5, -np.log1p(-np.minimum(self._below, 0.5)), -np.log(self._above))
-        self._first, self._last = extremes
-        places = np.concatenate([[self._first], variable.inverse(knots[1:-1]), [self._last]])
+        self.extremes = self._first, self._last = extremes
+        places = np.concatenate([[self._first], variable.inverse(fit.joints[1:-1]), [self._last]])
         self._rate = -fall * float(np.exp(variable.log_slope(places[-1:])[0]))
         self._support = 0.0 if ends.from_zero else self._first, np.inf if ends.open_above else self._last
         # two knots make a straight line, three a parabola
-        marks = {2: places[:0], 3: places[[0, -1]]}.get(knots.size, places)
+        marks = {2: places[:0], 3: places[[0, -1]]}.get(fit.joints.size, places)
         if fit.power or variable.bent or not ends.open_above:
             marks = np.union1d(marks, places[-1:])
         self._marks = np.union1d(marks, self._support[:1])

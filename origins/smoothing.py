@@ -4,25 +4,30 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from origins.gaps import FEW, cut_off, widest_gap
+from origins.gaussian import CutGaussian
 from origins.likelihood import Ends
 from origins.logspline import Fit, cost, fit
 from origins.smoothed import Smoothed, Variable
-from origins.thresholds import Array
+from origins.spline import Spline
+from origins.thresholds import Array, Thresholds
+from origins.tilting import with_mean
 
 # an edge, a gap and a density that diverges at 0 must be worth this much more of the log-likelihood than a number
 _EDGE = 3.0
 _SUSPECT = 1.5  # samples that the law expects beyond the extreme one, from where on an edge there is tried
 _FAR, _FARTHEST = 8.0, 1000.0  # times the median: samples beyond may be, or are, thresholds of many decades
-_FEWEST = 5  # distinct samples to either side of a gap
 _STANDS_OUT, _OBVIOUS = 10.0, 100.0  # width of a gap beyond the log of the number of samples, and for sure
 _DEEPEST = 12
+# standard deviation of a stray's kernel, at most: of its value, and of the gap before it
+_OF_VALUE, _OF_GAP = 0.125, 0.15
 
 
 @dataclass(frozen=True)
 class Piece:
     """A law, the share of the weight that is its own, and the score of all pieces together."""
 
-    law: Smoothed
+    law: Thresholds
     share: float
     score: float
 
@@ -36,14 +41,20 @@ class _Choice:
 
 
 def smooth(x: Array, shares: Array, size: float, depth: int = 0) -> list[Piece]:
-    """Smooth laws, one for each side of every gap, through samples x (distinct, sorted, at least 2) that count by
-    `shares` (sum 1) and are worth `size` samples."""
-    gap, width = _widest_gap(x) if depth < _DEEPEST else (0, 0.0)
+    """Smooth laws, one for each side of every gap, sorted, through samples x (distinct, sorted, at least 2) that count
+    by `shares` (sum 1) and are worth `size` samples. Fewer than five samples beyond a gap get a narrow kernel each."""
+    place, beyond = cut_off(x, FEW - 1) if depth < _DEEPEST else (0, 0)
+    if place:
+        return _with_strays(x, shares, size, depth, place, above=place == x.size - beyond)
+    gap, width = widest_gap(x) if depth < _DEEPEST else (0, 0.0)
     whole: list[Piece] = []
     if width < _OBVIOUS:
         whole = [_one_piece(x, shares, size)]
         if width < _STANDS_OUT + np.log(x.size):
-            return whole
+            # a group as wide as the gap before it
+            gap, _ = cut_off(x, int(np.sqrt(x.size))) if depth < _DEEPEST else (0, 0)
+            if not gap:
+                return whole
     pieces: list[Piece] = []
     score = -cost(size) - _EDGE
     for side in (slice(None, gap), slice(gap, None)):
@@ -56,14 +67,31 @@ def smooth(x: Array, shares: Array, size: float, depth: int = 0) -> list[Piece]:
     return [replace(piece, score=score) for piece in pieces]
 
 
+def _with_strays(x: Array, shares: Array, size: float, depth: int, place: int, above: bool) -> list[Piece]:
+    """Laws through the samples before a gap, and for each of the few beyond it a bell of the relative width of the law
+    next to it: that they vary by as much, in their proportion, is all there is to go by."""
+    main, strays = (slice(None, place), slice(place, None)) if above else (slice(place, None), slice(None, place))
+    share = float(shares[main].sum())
+    found = smooth(x[main], shares[main] / share, size * share, depth + 1)
+    score = found[0].score + size * share * float(np.log(share))
+    found = [replace(piece, share=share * piece.share) for piece in found]
+    beside = found[-1 if above else 0].law
+    relative = min(beside.std() / beside.mean(), _OF_VALUE)
+    gap = float(x[place] - x[place - 1])
+    kernels = []
+    for value, own in zip(x[strays].tolist(), shares[strays].tolist(), strict=True):
+        law = CutGaussian(value, min(relative * value, _OF_GAP * gap))
+        score += size * own * float(np.log(own) + law.logpdf(value)) - cost(size)
+        kernels.append(Piece(law, own, 0.0))
+    return [replace(piece, score=score) for piece in (found + kernels if above else kernels + found)]
+
+
 def _one_piece(x: Array, shares: Array, size: float) -> Piece:
     """The law of largest score among those that begin and end one way or another."""
     extremes = float(x[0]), float(x[-1])
     reach = extremes[1] - extremes[0]
     if x.size == 2:
-        edges = Ends(from_zero=False, power=False, open_above=False, bent=0.0)
-        choice = _try(x, shares, size, Variable(extremes[0], reach, False), edges)
-        return Piece(Smoothed(choice.fit, choice.variable, choice.ends, extremes, np.inf), 1.0, choice.score)
+        return _between_two(extremes, float(shares[1]), size)
     median = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
     plain, bent = Variable(0.0, reach, False), Variable(0.0, median, True)
     variables = [plain] if x[-1] < _FAR * median else [plain, bent] if x[-1] < _FARTHEST * median else [bent]
@@ -80,7 +108,40 @@ def _one_piece(x: Array, shares: Array, size: float) -> Piece:
         best = max(tried, key=_score)
     if best.fit.beyond[1] * size > _SUSPECT:
         best = max(best, _try(x, shares, size, best.variable, replace(best.ends, open_above=False)), key=_score)
-    return Piece(Smoothed(best.fit, best.variable, best.ends, extremes, _onset_error(best, tried)), 1.0, best.score)
+    piece = _piece(x, shares, size, best, _onset_error(best, tried))
+    straight = [choice for choice in tried if not choice.variable.bent]
+    if best.variable.bent and straight and piece.score < (best := max(straight, key=_score)).score:
+        return _piece(x, shares, size, best, _onset_error(best, straight))
+    return piece
+
+
+def _piece(x: Array, shares: Array, size: float, choice: _Choice, onset_error: float) -> Piece:
+    """The law of a choice, with the samples' mean."""
+    law = Smoothed(choice.fit, choice.variable, choice.ends, (float(x[0]), float(x[-1])), onset_error)
+    found = with_mean(float(shares @ x), law, choice.fit, choice.variable, choice.ends)
+    if found is law:
+        return Piece(law, 1.0, choice.score)
+    return Piece(found, 1.0, choice.score + size * float(shares @ (found.logpdf(x) - law.logpdf(x))))
+
+
+def _between_two(ends: tuple[float, float], upper: float, size: float) -> Piece:
+    """An exponential density from one value to the other, the upper of which has the share `upper`: of all densities
+    there with that mean the one that says least."""
+    share = min(upper, 1.0 - upper)
+    # 1/slope - 1/(e^slope - 1), the mean of e^(-slope y) over (0, 1), falls in the slope from 1/2 to 0
+    low, high = 0.0, 2.0 / share
+    for _ in range(100):
+        slope = 0.5 * (low + high)
+        mean = 1.0 / slope - np.exp(-slope) / -np.expm1(-slope) if slope > 1e-4 else 0.5 - slope / 12.0
+        low, high = (slope, high) if mean > share else (low, slope)
+    slope = -slope if upper < 0.5 else slope
+    height = max(slope, 0.0) + float(np.log(-np.expm1(-abs(slope)) / abs(slope))) if slope else 0.0
+    spline = Spline(np.array([0.0, 1.0]), np.array([0.0, slope]) - height)
+    variable = Variable(ends[0], ends[1] - ends[0], False)
+    between = Ends(from_zero=False, power=False, open_above=False, bent=0.0)
+    score = size * (slope * upper - height - float(np.log(variable.scale))) - 3.0 * cost(size) - 2.0 * _EDGE
+    found = Fit(spline, 0.0, 0.0, score, (0.0, 0.0), spline.knots)
+    return Piece(Smoothed(found, variable, between, ends, np.inf), 1.0, score)
 
 
 def _onset_error(best: _Choice, tried: list[_Choice]) -> float:
@@ -103,16 +164,3 @@ def _try(x: Array, shares: Array, size: float, variable: Variable, ends: Ends) -
 def _score(choice: _Choice) -> float:
     return choice.score
 
-
-def _widest_gap(x: Array) -> tuple[int, float]:
-    """The gap that is widest beside the samples to either side of it: the place of the first sample above it, and its
-    width in units of their mean distance."""
-    if x.size < 2 * _FEWEST:
-        return 0, 0.0
-    place = np.arange(_FEWEST, x.size - _FEWEST + 1)
-    many = max(int(np.sqrt(x.size)), _FEWEST)
-    low, high = np.maximum(place - 1 - many, 0), np.minimum(place + many, x.size - 1)
-    beside = np.maximum((x[place - 1] - x[low]) / (place - 1 - low), (x[high] - x[place]) / (high - place))
-    ratio = (x[place] - x[place - 1]) / beside
-    best = int(ratio.argmax())
-    return int(place[best]), float(ratio[best])

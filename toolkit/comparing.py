@@ -11,7 +11,7 @@ from toolkit.deviation import worst_deviation
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated
 from toolkit.running import run
-from toolkit.sampling import RESAMPLES, sampling_errors
+from toolkit.sampling import RESAMPLES, sampling_errors, unseen
 from toolkit.scene import Scene
 
 
@@ -39,8 +39,8 @@ class Evidence:
 class Verdict:
     """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
 
-    sampled says whether the thresholds come from samples; cautions are the interface's; friction_coefficient is
-    F_k/load where they come from a surface, else None.
+    sampled says whether the thresholds come from samples; cautions are the interface's, and of an error that resampling
+    cannot show; friction_coefficient is F_k/load where they come from a surface, else None.
     """
 
     name: str
@@ -116,7 +116,7 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
         mean_threshold=unit,
         unit=result.thresholds.unit,
         sampled=bool(sampled),
-        cautions=() if interface is None else tuple(interface.cautions),
+        cautions=(*(() if interface is None else interface.cautions), *unseen(sampled, found.critical_spring)),
         run_time=found.run_time,
         evidence=None if result.eq is None else _evidence(result, result.eq, steady.force, scene),
         result=result,
@@ -190,6 +190,8 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
 def _with_error(value: float, error: float) -> str:
     if not np.isfinite(value):
         return "infinite"
+    if not np.isfinite(error):
+        return f"{value:.6g}"
     return f"{value:.6g} ± {error:.0e}"
 
 

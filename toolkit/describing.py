@@ -10,7 +10,7 @@ from origins.domains import DomainSamples
 from origins.interface import Interface
 from origins.quadrature import gauss, panel_edges
 from origins.thresholds import Thresholds
-from toolkit.sampling import misfit, sampling_errors
+from toolkit.sampling import misfit, sampling_errors, unseen
 
 HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as the tests hold it
 _EPSILON = float(np.finfo(float).eps)
@@ -86,7 +86,10 @@ def describe(contacts: Contacts) -> Description:
         }
     else:
         notes.append("<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with")
-    for name, error in sampling_errors(contacts).items():
+    sampled = sampling_errors(contacts)
+    if sampled:
+        notes += unseen(sampled, numbers["critical_spring"].value)
+    for name, error in sampled.items():
         known = numbers[name]
         numbers[name] = Number(known.value, float(np.hypot(known.error or 0.0, error)), known.unit)
     if law.interface is not None:

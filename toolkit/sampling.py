@@ -7,6 +7,7 @@ from origins.samples import Sampled
 from origins.thresholds import Array, Thresholds
 
 RESAMPLES = 20  # an error known to a sixth of itself
+_CONFIDENCE = 0.95
 _TOLERANCE = 1e-4  # far below any sampling error
 NAMES = (
     "mean",
@@ -21,12 +22,14 @@ NAMES = (
     "static_to_kinetic",
     "decoherence_length",
 )
+_LEAST_IS_ONE = ("critical_spring", "static_to_kinetic")  # as 1/(1 + K*), and F_s/F_k
 
 
 def sampling_errors(contacts: Contacts) -> dict[str, float]:
     """One standard error of each of NAMES, bias of the smoothing included; lengths in the unit of the thresholds.
 
-    Empty where the thresholds do not come from samples.
+    inf for K* and F_s/F_k where all resampled laws have the least value there is, 0 and 1: then no error can be read
+    off (see unseen). Empty where the thresholds do not come from samples.
     """
     if not isinstance(contacts.thresholds, Sampled):
         return {}
@@ -39,15 +42,42 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
         found = master.propensity(resampled, tolerance=_TOLERANCE)
         moments = [law.mean(), law.std(), law.moment(2), law.moment(3)]
         quantiles = [float(law.ppf(0.01)), float(law.ppf(0.5)), float(law.isf(0.01))]
-        # X* may be infinite: its inverse is not
-        derived = [found.critical_spring, found.static_to_kinetic, 1.0 / found.decoherence_length]
+        # K* and X* may be infinite: their inverses are not
+        derived = [1.0 / (1.0 + found.critical_spring), found.static_to_kinetic, 1.0 / found.decoherence_length]
         return np.array([*moments, *quantiles, law.moment(2) / (2.0 * law.mean()), *derived])
 
     spread = bootstrap(contacts.thresholds, statistic, resamples=RESAMPLES)
-    errors = np.array(spread.error)
-    rate = spread.value[-1]
-    errors[-1] = errors[-1] / rate**2 if rate > 0.0 else np.inf
-    return dict(zip(NAMES, errors.tolist(), strict=True))
+    errors = dict(zip(NAMES, np.array(spread.error).tolist(), strict=True))
+    values = dict(zip(NAMES, spread.value.tolist(), strict=True))
+    resampled = dict(zip(NAMES, spread.resampled.T, strict=True))
+    errors["critical_spring"] = _of_spring(values["critical_spring"], resampled["critical_spring"])
+    rate = values["decoherence_length"]
+    if errors["decoherence_length"] > 0.0:
+        errors["decoherence_length"] = errors["decoherence_length"] / rate**2 if rate > 0.0 else np.inf
+    for name in _LEAST_IS_ONE:
+        if values[name] == 1.0 and (resampled[name] == 1.0).all():
+            errors[name] = np.inf
+    return errors
+
+
+def _of_spring(inverse: float, resampled: Array) -> float:
+    """Error of K* from 1/(1 + K*), of the law and of the resampled ones: 0 where K* is infinite for all of them."""
+    inverses = np.append(inverse, resampled)
+    if not inverses.all():
+        return np.inf if inverses.any() else 0.0
+    springs = 1.0 / resampled
+    return float(np.hypot(springs.std(ddof=1), springs.mean() - 1.0 / inverse))
+
+
+def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
+    """A note where no resampled law shows an instability, so that the error of K* = 0 is not known; else nothing."""
+    if critical_spring > 0.0 or np.isfinite(errors.get("critical_spring", 0.0)):
+        return []
+    chance = 1.0 - (1.0 - _CONFIDENCE) ** (1.0 / RESAMPLES)
+    return [
+        f"K* = 0 in all {RESAMPLES} resampled laws too: other samples would give K* > 0 in less than {chance:.0%} of "
+        f"cases ({_CONFIDENCE:.0%} confidence), and how large it would be is not known"
+    ]
 
 
 def misfit(law: Thresholds) -> list[str]:
@@ -56,6 +86,6 @@ def misfit(law: Thresholds) -> list[str]:
         return []
     off, allowed = f"{law.cdf_misfit:.2g}", f"{law.cdf_error:.2g}"
     return [
-        f"the smooth law's cdf lies {off} from that of the samples, sampling allows {allowed}: it misses exact values "
-        "or far groups; give these apart, in a mixture"
+        f"the smooth law's cdf lies {off} from that of the samples, sampling allows {allowed}: they are rounded "
+        "coarsely, or hold structure that it misses; give that apart, in a mixture"
     ]
