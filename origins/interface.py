@@ -123,7 +123,7 @@ class Interface:
         Raises InputError for both, for neither, and for values below zero.
         """
         if (kelvin is None) == (energy is None):
-            raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them, such as kelvin=300.0")
+            raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them, such as kelvin = 300.0")
         joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else non_negative("energy", energy)
         return joules / self.mean_stiffness
 

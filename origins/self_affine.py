@@ -88,8 +88,8 @@ def mode_amplitudes(
     short_cutoff: float | None = None,
 ) -> Array:
     """|a_q| on the half plane of np.fft.rfft2, with h(r) = sum over all q of a_q e^{iqr}."""
-    if not isinstance(shape, tuple) or len(shape) != 2:
-        refuse("shape", shape, "must be a pair of whole numbers, such as (256, 256)")
+    if not isinstance(shape, tuple | list) or len(shape) != 2:
+        refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
     n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
     dx, dy = pixel_sizes(pixel_size)
     if not 0.0 < positive("hurst", hurst) <= 1.0:
@@ -101,6 +101,8 @@ def mode_amplitudes(
         refuse("short_cutoff", short_cutoff, f"must be at least two pixels, {least:g}")
     box = max(n_x * dx, n_y * dy)
     longest = box if long_cutoff is None else positive("long_cutoff", long_cutoff)
+    if longest < shortest and long_cutoff is None:
+        refuse("short_cutoff", short_cutoff, f"must be at most the surface's length, {box:g}")
     if longest < shortest:
         refuse("long_cutoff", long_cutoff, f"must be at least the short cutoff, {shortest:g}")
     q_x = 2.0 * np.pi * np.fft.fftfreq(n_x, dx)

@@ -166,7 +166,7 @@ def test_scan_is_found_from_the_scene_file(file: str, more: dict[str, Any], tmp_
     ("scan", "message"),
     [
         ({"file": "none.di"}, "surface.file = 'none.di': no such file in "),
-        ({"file": 3}, "surface.file = 3: no such file in "),
+        ({"file": 3}, "surface.file = 3: must be a file name"),
         ({"file": "text.di"}, "surface.file = 'text.di': cannot be read as a scan: "),
         ({"file": "bare.txt"}, "surface.file = 'bare.txt': cannot be read as a scan: `physical_sizes` could not be"),
         ({"file": "bare.txt", "channel": 1}, "surface.channel = 1: the file has 1 channel"),
@@ -176,8 +176,8 @@ def test_scan_is_found_from_the_scene_file(file: str, more: dict[str, Any], tmp_
             ({"file": "bare.txt", "height_scale_factor": value}, f"surface.height_scale_factor = {value!r}: must be ")
             for value in ("a", 0.0, -1.0)
         ),
-        ({"file": "bare.txt", "physical_sizes": [1e-6, 1e-6]}, ": heights.unit = None: lengths need one unit"),
-        ({"file": "bare.txt", "physical_sizes": [1.0, 1.0], "unit": "furlong"}, ": heights.unit = 'furlong'"),
+        ({"file": "bare.txt", "physical_sizes": [1e-6, 1e-6]}, "surface.unit: is missing; lengths need one unit"),
+        ({"file": "bare.txt", "physical_sizes": [1.0, 1.0], "unit": "furlong"}, "surface.unit = 'furlong': lengths"),
         ({"file": "bare.txt", "folder": "/"}, "surface.folder = '/': unknown key; scan takes file,"),
     ],
 )
@@ -226,29 +226,31 @@ def test_start_from_one_stretch() -> None:
         ("contacts.thresholds.kind", "gausian", "contacts.thresholds.kind = 'gausian': must be one of identical, gau"),
         ("contacts.thresholds.kind", None, "contacts.thresholds.kind: is missing; must be one of identical, gaussian"),
         ("contacts.thresholds.kind", 3, "contacts.thresholds.kind = 3: must be one of"),
-        ("contacts.thresholds", 3, "contacts.thresholds = 3: expected `object`, got `int`"),
+        ("contacts.thresholds", 3, "contacts.thresholds = 3: must be a table"),
         ("contacts.thresholds", None, "contacts.thresholds: is missing"),
         ("contacts.start.std", -0.1, "contacts.start.std = -0.1: must be zero or above"),
         ("contacts.start.kind", "persson", "contacts.start.kind = 'persson': must be one of identical, gaussian"),
         ("contacts.delay", {"time": 1.0}, "contacts.delay = {'time': 1.0}: unknown key; known here: thresholds, start"),
         ("drive.to", math.inf, "drive.to = inf: must be finite"),
         ("drive.to", -5.0, "drive.to = -5.0: must be above zero"),
-        ("drive.to", "far", "drive.to = 'far': expected `float`, got `str`"),
-        ("drive.to", True, "drive.to = True: expected `float`, got `bool`"),
+        ("drive.to", "far", "drive.to = 'far': must be a number, such as 1.0"),
+        ("drive.to", True, "drive.to = true: must be a number, such as 1.0"),
         ("drive.to", None, "drive.to: is missing"),
         ("drive.points", 1, "drive.points = 1: must be a whole number of at least 2"),
-        ("drive.points", 10.5, "drive.points = 10.5: expected `int`, got `float`"),
+        ("drive.points", 10.5, "drive.points = 10.5: must be a whole number"),
         ("drive.turns", [3.0, -3.0], "drive.turns = [3.0, -3.0]: unknown key; known here: to, points"),
         ("drive", None, "drive: is missing"),
         ("master.tolerance", 0.0, "master.tolerance = 0.0: must be above zero"),
         ("master.tolerance", math.nan, "master.tolerance = nan: must be finite"),
-        ("master", 1e-8, "master = 1e-08: expected `object"),
+        ("master", 1e-8, "master = 1e-08: must be a table"),
+        ("eq.contacts", 1e5, "eq.contacts = 100000.0: must be a whole number; write 100000"),
+        ("eq.contacts", "many", "eq.contacts = 'many': must be a whole number"),
         ("eq.contacts", 0, "eq.contacts = 0: must be a whole number of at least 1"),
         ("eq.replicas", -3, "eq.replicas = -3: must be a whole number of at least 1"),
         ("eq.seed", -1, "eq.seed = -1: must be a whole number of at least 0"),
         ("eq.threads", 2, "eq.threads = 2: unknown key; known here: contacts, replicas, seed"),
         ("colour", "red", "colour = 'red': unknown key; known here: contacts, drive, title, master, eq"),
-        ("title", 3, "title = 3: expected `str`, got `int`"),
+        ("title", 3, "title = 3: must be text in quotes"),
     ],
 )
 def test_mistake_is_named_by_its_path(place: str, value: Any, message: str) -> None:
@@ -263,6 +265,56 @@ def test_mistake_inside_a_mixture_is_named_by_its_place() -> None:
     law["components"][1]["upper"] = -1.0
     with pytest.raises(InputError, match=r"^contacts\.thresholds\.components\[1\]\.upper = -1\.0: must be above zero"):
         toolkit.load_scene(with_law(law))
+
+
+ROUGH = {"kind": "from-topography", **LAWS["from-topography"]}
+SUMMITS = {"kind": "summits", "radius": 1e-6, "std": 1e-9, "density": 1e12}
+ISLANDS = {"kind": "domains", "lattice_constant": 3.88, "mean_atoms": 100.0}
+TWICE = MATERIAL | {"contact_stiffness": {"kind": "mindlin", "shear_modulus": 1e9, "poisson_ratio": 0.3}}
+BENT = {"contact_modulus": 1e9, "local_friction": 0.1}
+FALLING = BENT | {"contact_stiffness": {"kind": "power-law", "coefficient": 1.0, "exponent": -1.0}}
+NEITHER = BENT | {"contact_stiffness": {"kind": "column", "youngs_modulus": 1e9}}
+LINES = {"kind": "fourier", "wavevectors": [[1.0, 0.0]], "sines": [1.0]}
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        (ROUGH | {"law": "strength"}, 'material.shear_strength: is missing; law = "strength" needs it; give the'),
+        (ROUGH | {"law": "paper"}, "such as force_coefficient = 2.4e10 (Pa)"),
+        (ROUGH | {"regime": "mixed"}, "such as hardness = 2e8 (Pa)"),
+        (ROUGH | {"material": {"contact_modulus": 1e9, "local_friction": 1}}, "material.shear_modulus: is missing;"),
+        (ROUGH | {"material": TWICE}, "material.contact_stiffness: given twice; write shear_modulus (Pa), or"),
+        (ROUGH | {"material": FALLING}, "material.contact_stiffness.exponent = -1.0: must be zero or above"),
+        (ROUGH | {"material": NEITHER}, "contact_stiffness: column_stiffness: give one of aspect and height, such as"),
+        (ROUGH | {"model": "persson"}, "patch_area: is missing; model = "),
+        (ROUGH | {"model": "persson", "law": "strength", "patch_area": 1e-14}, "material.shear_strength: is missing"),
+        (ROUGH | {"pressure": 1e12}, 'or take the thresholds of model = "persson"'),
+        (ROUGH | {"pressure": 1e12, "height_law": "exponential"}, 'take height_law = "gaussian", or'),
+        (ROUGH | {"detrend": "tilt"}, 'write detrend = "centre"'),
+        (ROUGH | {"surface": SURFACE | {"short_cutoff": 1.0}}, "surface.short_cutoff = 1.0: must be at most the surf"),
+        (ROUGH | {"surface": SURFACE | {"shape": 64}}, "such as [256, 256]"),
+        (ROUGH | {"surface": SURFACE | {"shape": [64.0, 64]}}, "whole number of at least 4; write 64"),
+        (ROUGH | {"surface": SUMMITS | {"radius": True}}, "surface.radius = true: must be a number"),
+        (ISLANDS, 'stiffness: is missing; law = "area" needs it; for lengths in units of your own write stiffness ='),
+        (ISLANDS | {"sizes": [[7.0, 9.0]]}, "domains: give exactly one of sizes, such as [[10, 9]]"),
+        (ISLANDS | {"stiffness": 1.0, "samples": 2e4}, "must be a whole number of at least 1; write 20000"),
+        (ISLANDS | {"stiffness": 1.0, "substrate": LINES}, "thresholds.substrate: varies in one direction only"),
+        ({"kind": "domains", "mean_atoms": 9.0, "stiffness": 1.0}, "such as lattice_constant = 2.5"),
+        ({"kind": "mixture", "components": [1.0], "weights": [1.0]}, 'must be a list of tables, such as [{kind = "id'),
+        ({"kind": "gaussian", "mean": 1.0, "std": 0.1, "form": "paper"}, "upper: is missing; form = "),
+        ({"kind": "gaussian", "mean": 0.0, "std": 0.1, "form": "paper"}, 'mean = 0.0: form = "paper" needs 0 < mean'),
+        ({"kind": "rectangular", "lower": 1.0, "upper": 1.0}, "for one value take identical, value = 1"),
+        ({"kind": "gw-gaussian", "separation": 1.0, "scale": 1.0, "regime": "mixed"}, "such as plasticity_index = 5.0"),
+        ({"kind": "grains", "B": 1.0}, "contacts.thresholds.rho: is missing; give rho"),
+    ],
+)
+def test_advice_can_be_written_in_the_scene(law: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        toolkit.load_scene(with_law(law, to=5e-8))
+    assert message in str(caught.value)
+    # no calls, no arguments as Python writes them, no values that TOML has not
+    assert not re.search(r"origins\.|\b\w+=|\b[a-z_]+\([^)]|\(\d|\bNone\b|\bTrue\b|PowerLaw", str(caught.value))
 
 
 def test_neither_solver_is_refused() -> None:

@@ -34,6 +34,14 @@ START = {
     "gaussian": "origins:gaussian_start",
 }
 
+_PYTHON = re.compile(r"^([\w.\[\]]+)( = None: (?:is missing; )?| = True: | = False: )")
+_TOML = {
+    " = None: ": ": is missing; ",
+    " = None: is missing; ": ": is missing; ",
+    " = True: ": " = true: ",
+    " = False: ": " = false: ",
+}
+
 
 def identical_start(value: float) -> float:
     """All contacts start at one stretch (a length)."""
@@ -55,11 +63,15 @@ def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder
     module, name = kinds[kind].split(":")
     function = getattr(import_module(module), name)
     arguments = {key: value for key, value in table.items() if key != "kind"}
-    value = arguments.get("components")
-    if isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
-        items = enumerate(value)
-        arguments["components"] = [build(kinds, item, f"{where}.components[{index}]", folder) for index, item in items]
+    if "components" in arguments:
+        arguments["components"] = _components(kinds, arguments["components"], f"{where}.components", folder)
     return call(function, arguments, where, kind, folder=folder)
+
+
+def _components(kinds: Mapping[str, str], value: object, where: str, folder: Path) -> list[Any]:
+    if not isinstance(value, list) or not value or not all(isinstance(item, Mapping) for item in value):
+        refuse(where, value, 'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]')
+    return [build(kinds, item, f"{where}[{index}]", folder) for index, item in enumerate(value)]
 
 
 def call(
@@ -90,11 +102,15 @@ def as_table(name: str, value: object) -> Mapping[str, Any]:
 
 @contextmanager
 def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
-    """Put `where` before any InputError raised within; where it begins with an argument, by the scene's key for it."""
+    """Put `where` before any InputError raised within; where it begins with an argument, by the scene's key for it.
+
+    An argument that is None is a key that is missing, and True is written true.
+    """
     try:
         yield
     except InputError as error:
-        found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", str(error))
+        told = _PYTHON.sub(lambda found: found[1] + _TOML[found[2]], str(error), count=1)
+        found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", told)
         if found and found[1] in keys:
             raise InputError(f"{where}.{keys[found[1]]}{found[2]}") from error
-        raise InputError(f"{where}: {error}") from error
+        raise InputError(f"{where}: {told}") from error

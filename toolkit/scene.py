@@ -13,12 +13,19 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.contacts import Contacts
-from origins.errors import InputError, positive, refuse, whole
+from origins.errors import InputError, positive, refuse, whole, without_point
 from toolkit import laws
 from toolkit.toml import to_toml
 
 SHIPPED = Path(__file__).parent / "scenes"
 _MOST_POINTS = 10_000_000
+_FURTHEST = 1e6  # mean thresholds
+_EXPECTED = {
+    "object": "a table",
+    "float": "a number, such as 1.0",
+    "int": "a whole number",
+    "str": 'text in quotes, such as "text"',
+}
 
 
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -51,8 +58,6 @@ class SceneTable(Table, frozen=True):
     title: str = ""
     master: MasterTable | None = None
     eq: EqTable | None = None
-
-_FURTHEST = 1e6  # mean thresholds
 
 
 @dataclass(frozen=True)
@@ -155,13 +160,18 @@ def _explain(message: str, tables: Mapping[str, Any]) -> str:
         kind = _field_type(kind, key)
     unknown = re.match(r"Object contains unknown field `(.*)`", rule)
     missing = re.match(r"Object missing required field `(.*)`", rule)
+    other = re.match(r"Expected `(\w+)", rule)
     if unknown:
         key = unknown[1]
         known = ", ".join(kind.__struct_fields__)
         return f"{'.'.join([*keys, key])} = {value[key]!r}: unknown key; known here: {known}"
     if missing:
         return f"{'.'.join([*keys, missing[1]])}: is missing"
-    return f"{'.'.join(keys)} = {value!r}: {rule[0].lower()}{rule[1:]}"
+    if other and other[1] in _EXPECTED:
+        rule = f"must be {_EXPECTED[other[1]]}"
+        rule += without_point(value, least=0) if other[1] == "int" else ""
+    shown = str(value).lower() if isinstance(value, bool) else repr(value)
+    return f"{'.'.join(keys)} = {shown}: {rule}"
 
 
 def _field_type(kind: Any, key: str) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 
 import origins
 from origins.errors import InputError, positive, refuse, whole
-from origins.topography import as_topography, detrended
+from origins.topography import METRES, as_topography, detrended
 from toolkit import laws
 
 if TYPE_CHECKING:
@@ -95,8 +95,10 @@ def open_scan(
     `physical_sizes`, `unit` and `height_scale_factor` are for files that hold none. Raises InputError where the file is
     missing, is no scan, or contradicts them.
     """
-    if not isinstance(file, str) or not (folder / file).is_file():
-        refuse("file", file, f"no such file in {folder}")
+    if not isinstance(file, str):
+        refuse("file", file, 'must be a file name, such as "scan.di"')
+    if not (folder / file).is_file():
+        refuse("file", file, f"no such file in {folder.resolve()}")
     try:
         from SurfaceTopography import open_topography
         from SurfaceTopography.Exceptions import ReadFileError
@@ -112,7 +114,11 @@ def open_scan(
             if channel >= len(reader.channels):
                 refuse("channel", channel, f"the file has {len(reader.channels)} channels, counted from 0")
             known = {key: value for key, value in given.items() if value is not None}
-            return (reader.topography(channel_index=channel, **known),)
+            scan = reader.topography(channel_index=channel, **known)
+        if getattr(scan, "unit", None) not in METRES:
+            rule = f"lengths need one unit, and the file holds {scan.unit!r}"
+            refuse("unit", unit, f"{rule}; write one of {', '.join(METRES)}, such as unit = 'nm'")
+        return (scan,)
     except InputError:
         raise
     except (ReadFileError, ValueError) as error:
@@ -138,7 +144,7 @@ def generate(
     if isinstance(shape, list) and all(isinstance(n, int) for n in shape) and math.prod(shape) > _MOST_POINTS:
         refuse("shape", shape, f"must be at most {_MOST_POINTS} points in all, such as [4096, 4096]")
     heights = origins.self_affine_surface(
-        tuple(shape) if isinstance(shape, list) else shape,
+        shape,
         pixel_size,
         hurst=hurst,
         rms_slope=rms_slope,
