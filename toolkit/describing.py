@@ -22,6 +22,7 @@ _UNITS = {
     "contact_density": "1/m2",
     "mean_stiffness": "N/m",
     "separation": "m",
+    "mean_threshold": "m",
     "patch_area": "m2",
     "mean_load": "N",
     "mean_area": "m2",
