@@ -52,7 +52,9 @@ class Thresholds:
 
     # -- what a family states: x lies inside the support; densities are also asked at its finite ends ----
     def _pdf(self, x: Array) -> Array:
-        return np.exp(self._logpdf(x))
+        # where the density diverges it may exceed all numbers
+        with np.errstate(over="ignore"):
+            return np.exp(self._logpdf(x))
 
     def _logpdf(self, x: Array) -> Array:
         with np.errstate(divide="ignore"):
