@@ -215,6 +215,10 @@ def test_start_from_one_stretch() -> None:
     assert start.is_single and start.mean() == 0.25
 
 
+AGED = {"kind": "gaussian", "mean": 2.0, "std": 0.5}
+OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside the final law"
+
+
 @pytest.mark.parametrize(
     ("place", "value", "message"),
     [
@@ -230,7 +234,20 @@ def test_start_from_one_stretch() -> None:
         ("contacts.thresholds", None, "contacts.thresholds: is missing"),
         ("contacts.start.std", -0.1, "contacts.start.std = -0.1: must be zero or above"),
         ("contacts.start.kind", "persson", "contacts.start.kind = 'persson': must be one of identical, gaussian"),
-        ("contacts.delay", {"time": 1.0}, "contacts.delay = {'time': 1.0}: unknown key; known here: thresholds, start"),
+        ("contacts.delays", {"time": 1.0}, "contacts.delays = {'time': 1.0}: unknown key; known here: thresholds, st"),
+        ("contacts.delay", {"time": -1.0}, "contacts.delay.time = -1.0: must be zero or above"),
+        ("contacts.delay", {}, "contacts.delay.time: is missing; it takes time"),
+        ("contacts.delay", 1.0, "contacts.delay = 1.0: must be a table"),
+        ("contacts.thermal", {"law": "weak", "temperature": 0.1}, "contacts.thermal.law = 'weak': must be \"soft\""),
+        ("contacts.thermal", {"law": "soft"}, "contacts.thermal.temperature: is missing; it takes law, temperature,"),
+        ("contacts.ageing", {"rate": 1.0}, "contacts.ageing.final: is missing; it takes final, rate, closure"),
+        ("contacts.ageing", {"rate": 1.0, "final": AGED | {"std": 0.0}}, "contacts.ageing.final.std = 0.0: must be ab"),
+        ("contacts.ageing", {"rate": -1.0, "final": AGED}, "contacts.ageing.rate = -1.0: must be zero or above"),
+        ("contacts.ageing", {"rate": 1.0, "final": {"kind": "identical", "value": 1.0}}, "contacts.ageing.final: hold"),
+        ("contacts.ageing", {"rate": 1.0, "final": {"kind": "rectangular", "lower": 2.0, "upper": 3.0}}, OUTSIDE),
+        ("contacts.reforming", {"kind": "boltzmann", "temperature": 0.0}, "contacts.reforming.temperature = 0.0: must"),
+        ("contacts.reforming", {"kind": "identical", "value": 9.0}, "contacts.reforming: a weight of 1 lies beyond ev"),
+        ("contacts.stiffness", "linkd", "contacts.stiffness = 'linkd': must be \"independent\" or \"linked\""),
         ("drive.to", math.inf, "drive.to = inf: must be finite"),
         ("drive.to", -5.0, "drive.to = -5.0: must be above zero"),
         ("drive.to", "far", "drive.to = 'far': must be a number, such as 1.0"),
@@ -315,6 +332,54 @@ def test_advice_can_be_written_in_the_scene(law: dict[str, Any], message: str) -
     assert message in str(caught.value)
     # no calls, no arguments as Python writes them, no values that TOML has not
     assert not re.search(r"origins\.|\b\w+=|\b[a-z_]+\([^)]|\(\d|\bNone\b|\bTrue\b|PowerLaw", str(caught.value))
+
+
+CONTACT_LAWS: dict[str, Any] = {
+    "thermal": {"law": "stiff", "temperature": 0.01, "attempt_frequency": 2.0},
+    "ageing": {"rate": 1e-3, "final": AGED, "closure": "paper"},
+    "delay": {"time": 0.2},
+    "reforming": {"kind": "boltzmann", "temperature": 1e-4},
+    "stiffness": "linked",
+}
+
+
+def test_contact_laws_are_built() -> None:
+    tables = {**SCENE["contacts"], **CONTACT_LAWS, "stiffness": "independent"}
+    contacts = toolkit.load_scene({**SCENE, "contacts": tables}).contacts
+    assert contacts.thermal == origins.Thermal("stiff", temperature=0.01, attempt_frequency=2.0)
+    assert contacts.delay == origins.Delay(0.2)
+    assert contacts.ageing is not None and contacts.ageing.rate == 1e-3 and contacts.ageing.closure == "paper"
+    assert contacts.ageing.final.mean() == origins.gaussian(2.0, 0.5).mean()
+    direct = origins.Contacts(origins.gaussian(1.0, 0.05), reforming=origins.boltzmann_reforming(1e-4))
+    assert contacts.reforming is not None and direct.reforming is not None
+    assert contacts.reforming.law.cdf(0.01) == direct.reforming.law.cdf(0.01)
+    linked = toolkit.load_scene(changed("contacts.stiffness", "linked")).contacts
+    assert linked.relative_stiffness(2.0) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("name", CONTACT_LAWS)
+def test_solvers_refuse_contact_laws_by_name(name: str) -> None:
+    scene = changed(f"contacts.{name}", CONTACT_LAWS[name])
+    for solver, other in (("master", "eq"), ("eq", "master")):
+        alone = {key: value for key, value in scene.items() if key != other}
+        with pytest.raises(InputError, match=rf"^{solver}: contacts\.{name}.* does not take it yet; leave ") as caught:
+            toolkit.run(alone)
+        assert "\n" not in str(caught.value)
+
+
+def test_a_law_that_does_nothing_is_none() -> None:
+    still = {"ageing": {"rate": 0.0, "final": AGED}, "delay": {"time": 0.0}}
+    plain = toolkit.run(SCENE)
+    told = toolkit.run({**SCENE, "contacts": {**SCENE["contacts"], **still}})
+    assert plain.master is not None and told.master is not None and plain.eq is not None and told.eq is not None
+    assert np.array_equal(told.master.force, plain.master.force) and np.array_equal(told.eq.force, plain.eq.force)
+    contacts = origins.Contacts(
+        origins.gaussian(1.0, 0.05),
+        ageing=origins.Ageing(origins.gaussian(2.0, 0.5), rate=0.0),
+        delay=origins.Delay(0.0),
+        stiffness="linked",
+    )
+    assert contacts.ageing is None and contacts.delay is None
 
 
 def test_neither_solver_is_refused() -> None:

@@ -14,7 +14,7 @@ import origins
 from toolkit import islands, laws, scene, surfaces
 
 PAGE = Path(__file__).parents[1] / "docs" / "scenes.md"
-GIVEN = ("folder",)  # not for a scene to say
+GIVEN = ("folder", "comm")  # not for a scene to say
 
 STRUCTS = {
     "The file": scene.SceneTable,
@@ -25,13 +25,19 @@ STRUCTS = {
 }
 KINDS = {
     "[contacts.start]": laws.START,
+    "[contacts.reforming]": laws.REFORMING,
     "[contacts.thresholds]": laws.THRESHOLDS,
     "[contacts.thresholds.surface]": surfaces.SURFACES,
     "[contacts.thresholds.material.contact_stiffness]": surfaces.STIFFNESSES,
     "[contacts.thresholds.island]": islands.ISLANDS,
     "[contacts.thresholds.substrate]": islands.SUBSTRATES,
 }
-CALLS = {"[contacts.thresholds.material]": origins.Material}
+CALLS = {
+    "[contacts.thermal]": origins.Thermal,
+    "[contacts.ageing]": laws.ageing,
+    "[contacts.delay]": origins.Delay,
+    "[contacts.thresholds.material]": origins.Material,
+}
 
 
 def sections() -> dict[str, list[list[str]]]:

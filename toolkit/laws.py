@@ -11,6 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import origins
 from origins.errors import InputError, finite, refuse
 
 THRESHOLDS = {
@@ -33,6 +34,7 @@ START = {
     "identical": "toolkit.laws:identical_start",
     "gaussian": "origins:gaussian_start",
 }
+REFORMING = {**START, "boltzmann": "origins:boltzmann_reforming"}
 
 _PYTHON = re.compile(r"^([\w.\[\]]+)( = None: (?:is missing; )?| = True: | = False: )")
 _TOML = {
@@ -48,11 +50,20 @@ def identical_start(value: float) -> float:
     return finite("value", value)
 
 
-def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path) -> Any:
+def ageing(
+    folder: Path, final: Mapping[str, Any], rate: float, closure: str = "exact", comm: Any = None
+) -> origins.Ageing:
+    """Ageing towards the law that the table `final` names, of a kind of THRESHOLDS; see origins.Ageing."""
+    law = build(THRESHOLDS, as_table("final", final), "final", folder, comm)
+    return origins.Ageing(law, rate, closure)  # type: ignore[arg-type]
+
+
+def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path, comm: Any = None) -> Any:
     """What the table's kind makes of the table's other keys.
 
     The components of a mixture, tables with a kind of their own, are built first. A function
-    with a parameter `folder` is given `folder`, from where the scene's file names count.
+    with a parameter `folder` is given `folder`, from where the scene's file names count, and one with a parameter
+    `comm` the communicator whose ranks, all of which must call, share its work.
     Raises InputError with the path of the bad key, counted from `where`.
     """
     kind = table.get("kind")
@@ -64,14 +75,14 @@ def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder
     function = getattr(import_module(module), name)
     arguments = {key: value for key, value in table.items() if key != "kind"}
     if "components" in arguments:
-        arguments["components"] = _components(kinds, arguments["components"], f"{where}.components", folder)
-    return call(function, arguments, where, kind, folder=folder)
+        arguments["components"] = _components(kinds, arguments["components"], f"{where}.components", folder, comm)
+    return call(function, arguments, where, kind, folder=folder, comm=comm)
 
 
-def _components(kinds: Mapping[str, str], value: object, where: str, folder: Path) -> list[Any]:
+def _components(kinds: Mapping[str, str], value: object, where: str, folder: Path, comm: Any) -> list[Any]:
     if not isinstance(value, list) or not value or not all(isinstance(item, Mapping) for item in value):
         refuse(where, value, 'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]')
-    return [build(kinds, item, f"{where}[{index}]", folder) for index, item in enumerate(value)]
+    return [build(kinds, item, f"{where}[{index}]", folder, comm) for index, item in enumerate(value)]
 
 
 def call(

@@ -26,7 +26,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     scenes = []
     for scene in arguments.scenes:
         with naming(scene):
-            scenes.append(load_scene(scene))
+            scenes.append(load_scene(scene, comm=comm))
     for index, scene in enumerate(scenes):
         if scene.name in [other.name for other in scenes[:index]]:
             refuse("scenes", scene.name, "two scenes of this name could not be told apart; rename one of the files")
