@@ -162,13 +162,19 @@ def test_scan_is_found_from_the_scene_file(file: str, more: dict[str, Any], tmp_
     assert built.mean() == direct.mean() and built.moment(2) == direct.moment(2)
 
 
+UNKNOWN = "cannot be read as a scan: it is in no format that SurfaceTopography knows, or cut short"
+
+
 @pytest.mark.parametrize(
     ("scan", "message"),
     [
         ({"file": "none.di"}, "surface.file = 'none.di': no such file in "),
         ({"file": 3}, "surface.file = 3: must be a file name"),
-        ({"file": "text.di"}, "surface.file = 'text.di': cannot be read as a scan: "),
-        ({"file": "bare.txt"}, "surface.file = 'bare.txt': cannot be read as a scan: `physical_sizes` could not be"),
+        ({"file": "text.di"}, f"surface.file = 'text.di': {UNKNOWN}"),
+        ({"file": "cut.x3p", "physical_sizes": [1e-6, 1e-6], "unit": "m"}, f"surface.file = 'cut.x3p': {UNKNOWN}"),
+        ({"file": "one.txt", "physical_sizes": [1e-6, 1e-6]}, "surface.file = 'one.txt': cannot be read as a scan: ca"),
+        ({"file": "own.txt", "unit": "nm"}, "surface.unit = 'nm': the file holds its own; leave it out"),
+        ({"file": "bare.txt"}, "surface.physical_sizes: is missing; the file holds no sizes; write"),
         ({"file": "bare.txt", "channel": 1}, "surface.channel = 1: the file has 1 channel"),
         ({"file": "bare.txt", "channel": -1}, "surface.channel = -1: must be a whole number"),
         ({"file": "bare.txt", "physical_sizes": 1.0}, "surface.physical_sizes = 1.0: must be a pair"),
@@ -184,6 +190,10 @@ def test_scan_is_found_from_the_scene_file(file: str, more: dict[str, Any], tmp_
 def test_scan_that_is_no_surface_is_refused(scan: dict[str, Any], message: str, tmp_path: Path) -> None:
     pytest.importorskip("SurfaceTopography")
     (tmp_path / "text.di").write_text("no scan at all")
+    (tmp_path / "cut.x3p").write_bytes(b"PK\x03\x04\x14\x00\x00\x00\xff\xfe")
+    (tmp_path / "one.txt").write_text("1.0\n")
+    heights = np.random.default_rng(2).random((8, 8))
+    np.savetxt(tmp_path / "own.txt", heights, header="Width: 10 µm\nHeight: 10 µm\nValue units: nm")
     np.savetxt(tmp_path / "bare.txt", np.random.default_rng(1).random((8, 8)))
     law = {"kind": "from-topography", **LAWS["from-topography"], "surface": {"kind": "scan", **scan}}
     (tmp_path / "scan.toml").write_text(to_toml(with_law(law)))

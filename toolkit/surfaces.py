@@ -101,7 +101,7 @@ def open_scan(
         refuse("file", file, f"no such file in {folder.resolve()}")
     try:
         from SurfaceTopography import open_topography
-        from SurfaceTopography.Exceptions import ReadFileError
+        from SurfaceTopography.Exceptions import CannotDetectFileFormat, MetadataAlreadyFixedByFile
     except ImportError as error:
         raise InputError(f"file = {file!r}: needs SurfaceTopography; install mesofriction[topography]") from error
     channel = whole("channel", channel, least=0)
@@ -111,18 +111,33 @@ def open_scan(
     given = {"physical_sizes": sizes, "unit": unit, "height_scale_factor": height_scale_factor}
     try:
         with open_topography(str(folder / file)) as reader:
+            if not reader.channels:
+                refuse("file", file, "cannot be read as a scan: it holds no heights; it may be cut short")
             if channel >= len(reader.channels):
                 refuse("channel", channel, f"the file has {len(reader.channels)} channels, counted from 0")
             known = {key: value for key, value in given.items() if value is not None}
             scan = reader.topography(channel_index=channel, **known)
         if getattr(scan, "unit", None) not in METRES:
-            rule = f"lengths need one unit, and the file holds {scan.unit!r}"
-            refuse("unit", unit, f"{rule}; write one of {', '.join(METRES)}, such as unit = 'nm'")
+            refuse("unit", unit, 'lengths need one unit, and the file holds none; write one, such as unit = "nm"')
         return (scan,)
     except InputError:
         raise
-    except (ReadFileError, ValueError) as error:
-        raise InputError(f"file = {file!r}: cannot be read as a scan: {str(error).splitlines()[0]}") from error
+    except CannotDetectFileFormat as error:
+        # its message holds the complaints of all readers, one after the other
+        why = "it is in no format that SurfaceTopography knows, or cut short"
+        raise InputError(f"file = {file!r}: cannot be read as a scan: {why}") from error
+    except MetadataAlreadyFixedByFile as error:
+        for name, value in given.items():
+            if value is not None and f"'{name}'" in str(error):
+                refuse(name, value, "the file holds its own; leave it out")
+        raise
+    except Exception as error:
+        # readers raise whatever their parsing does
+        if sizes is None and "physical_sizes" in str(error):
+            rule = "the file holds no sizes; write those of the whole scan, such as physical_sizes = [1e-5, 1e-5]"
+            refuse("physical_sizes", None, rule)
+        why = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"file = {file!r}: cannot be read as a scan: {why}") from error
 
 
 def _pair(name: str, value: object) -> tuple[float, float]:
