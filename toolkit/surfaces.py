@@ -1,6 +1,5 @@
 """Rough surfaces in scenes: a scan, a generated surface, a spectrum or summits, and the thresholds they give."""
 
-import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,6 +9,7 @@ import numpy as np
 
 import origins
 from origins.errors import InputError, positive, refuse, whole
+from origins.self_affine import check_memory
 from origins.topography import METRES, as_topography, detrended
 from toolkit import laws
 
@@ -23,7 +23,7 @@ SURFACES = {
     "summits": "origins:moments_of_summits",
 }
 HEIGHTS = ("scan", "self-affine")
-_MOST_POINTS = 2**28  # 2 GB of heights
+_BYTES = 70  # on each point of a surface while its moments are taken: 66 measured
 STIFFNESSES = {
     "sound": "origins:sound_stiffness",
     "mindlin": "origins:mindlin_stiffness",
@@ -156,8 +156,8 @@ def generate(
     short_cutoff: float | None = None,
 ) -> tuple[np.ndarray, Any]:
     """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
-    if isinstance(shape, list) and all(isinstance(n, int) for n in shape) and math.prod(shape) > _MOST_POINTS:
-        refuse("shape", shape, f"must be at most {_MOST_POINTS} points in all, such as [4096, 4096]")
+    if isinstance(shape, list) and len(shape) == 2 and all(isinstance(n, int) and n > 0 for n in shape):
+        check_memory((shape[0], shape[1]), _BYTES)
     heights = origins.self_affine_surface(
         shape,
         pixel_size,
