@@ -174,9 +174,15 @@ def test_thresholds_without_an_upper_end_are_valid_json(write_scene) -> None:
 def test_scenes_lists_every_shipped_scene(capsys) -> None:
     assert main(["scenes"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    for line, name in zip(lines, shipped_scenes(), strict=True):
-        title = tomllib.loads((SHIPPED / f"{name}.toml").read_text())["title"]
-        assert line.split(maxsplit=1) == [name, title]
+    column = max(map(len, shipped_scenes())) + 2
+    told: dict[str, str] = {}
+    name = ""
+    for line in lines:
+        assert len(line) <= 100 and line[column - 1] == " " and line[column] != " "
+        name = line[:column].strip() or name
+        told[name] = f"{told[name]} {line[column:]}" if name in told else line[column:]
+    titles = {name: tomllib.loads((SHIPPED / f"{name}.toml").read_text())["title"] for name in shipped_scenes()}
+    assert told == titles and list(told) == shipped_scenes()
 
 
 def test_every_command_is_described(capsys) -> None:
