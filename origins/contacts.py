@@ -1,5 +1,7 @@
 """Contacts: what one contact is, and how all of them stand at X = 0."""
 
+from __future__ import annotations
+
 from typing import Literal
 
 import numpy as np

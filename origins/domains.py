@@ -1,5 +1,7 @@
 """Thresholds of rotated domains: rigid islands of a crystal, at all angles, on another one (paper, Sec. VI C)."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -76,7 +78,7 @@ def domains(
     *,
     sizes: npt.ArrayLike | None = None,
     mean_atoms: float | None = None,
-    islands: "Sequence[ase.Atoms] | None" = None,
+    islands: Sequence[ase.Atoms] | None = None,
     weights: npt.ArrayLike | None = None,
     angles: npt.ArrayLike | None = None,
     temperature: float | None = None,
@@ -209,7 +211,7 @@ def _family(
     lattice_constant: object,
     sizes: npt.ArrayLike | None,
     mean_atoms: object,
-    islands: "Sequence[ase.Atoms] | None",
+    islands: Sequence[ase.Atoms] | None,
     weights: npt.ArrayLike | None,
     substrate: Substrate,
 ) -> Family:

@@ -1,5 +1,7 @@
 """What joins a threshold law in metres to newtons and pascals: the record of one interface."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

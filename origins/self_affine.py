@@ -1,5 +1,7 @@
 """A seeded self-affine surface whose rms slope is known exactly, for use where no scan is at hand."""
 
+from __future__ import annotations
+
 import os
 
 import numpy as np

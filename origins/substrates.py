@@ -1,5 +1,7 @@
 """Substrates: what a flat crystal does to one atom above it, as a finite Fourier series (paper, Sec. VI C)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
