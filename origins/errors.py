@@ -12,14 +12,17 @@ class InputError(ValueError):
 
 def refuse(name: str, value: object, rule: str) -> NoReturn:
     """Raise InputError as one line: ``name = value: rule``."""
-    shown = repr(value)
+    raise InputError(f"{name} = {shown(value)}: {rule}")
+
+
+def shown(value: object) -> str:
+    """`value` as a message shows it, in at most 60 characters."""
+    text = repr(value)
     if isinstance(value, np.ndarray):
-        shown = f"array of shape {value.shape}"
+        text = f"array of shape {value.shape}"
     elif isinstance(value, np.generic):
-        shown = repr(value.item())
-    if len(shown) > 60:
-        shown = shown[:57] + "..."
-    raise InputError(f"{name} = {shown}: {rule}")
+        text = repr(value.item())
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def finite(name: str, value: object) -> float:

@@ -9,6 +9,7 @@ _ONE_OF = (
     "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness, a law of the area: "
     "sound, mindlin, column or a power of your own"
 )
+_STEEPEST = 10.0  # of k against A: a bent column of one height has 2
 # what a refusal says to write
 _SUCH_AS = {
     "local_friction": "0.4",
@@ -76,8 +77,9 @@ class Material:
         if self.contact_stiffness is not None:
             if not isinstance(self.contact_stiffness, PowerLaw):
                 refuse("contact_stiffness", self.contact_stiffness, "must be a law, such as mindlin_stiffness(...)")
-            if self.contact_stiffness.exponent < 0.0:
-                refuse("contact_stiffness.exponent", self.contact_stiffness.exponent, "must be zero or above")
+            if not 0.0 <= self.contact_stiffness.exponent <= _STEEPEST:
+                rule = f"must lie between 0 and {_STEEPEST:g}, such as 0.5"
+                refuse("contact_stiffness.exponent", self.contact_stiffness.exponent, rule)
             if self.shear_modulus is not None or other:
                 raise InputError(f"contact_stiffness: given twice; {_ONE_OF}")
         if (self.density is None) != (self.sound_velocity is None):

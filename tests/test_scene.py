@@ -276,6 +276,7 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("eq.contacts", 0, "eq.contacts = 0: must be a whole number of at least 1"),
         ("eq.replicas", -3, "eq.replicas = -3: must be a whole number of at least 1"),
         ("eq.seed", -1, "eq.seed = -1: must be a whole number of at least 0"),
+        ("eqs", {"note": "x" * 99}, "eqs = {'note': 'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...: unknown key"),
         ("eq.threads", 2, "eq.threads = 2: unknown key; known here: contacts, replicas, seed"),
         ("colour", "red", "colour = 'red': unknown key; known here: contacts, drive, title, master, eq"),
         ("title", 3, "title = 3: must be text in quotes"),
@@ -301,6 +302,7 @@ ISLANDS = {"kind": "domains", "lattice_constant": 3.88, "mean_atoms": 100.0}
 TWICE = MATERIAL | {"contact_stiffness": {"kind": "mindlin", "shear_modulus": 1e9, "poisson_ratio": 0.3}}
 BENT = {"contact_modulus": 1e9, "local_friction": 0.1}
 FALLING = BENT | {"contact_stiffness": {"kind": "power-law", "coefficient": 1.0, "exponent": -1.0}}
+STEEP = BENT | {"contact_stiffness": {"kind": "power-law", "coefficient": 1.0, "exponent": 1e5}}
 NEITHER = BENT | {"contact_stiffness": {"kind": "column", "youngs_modulus": 1e9}}
 LINES = {"kind": "fourier", "wavevectors": [[1.0, 0.0]], "sines": [1.0]}
 
@@ -313,7 +315,8 @@ LINES = {"kind": "fourier", "wavevectors": [[1.0, 0.0]], "sines": [1.0]}
         (ROUGH | {"regime": "mixed"}, "such as hardness = 2e8 (Pa)"),
         (ROUGH | {"material": {"contact_modulus": 1e9, "local_friction": 1}}, "material.shear_modulus: is missing;"),
         (ROUGH | {"material": TWICE}, "material.contact_stiffness: given twice; write shear_modulus (Pa), or"),
-        (ROUGH | {"material": FALLING}, "material.contact_stiffness.exponent = -1.0: must be zero or above"),
+        (ROUGH | {"material": FALLING}, "material.contact_stiffness.exponent = -1.0: must lie between 0 and 10"),
+        (ROUGH | {"material": STEEP, "model": "persson", "patch_area": 1e-14}, "exponent = 100000.0: must lie betw"),
         (ROUGH | {"material": NEITHER}, "contact_stiffness: column_stiffness: give one of aspect and height, such as"),
         (ROUGH | {"model": "persson"}, "patch_area: is missing; model = "),
         (ROUGH | {"model": "persson", "law": "strength", "patch_area": 1e-14}, "material.shear_strength: is missing"),

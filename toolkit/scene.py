@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 import origins
 from origins.contacts import Contacts
-from origins.errors import InputError, positive, refuse, whole, without_point
+from origins.errors import InputError, positive, refuse, shown, whole, without_point
 from toolkit import laws
 from toolkit.toml import to_toml
 
@@ -188,14 +188,14 @@ def _explain(message: str, tables: Mapping[str, Any]) -> str:
     if unknown:
         key = unknown[1]
         known = ", ".join(kind.__struct_fields__)
-        return f"{'.'.join([*keys, key])} = {value[key]!r}: unknown key; known here: {known}"
+        return f"{'.'.join([*keys, key])} = {shown(value[key])}: unknown key; known here: {known}"
     if missing:
         return f"{'.'.join([*keys, missing[1]])}: is missing"
     if other and other[1] in _EXPECTED:
         rule = f"must be {_EXPECTED[other[1]]}"
         rule += without_point(value, least=0) if other[1] == "int" else ""
-    shown = str(value).lower() if isinstance(value, bool) else repr(value)
-    return f"{'.'.join(keys)} = {shown}: {rule}"
+    text = str(value).lower() if isinstance(value, bool) else shown(value)
+    return f"{'.'.join(keys)} = {text}: {rule}"
 
 
 def _field_type(kind: Any, key: str) -> Any:
