@@ -88,6 +88,18 @@ def test_a_density_that_diverges_is_cut_and_a_narrow_peak_is_not() -> None:
     assert axes.get_ylim()[1] < 100.0
 
 
+def test_exact_values_beside_a_density_have_their_own_axis() -> None:
+    law = origins.mixture([origins.rectangular(1e-7, 4e-7), origins.identical(2e-7)], [0.6, 0.4])
+    axes = Figure().subplots()
+    plot_density(axes, sample_curve(law))
+    _, own = axes.figure.axes
+    assert own.get_ylabel() == "weight at one value" and 0.4 < own.get_ylim()[1] < 0.5
+    assert axes.get_ylim()[1] == pytest.approx(1.05 * 0.6 / 3e-7, rel=0.01)
+    plot_density(alone := Figure().subplots(), sample_curve(origins.identical(2e-7)))
+    assert len(alone.figure.axes) == 1 and alone.get_ylabel() == "weight at one value"
+    assert max(labels(alone.yaxis)) == 1.0
+
+
 def test_thresholds_over_decades_have_logarithmic_axes() -> None:
     curve = sample_curve(origins.lubricated(1.0, power=-0.95))
     assert spans_decades(curve) and not spans_decades(sample_curve(origins.gw_elastic(1.0)))

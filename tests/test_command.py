@@ -78,7 +78,7 @@ def test_tolerance_out_of_reach_is_status_1(write_scene, capsys) -> None:
 TEXT = to_toml(MASTER_ONLY)
 BAD = [
     ({**MASTER_ONLY, "colour": 1}, "", [], "colour = 1: unknown key"),
-    ({**MASTER_ONLY, "drive": {"to": "far", "points": 3}}, "", [], "drive.to = 'far': expected `float`"),
+    ({**MASTER_ONLY, "drive": {"to": "far", "points": 3}}, "", [], "drive.to = 'far': must be a number"),
     ({}, TEXT.replace("mean = 1.0", "mean = nan"), [], "contacts.thresholds.mean = nan: must be finite"),
     ({}, TEXT.replace("std = 0.05", "std = -0.05"), [], "contacts.thresholds.std = -0.05: must be above zero"),
     (

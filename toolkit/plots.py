@@ -76,12 +76,14 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
         _upright(axes, curve, curve.density)
         axes.fill_between(curve.x[finite], curve.density[finite], color=_INK["thresholds"], alpha=0.25, lw=0)
         axes.plot(curve.x[finite], curve.density[finite], color=_INK["thresholds"], lw=1.2)
-    if curve.atoms.size:
-        axes.vlines(curve.atoms, 0.0, curve.atom_weights, color=_INK["thresholds"], lw=2, label="weight at one value")
-        axes.legend()
-    if not curve.density[finite].any() or curve.atoms.size:
-        axes.set(ylim=(0, None))
     _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
+    if curve.atoms.size:
+        # a weight is no density: beside one it has an axis of its own
+        own = axes.twinx() if curve.density[finite].any() else axes
+        own.vlines(curve.atoms, 0.0, curve.atom_weights, color=_INK["thresholds"], lw=2)
+        own.set_ylabel("weight at one value")
+        own.set_ylim(0.0, 1.05 * float(curve.atom_weights.max()))
+        own.yaxis.set_major_formatter("{x:g}")
     return axes
 
 
