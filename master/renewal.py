@@ -202,11 +202,9 @@ def _weight_below(problem: Problem, x: float, tiny: float) -> float:
 
 
 def bound(problem: Problem, x: float, tiny: float) -> float:
-    """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x. Where that is
-    below `tiny`, a rougher bound."""
+    """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x in all, however
+    often it breaks. Where that is below `tiny`, a rougher bound."""
     again = problem.law.weight_below(x, tiny / (x + 1.0))
-    if again >= 0.5:
-        return np.inf
     chain = problem.chain
     broken = float(problem.first.density.integral(np.array([x]))[0]) + float(chain.weights[chain.births <= x].sum())
-    return x * broken * again / (1.0 - again)
+    return x * broken * (again / (1.0 - again) if again < 0.5 else 1.0)

@@ -1,5 +1,7 @@
 """The master equation to the tolerance asked: lattices are refined until the error estimate is below it."""
 
+from __future__ import annotations
+
 import time
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The drive: the slider's path, checked once for both solvers."""
 
+from __future__ import annotations
+
 import numpy as np
 import numpy.typing as npt
 
