@@ -1,5 +1,7 @@
 """The discrete ensemble: contacts independent of one another, followed along the path of a rigid slider."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass

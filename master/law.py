@@ -4,11 +4,13 @@ import numpy as np
 import numpy.typing as npt
 
 from master.corners import bends, onset
-from origins import Contacts
+from origins import Contacts, InputError
 from origins.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 
+_LEAST = 1e-290  # of the mean: below it a density nears the largest numbers there are
+_LOST = 1e-12  # weight that may lie there
 _DECILES = np.linspace(0.05, 0.95, 10)
 
 
@@ -18,6 +20,8 @@ class Law:
     `held` is the survival at the far end of the start; panels reach to 1e-18 of that, and `begins` is below all weight
     but 1e-19. `narrowest` is the width of a Gaussian as sharp as the sharpest tenth of the weight; `jumps` and
     `jump_sizes` say where the density jumps and by how much, `diverges` whether it does at any point above 0.
+
+    Raises InputError where the law has weight so near to 0 that floating point cannot hold its density.
     """
 
     def __init__(self, contacts: Contacts, top: float) -> None:
@@ -33,6 +37,13 @@ class Law:
         positions, self.atom_weights = contacts.thresholds.atoms
         self.atoms = positions / self.unit
         self.atomic = float(self.atom_weights.sum()) > 1.0 - 1e-14
+        lost = float(self.cdf(np.array([_LEAST]))[0])
+        if lost > _LOST:
+            raise InputError(
+                f"thresholds: a weight of {lost:.2g} lies below {_LEAST:g} of the mean, where numbers end, as "
+                f"P_c ~ x^{contacts.thresholds.onset_power:.3g}: no F(X), K*, F_s/F_k or X* is given; they are "
+                "for an onset power of -0.95 or above"
+            )
         self._scale = 1.0
         self.edges, self.narrowest, self._hard = np.empty(0), 1.0, np.empty(0, dtype=bool)
         self.jumps, self.jump_sizes, self.diverges = np.empty(0), np.empty(0), False

@@ -207,10 +207,10 @@ def _weight_below(problem: Problem, x: float, tiny: float) -> float:
 
 
 def bound(problem: Problem, x: float, tiny: float) -> float:
-    """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x. Where that is
-    below `tiny`, a rougher bound."""
+    """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x in all, however
+    often it breaks. Where that is below `tiny`, a rougher bound."""
     again = problem.law.weight_below(x, tiny / (x + 1.0))
-    return x * _broken(problem, x) * again / (1.0 - again) if again < 0.5 else np.inf
+    return x * _broken(problem, x) * (again / (1.0 - again) if again < 0.5 else 1.0)
 
 
 def _broken(problem: Problem, x: float) -> float:

@@ -1,5 +1,7 @@
 """What `solve` returns, and Q(x;X) read from it."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 import numpy as np

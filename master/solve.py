@@ -1,5 +1,7 @@
 """The master equation, by whichever road the drive asks for."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, overload
 
 import numpy.typing as npt
@@ -26,7 +28,7 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: None = None,
     slip: SlipRule = "reset",
-) -> "Solution | PathSolution": ...
+) -> Solution | PathSolution: ...
 
 
 @overload
@@ -39,7 +41,7 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: float,
     slip: SlipRule = "reset",
-) -> "SoftSolution": ...
+) -> SoftSolution: ...
 
 
 def solve(
@@ -51,7 +53,7 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: float | None = None,
     slip: SlipRule = "reset",
-) -> "Solution | PathSolution | SoftSolution":
+) -> Solution | PathSolution | SoftSolution:
     """Force on a slider from X = 0 along a path, at T = 0 (paper Eqs. Q5a-Q6, App. C, Sec. III D).
 
     Parameters

@@ -65,7 +65,7 @@ class Ageing:
         if atoms.size:
             raise InputError(
                 f"final: holds the single value {atoms[0]:g}: thresholds cannot diffuse to it; use a law with a "
-                f"density, such as origins.gaussian(mean={atoms[0]:g}, std={0.01 * atoms[0]:g})"
+                f"density, such as gaussian with mean = {atoms[0]:g}, std = {0.01 * atoms[0]:g}"
             )
         corners = self.final.breakpoints
         middle = 0.5 * (corners[:-1] + corners[1:])

@@ -5,6 +5,8 @@ minimum of U at which a path leads to a copy of that minimum, in whichever direc
 sin x + sin y, that is exactly 2 min(|c_1 S_1|, |c_2 S_2|).
 """
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,7 +34,7 @@ _LANDSCAPES = 512
 _NOTHING = 1e-13  # against the largest wave, smaller ones count as none
 
 
-def barrier(atoms: "ase.Atoms", angle: npt.ArrayLike, substrate: Substrate | None = None) -> Array:
+def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None = None) -> Array:
     """Barrier of any rigid island turned by `angle` about its centre of mass, an energy.
 
     Parameters
@@ -80,7 +82,7 @@ def triangular_barrier(
     return triangular_barriers_and_depths(lattice_constant, n_i, n_j, angle, substrate)[0][()]
 
 
-def barriers_and_depths(atoms: "ase.Atoms", angle: npt.ArrayLike, substrate: Substrate) -> tuple[Array, Array]:
+def barriers_and_depths(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate) -> tuple[Array, Array]:
     """Barrier and lowest energy (less N_a times the substrate's constant), of the shape of angle."""
     return _solved(substrate, structure_factors(atoms, angle, substrate.wavevectors))
 

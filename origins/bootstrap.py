@@ -1,5 +1,7 @@
 """Sampling error of what is derived from thresholds that come from samples."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 

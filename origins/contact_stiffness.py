@@ -52,7 +52,7 @@ def column_stiffness(youngs_modulus: float, aspect: float | None = None, height:
     modulus = positive("youngs_modulus", youngs_modulus)
     if (aspect is None) == (height is None):
         raise InputError(
-            f"aspect = {aspect}, height = {height}: write one of them, such as aspect=1.0 for columns as long as wide"
+            "column_stiffness: give one of aspect and height, such as aspect = 1.0 for columns as long as wide"
         )
     if aspect is not None:
         return PowerLaw(0.75 * float(np.sqrt(np.pi)) * modulus * positive("aspect", aspect) ** 3, 0.5)

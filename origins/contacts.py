@@ -1,5 +1,7 @@
 """Contacts: what one contact is, and how all of them stand at X = 0."""
 
+from __future__ import annotations
+
 from typing import Literal
 
 import numpy as np
@@ -30,9 +32,9 @@ class Contacts:
     thermal : Thermal, optional
         Breaking below the threshold, at a rate.
     ageing : Ageing, optional
-        Diffusion of the threshold while the contact holds.
+        Diffusion of the threshold while the contact holds; at rate 0 there is none.
     delay : Delay, optional
-        How long a broken contact stays out.
+        How long a broken contact stays out; at time 0 there is none.
     reforming : None, float, Start or frozen scipy.stats distribution
         Stretches at which broken contacts form again, such as origins.boltzmann_reforming(temperature); None: x = 0.
         The threshold follows P_c conditional on x_s > |x|.
@@ -50,6 +52,8 @@ class Contacts:
         Starting weight that lay beyond every threshold and was cut off; 0 unless said.
     reforming : Births or None
         None where contacts form again at x = 0.
+    ageing, delay
+        None where nothing ages and nothing waits.
 
     Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold: such contacts
     hold nothing; for linked stiffness with thermal closure "paper", which gives all contacts one rate, or with ageing,
@@ -107,6 +111,10 @@ class Contacts:
             refuse("delay", self.delay, "must be an origins.Delay, such as Delay(time=0.2)")
         if self.stiffness not in ("independent", "linked"):
             refuse("stiffness", self.stiffness, 'must be "independent" or "linked"')
+        if self.ageing is not None and self.ageing.rate == 0.0:
+            self.ageing = None
+        if self.delay is not None and self.delay.time == 0.0:
+            self.delay = None
         if self.stiffness == "linked":
             if self.thermal is not None and self.thermal.closure == "paper":
                 refuse(

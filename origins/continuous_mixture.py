@@ -5,7 +5,7 @@ from typing import cast
 
 import numpy as np
 
-from origins.errors import finite, positive, refuse
+from origins.errors import InputError, finite, positive, refuse
 from origins.frozen import as_thresholds
 from origins.mixture import Mixture, mixture
 from origins.quadrature import NODES, gauss
@@ -13,6 +13,9 @@ from origins.thresholds import Array, Thresholds
 
 _MOST = 512  # laws in the mixture
 _PILOTS = 16
+_SAME = 1e-9  # of a place: as near, it is one
+_BESIDE = 1e-9
+_JUMP = 1e-4  # in units of 1/<x_s>
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _TAILS = 10.0 ** -np.array([8.0, 5.0, 3.0, 2.0, 1.0, 0.6, 0.3])
 
@@ -47,8 +50,9 @@ def continuous_mixture(
         A mixture of the laws at the nodes, with `.quadrature_error`, that difference. A tail rarer than it is that of
         the nodes' own laws.
 
-    Raises InputError for values outside these, and where 512 laws do not reach the accuracy, as where P_c(x; phi) has
-    exact values or jumps that move with phi.
+    Raises InputError for values outside these, where 512 laws do not reach the accuracy, and where P_c(x; phi) has
+    exact values or jumps that move with phi: the average has none, while any finite mixture keeps one for each law,
+    and a K* of its own with it.
     """
     lower, upper, accuracy = finite("lower", lower), finite("upper", upper), positive("accuracy", accuracy)
     if not upper > lower:
@@ -76,6 +80,31 @@ def continuous_mixture(
     return ContinuousMixture(flat.components, flat.weights, error)
 
 
+def _check_moving(laws: Sequence[Thresholds]) -> None:
+    """InputError where an exact value or a jump of the density stands at another place in every law."""
+    found = [_hard_points(one) for one in laws]
+    for i, points in enumerate(found):
+        others = np.concatenate([other for j, other in enumerate(found) if j != i])
+        for point in points:
+            if not (np.abs(others - point) <= _SAME * abs(point)).any():
+                raise InputError(
+                    f"law: an exact value or a jump of the density moves with phi, one stands at {point:.6g}: the "
+                    "average has none, a mixture of finitely many laws has them all and a K* of its own; write the "
+                    "average itself, as scipy.stats.uniform(1.0, 1.0) for identical(1.0 + phi), or a smooth law for "
+                    "each phi, as gaussian(1.0 + phi, 0.05)"
+                )
+
+
+def _hard_points(law: Thresholds) -> Array:
+    """Places of exact values, and those where the density jumps or diverges."""
+    points = law.breakpoints[law.breakpoints > 0.0]
+    if points.size:
+        beside = law.pdf(points[:, None] * (1.0 + np.array([-_BESIDE, _BESIDE])))
+        size = np.abs(np.diff(np.where(np.isfinite(beside), beside, np.inf), axis=1)[:, 0]) * law.mean()
+        points = points[~(size <= _JUMP)]
+    return np.concatenate([points, law.atoms[0]])
+
+
 class ContinuousMixture(Mixture):
     """The mixture at the nodes; quadrature_error as in continuous_mixture."""
 
@@ -92,6 +121,7 @@ class _Nodes:
     ) -> None:
         self._law, self._density = law, density
         few = [as_thresholds(law(float(phi))) for phi in pilots]
+        _check_moving(few)
         self._x = np.unique([x for one in few for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
         self._scale = max(one.mean() for one in few)
         self._known: dict[tuple[float, float], tuple[list[Thresholds], Array, Array]] = {}

@@ -194,7 +194,7 @@ def _circle(count: float) -> Array:
     if not count <= _MOST_ANGLES:
         raise InputError(
             f"temperature: {count:.2g} angles would be needed to resolve exp(-U_min/k_BT) of the largest island, more "
-            f"than {_MOST_ANGLES}; list the angles to choose from, such as angles=[0.0, 0.1], or take a higher one"
+            f"than {_MOST_ANGLES}; list the angles to choose from, such as angles = [0.0, 0.1], or take a higher one"
         )
     return 2.0 * pi * np.arange(round(count)) / round(count)
 

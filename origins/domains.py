@@ -1,5 +1,7 @@
 """Thresholds of rotated domains: rigid islands of a crystal, at all angles, on another one (paper, Sec. VI C)."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -76,7 +78,7 @@ def domains(
     *,
     sizes: npt.ArrayLike | None = None,
     mean_atoms: float | None = None,
-    islands: "Sequence[ase.Atoms] | None" = None,
+    islands: Sequence[ase.Atoms] | None = None,
     weights: npt.ArrayLike | None = None,
     angles: npt.ArrayLike | None = None,
     temperature: float | None = None,
@@ -140,7 +142,7 @@ def domains(
     """
     substrate = checked_substrate(substrate)
     if substrate.rank == 1:
-        refuse("substrate", substrate, "varies in one direction only: every island slides freely across it")
+        raise InputError("substrate: varies in one direction only, and every island slides freely across it")
     scale = _checked_law(law, stiffness, coefficient)
     family = _family(lattice_constant, sizes, mean_atoms, islands, weights, substrate)
     choice = Angles(
@@ -201,7 +203,7 @@ def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     if given[other] is not None:
         refuse(other, given[other], f'has no part in law = "{law}"; leave it out')
     if given[needed] is None:
-        refuse(needed, None, f'law = "{law}" needs it; for lengths in units of your own write {needed}=1.0')
+        refuse(needed, None, f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0')
     return positive(needed, given[needed])
 
 
@@ -209,7 +211,7 @@ def _family(
     lattice_constant: object,
     sizes: npt.ArrayLike | None,
     mean_atoms: object,
-    islands: "Sequence[ase.Atoms] | None",
+    islands: Sequence[ase.Atoms] | None,
     weights: npt.ArrayLike | None,
     substrate: Substrate,
 ) -> Family:
@@ -227,7 +229,7 @@ def _family(
             refuse("islands", islands, "must hold at least one ase.Atoms")
         return ListedFamily(islands, substrate, shares_of(weights, len(islands)))
     if lattice_constant is None:
-        refuse("lattice_constant", None, "triangular islands need it; give a length, such as lattice_constant=2.5")
+        refuse("lattice_constant", None, "triangular islands need it; give a length, such as lattice_constant = 2.5")
     a = positive("lattice_constant", lattice_constant)
     if sizes is None:
         if weights is not None:
@@ -241,7 +243,7 @@ def _family(
     except ValueError:  # rows of different lengths
         pairs = np.empty(0)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) == 0 or pairs.dtype.kind not in "iu" or pairs.min() < 1:
-        refuse("sizes", sizes, "must be pairs (n_i, n_j) of whole numbers of at least 1, such as [(10, 9)]")
+        refuse("sizes", sizes, "must be pairs (n_i, n_j) of whole numbers of at least 1, such as [[10, 9]]")
     if pairs.prod(-1, dtype=float).max() > _MOST_ATOMS:
         refuse("sizes", sizes, f"must have n_i n_j of at most {_MOST_ATOMS:g}")
     return TriangularFamily(a, substrate, pairs.astype(np.int64), shares_of(weights, len(pairs)), None)

@@ -1,5 +1,7 @@
 """The drive: where the slider, or the spring that pulls it, goes; checked once for both solvers."""
 
+from __future__ import annotations
+
 from typing import Literal, get_args
 
 import numpy as np
@@ -53,7 +55,7 @@ class Drive:
         self._back = np.flatnonzero(np.diff(self.path, prepend=0.0) < 0.0)
         self.forward = not self._back.size
 
-    def only_forward(self, solver: str) -> "Drive":
+    def only_forward(self, solver: str) -> Drive:
         """Itself, if it is a rigid slider's that moves forward; InputError with the name of what only solves that."""
         if self.spring is not None:
             refuse("spring", self.spring, f"{solver} takes a rigid slider; leave it out")

@@ -12,15 +12,18 @@ class InputError(ValueError):
 
 def refuse(name: str, value: object, rule: str) -> NoReturn:
     """Raise InputError as one line: ``name = value: rule``."""
-    shown = repr(value)
+    raise InputError(f"{name} = {shown(value)}: {rule}")
+
+
+def shown(value: object) -> str:
+    """`value` as a message shows it, in at most 60 characters."""
+    text = repr(value)
     if isinstance(value, np.ndarray):
-        shown = f"array of shape {value.shape}"
+        text = f"array of shape {value.shape}"
     elif isinstance(value, np.generic):
-        shown = repr(value.item())
-    shown = " ".join(shown.split())
-    if len(shown) > 60:
-        shown = shown[:57] + "..."
-    raise InputError(f"{name} = {shown}: {rule}")
+        text = repr(value.item())
+    text = " ".join(text.split())
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def finite(name: str, value: object) -> float:
@@ -55,10 +58,17 @@ def non_negative(name: str, value: object) -> float:
 def whole(name: str, value: object, least: int) -> int:
     """`value` as an int of at least `least`."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
-        refuse(name, value, f"must be a whole number of at least {least}")
+        refuse(name, value, f"must be a whole number of at least {least}{without_point(value, least)}")
     if int(value) < least:
         refuse(name, value, f"must be a whole number of at least {least}")
     return int(value)
+
+
+def without_point(value: object, least: int) -> str:
+    """How to write a float that is whole, as the end of a rule: "; write 100000" for 1e5; else nothing."""
+    if isinstance(value, float | np.floating) and least <= value < 1e16 and value == math.floor(value):
+        return f"; write {int(value)}"
+    return ""
 
 
 def finite_array(name: str, value: object) -> np.ndarray:

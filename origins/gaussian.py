@@ -30,10 +30,12 @@ def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upp
         return CutGaussian(mean, std)
     if form != "paper":
         refuse("form", form, 'must be "cut" or "paper"')
+    if not mean > 0.0:
+        refuse("mean", mean, 'form = "paper" needs 0 < mean < upper')
     if upper is None:
-        refuse("upper", upper, f'form = "paper" needs the end of its interval, such as upper={3.0 * abs(mean):g}')
+        refuse("upper", upper, f'form = "paper" needs the end of its interval, such as upper = {3.0 * mean:g}')
     upper = positive("upper", upper)
-    if not 0.0 < mean < upper:
+    if not mean < upper:
         refuse("mean", mean, f'form = "paper" needs 0 < mean < upper = {upper:g}')
     return ChordGaussian(mean, std, upper)
 

@@ -39,7 +39,12 @@ class GeneralisedGamma(Thresholds):
         return out
 
     def _sf(self, x: Array) -> Array:
-        return gammaincc(self._shape, self._t(x))
+        t = self._t(x)
+        out = gammaincc(self._shape, t)
+        onset = t < _SMALL
+        # t may have underflowed where the cdf has not
+        out[onset] = 1.0 - self._cdf(x[onset])
+        return out
 
     def _logsf(self, x: Array) -> Array:
         t = self._t(x)

@@ -1,5 +1,7 @@
 """A contact whose threshold grows while it slides: each keeps its quantile of the coalescing grains' law."""
 
+from __future__ import annotations
+
 from decimal import Decimal, localcontext
 
 import numpy as np
@@ -52,7 +54,7 @@ class GrainContact:
             gap = np.where(np.isfinite(hazard), excess * (q * excess / (largest + q * excess)), excess)
         return (np.sqrt(gap * (gap + 2.0) / self.growth.B))[()]
 
-    def breaking(self, velocity: float, rest: float = 0.0) -> "SlidingGrains":
+    def breaking(self, velocity: float, rest: float = 0.0) -> SlidingGrains:
         """Law of the stretch at which contacts break that hold at all; see SlidingGrains.
 
         velocity > 0 is a length per time, rest >= 0 a time; else InputError, as where no contact holds.
@@ -78,7 +80,7 @@ class GrainContact:
         out[inner] = law._from_hazard(hazard[inner])
         return out[()]
 
-    def _sliding(self, velocity: float, rest: float) -> "SlidingGrains":
+    def _sliding(self, velocity: float, rest: float) -> SlidingGrains:
         return SlidingGrains(self.growth, positive("velocity", velocity), non_negative("rest", rest))
 
 

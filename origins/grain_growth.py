@@ -1,5 +1,7 @@
 """Coalescing grains in time: how many there are, how many pin, what those hold (paper, Sec. VI, around Eq. LS2)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Literal
 

@@ -114,7 +114,7 @@ def summits_of(moments: SpectralMoments, material: Material, regime: str, height
     else:
         hardness = material.hardness
         if hardness is None:
-            why = f'regime = "{regime}" needs it; write Material(..., hardness=...)'
+            why = f'regime = "{regime}" needs it; give the material one, such as hardness = 2e8 (Pa)'
             raise InputError(f"material.hardness = None: {why}")
         limit = critical_compression(radius, material.contact_modulus, hardness) if regime == "mixed" else 0.0
         load = Bend(hertz, PowerLaw(np.pi * radius * hardness, 1.0), limit)
@@ -184,7 +184,7 @@ def pressed(summits: Summits, pressure: float) -> SummitContact:
             "pressure",
             pressure,
             f"exponential heights bear at most {summits.pressure(0.0):.3g} Pa, where every summit touches; take "
-            'height_law="gaussian", or the thresholds of model="persson"',
+            'height_law = "gaussian", or the thresholds of model = "persson"',
         )
     if contact.area_fraction >= 1.0:
         refuse("pressure", pressure, _covered(contact, "lower it"))
@@ -194,7 +194,7 @@ def pressed(summits: Summits, pressure: float) -> SummitContact:
 def _covered(contact: SummitContact, remedy: str) -> str:
     return (
         f"summits would cover {contact.area_fraction:.3g} of the surface; Greenwood and Williamson hold for contacts "
-        f'far apart, so {remedy}, or take the thresholds of model="persson"; are heights and pixel size in metres, '
+        f'far apart, so {remedy}, or take the thresholds of model = "persson"; are heights and pixel size in metres, '
         "pressure and moduli in Pa?"
     )
 
@@ -260,10 +260,8 @@ def thresholds_of_compression(summits: Summits, material: Material, law: str) ->
     threshold = force.over(area.each(stiffness.after))
     for part, _, _ in threshold.pieces:
         if not part.exponent > 0.0:
-            refuse(
-                "material.contact_stiffness",
-                stiffness,
-                f"k ~ A^{stiffness.exponent:g} makes thresholds fall as a summit is pressed down, and their mean "
-                "infinite; write one with k ~ A^(1/2), such as column_stiffness(..., aspect=1.0)",
+            raise InputError(
+                f"material.contact_stiffness: k ~ A^{stiffness.exponent:g} makes thresholds fall as a summit is "
+                "pressed down, and their mean infinite; take one with k ~ A^(1/2), such as a column's by its aspect"
             )
     return threshold, force

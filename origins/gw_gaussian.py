@@ -64,7 +64,7 @@ def gw_gaussian(
         part = PowerLaw(scale, elastic if regime == "elastic" else plastic)
         return SummitThresholds(Bend(part, part, np.inf), 1.0, z)
     if plasticity_index is None:
-        refuse("plasticity_index", plasticity_index, 'regime = "mixed" needs it, such as plasticity_index=5.0')
+        refuse("plasticity_index", plasticity_index, 'regime = "mixed" needs it, such as plasticity_index = 5.0')
     at = bend_of_index(positive("plasticity_index", plasticity_index))
     if not 0.0 < at < np.inf:
         return gw_gaussian(z, scale, law, "plastic" if at == 0.0 else "elastic")

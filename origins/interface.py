@@ -1,5 +1,7 @@
 """What joins a threshold law in metres to newtons and pascals: the record of one interface."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -123,7 +125,7 @@ class Interface:
         Raises InputError for both, for neither, and for values below zero.
         """
         if (kelvin is None) == (energy is None):
-            raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them, such as kelvin=300.0")
+            raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them, such as kelvin = 300.0")
         joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else non_negative("energy", energy)
         return joules / self.mean_stiffness
 

@@ -6,9 +6,17 @@ from origins.errors import InputError, positive, refuse
 from origins.power_law import PowerLaw
 
 _ONE_OF = (
-    "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness, such as "
-    "origins.mindlin_stiffness(shear_modulus=1e9, poisson_ratio=0.3)"
+    "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness, a law of the area: "
+    "sound, mindlin, column or a power of your own"
 )
+_STEEPEST = 10.0  # of k against A: a bent column of one height has 2
+# what a refusal says to write
+_SUCH_AS = {
+    "local_friction": "0.4",
+    "hardness": "2e8 (Pa)",
+    "shear_strength": "5e7 (Pa)",
+    "force_coefficient": "2.4e10 (Pa)",
+}
 
 
 @dataclass(frozen=True)
@@ -69,10 +77,11 @@ class Material:
         if self.contact_stiffness is not None:
             if not isinstance(self.contact_stiffness, PowerLaw):
                 refuse("contact_stiffness", self.contact_stiffness, "must be a law, such as mindlin_stiffness(...)")
-            if self.contact_stiffness.exponent < 0.0:
-                refuse("contact_stiffness", self.contact_stiffness, "must not fall with the area; write exponent >= 0")
+            if not 0.0 <= self.contact_stiffness.exponent <= _STEEPEST:
+                rule = f"must lie between 0 and {_STEEPEST:g}, such as 0.5"
+                refuse("contact_stiffness.exponent", self.contact_stiffness.exponent, rule)
             if self.shear_modulus is not None or other:
-                refuse("contact_stiffness", self.contact_stiffness, f"given twice; {_ONE_OF}")
+                raise InputError(f"contact_stiffness: given twice; {_ONE_OF}")
         if (self.density is None) != (self.sound_velocity is None):
             name = "sound_velocity" if self.sound_velocity is None else "density"
             refuse(name, None, _ONE_OF)
@@ -81,7 +90,8 @@ class Material:
         """The constant `name`, in SI units; InputError where it was left out though the threshold law needs it."""
         value = getattr(self, name)
         if value is None:
-            raise InputError(f'material.{name} = None: law = "{law}" needs it; write Material(..., {name}=...)')
+            such = f"{name} = {_SUCH_AS[name]}"
+            raise InputError(f'material.{name} = None: law = "{law}" needs it; give the material one, such as {such}')
         return float(value)
 
     def stiffness(self, law: str) -> PowerLaw:

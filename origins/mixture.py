@@ -1,5 +1,7 @@
 """A weighted mixture of threshold laws."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

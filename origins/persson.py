@@ -24,7 +24,8 @@ def persson(centre: float, width: float) -> Thresholds:
     """
     centre, width = non_negative("centre", centre), positive("width", width)
     if centre > _FURTHEST * width:
-        refuse("centre", centre, f"is more than {_FURTHEST:g} widths: one value, identical({centre:g}), to round-off")
+        one = f"take identical, value = {centre:g}"
+        refuse("centre", centre, f"is more than {_FURTHEST:g} widths: one value to round-off; {one}")
     return Persson(centre, width)
 
 

@@ -65,8 +65,8 @@ def thresholds_of_stress(law: str, material: Material, patch_area: float) -> tup
         refuse(
             "law",
             law,
-            f"f_s = tau A is one value, {value:.3g} m, on Persson's patches of one area; write law='amontons', or "
-            "model='gw', whose areas differ",
+            f"f_s = tau A is one value, {value:.3g} m, on Persson's patches of one area; write law = 'amontons', or "
+            "model = 'gw', whose areas differ",
         )
     force = PowerLaw(material.needed("local_friction", law) * patch_area, 1.0)
     if law == "amontons":

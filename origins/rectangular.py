@@ -10,7 +10,7 @@ def rectangular(lower: float, upper: float) -> Thresholds:
     """P_c constant on (lower, upper), lengths with 0 <= lower < upper, else InputError."""
     lower, upper = non_negative("lower", lower), positive("upper", upper)
     if not upper > lower:
-        refuse("upper", upper, f"must lie above lower = {lower:g}; for one value write identical({lower:g})")
+        refuse("upper", upper, f"must lie above lower = {lower:g}; for one value take identical, value = {lower:g}")
     return Rectangular(lower, upper)
 
 

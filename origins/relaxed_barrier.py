@@ -4,6 +4,8 @@ Where the closed form of a rigid island (triangular_barrier) or the exact search
 holds, this is a second road to the same number; for other calculators and for flexible islands it is the only one.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -50,14 +52,14 @@ class RelaxedBarrier:
 
     barrier: float
     barrier_error: float
-    minimum: "ase.Atoms"
-    saddle: "ase.Atoms"
+    minimum: ase.Atoms
+    saddle: ase.Atoms
     evaluations: int
     run_time: float
 
 
 def relaxed_barrier(
-    atoms: "ase.Atoms",
+    atoms: ase.Atoms,
     calculator: Any,
     *,
     rigid: bool = True,
@@ -130,7 +132,7 @@ def relaxed_barrier(
     return RelaxedBarrier(max(float(height), 0.0), off, lowest, highest, calls, perf_counter() - started)
 
 
-def _periods(atoms: "ase.Atoms", calculator: Any, given: npt.ArrayLike | None) -> Array:
+def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
     if given is None:
         found = _known_periods(calculator)
         if found is None:
@@ -161,12 +163,12 @@ def _known_periods(calculator: Any) -> Array | None:
     return known[0] if known else None
 
 
-def _moved(slider: "MovingIsland", shift: Array) -> tuple[float, Array]:
+def _moved(slider: MovingIsland, shift: Array) -> tuple[float, Array]:
     energy, forces = slider.evaluate(slider.points + _flat(shift))
     return energy, forces[0, :2]
 
 
-def _scales(slider: "MovingIsland", periods: Array) -> "Scales":
+def _scales(slider: MovingIsland, periods: Array) -> Scales:
     from origins.level_points import Scales
 
     places = [np.array([i + 0.37, j + 0.21]) / 3.0 @ periods for i in range(3) for j in range(3)]
@@ -186,7 +188,7 @@ def _scales(slider: "MovingIsland", periods: Array) -> "Scales":
     return Scales(radian, force, noise)
 
 
-def _rigid(slider: "MovingIsland", scales: "Scales", chart: EnergyMap) -> tuple["LevelPoint", "LevelPoint"] | None:
+def _rigid(slider: MovingIsland, scales: Scales, chart: EnergyMap) -> tuple[LevelPoint, LevelPoint] | None:
     """The lowest minimum, and the saddle of the lowest way; ways are closed one by one until none can be lower.
 
     None where a band strays from the way it was laid on: the map is too coarse for that.
@@ -232,7 +234,7 @@ def _rigid(slider: "MovingIsland", scales: "Scales", chart: EnergyMap) -> tuple[
     return minimum, best
 
 
-def _free(island: "MovingIsland", scales: "Scales", chart: EnergyMap) -> tuple["LevelPoint", "LevelPoint"]:
+def _free(island: MovingIsland, scales: Scales, chart: EnergyMap) -> tuple[LevelPoint, LevelPoint]:
     """The lowest minimum found from 16 places and along the bands, and the lowest saddle of five bands."""
     from origins.elastic_band import highest_saddle
     from origins.level_points import relax, stiffest
@@ -275,7 +277,7 @@ def _ways_on(chart: EnergyMap, place: Array) -> list[Array]:
     return [chart.displacements(way.nodes - way.nodes[0]), *straight]
 
 
-def _energy(point: "LevelPoint") -> float:
+def _energy(point: LevelPoint) -> float:
     return point.energy
 
 
@@ -287,7 +289,7 @@ def _copy(chart: EnergyMap, way: Way) -> Array:
     return _flat(chart.displacements(way.nodes[-1] - way.nodes[0]))
 
 
-def _between(minimum: "LevelPoint", path: Array, shift: Array) -> Array:
+def _between(minimum: LevelPoint, path: Array, shift: Array) -> Array:
     """The path (n, 3) of a centre, its ends put into the minimum and its copy; shape (n, 1, 3)."""
     path = path.copy()
     path[0], path[-1] = minimum.points[0], minimum.points[0] + shift

@@ -4,7 +4,7 @@ from os import PathLike
 
 import numpy as np
 
-from origins.errors import positive, refuse, whole
+from origins.errors import InputError, positive, refuse, whole
 from origins.greenwood_williamson import (
     SummitContact,
     critical_compression,
@@ -124,7 +124,7 @@ def from_moments(
     if not isinstance(material, Material):
         refuse("material", material, "must be origins.Material(contact_modulus=..., ...)")
     if law == "paper" and material.contact_stiffness is not None:
-        refuse("material.contact_stiffness", material.contact_stiffness, 'law = "paper" has k = c x_s; leave it out')
+        raise InputError('material.contact_stiffness: law = "paper" has k = c x_s; leave it out')
     pressure = positive("pressure", pressure)
     if model == "gw":
         if patch_area is not None:
@@ -133,10 +133,10 @@ def from_moments(
     if height_law != "gaussian":
         refuse("height_law", height_law, 'model = "persson" has stresses, not summits; leave it out')
     if regime != "elastic":
-        refuse("regime", regime, 'model = "persson" has elastic stresses; leave it out, or write model="gw"')
+        refuse("regime", regime, 'model = "persson" has elastic stresses; leave it out, or write model = "gw"')
     if patch_area is None:
         pixels = moments.pixel_size
-        such = "patch_area=1e-14" if pixels is None else f"the pixel's, patch_area={pixels[0] * pixels[1]:.3g}"
+        such = "patch_area = 1e-14" if pixels is None else f"the pixel's, patch_area = {pixels[0] * pixels[1]:.3g}"
         refuse("patch_area", patch_area, f'model = "persson" needs the area of one contact in m², such as {such}')
     return _on_patches(moments, law, material, pressure, positive("patch_area", patch_area))
 

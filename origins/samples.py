@@ -1,5 +1,7 @@
 """Thresholds from your own values, from molecular dynamics or from an experiment."""
 
+from __future__ import annotations
+
 import numpy as np
 import numpy.typing as npt
 

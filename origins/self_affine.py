@@ -1,9 +1,16 @@
 """A seeded self-affine surface whose rms slope is known exactly, for use where no scan is at hand."""
 
+from __future__ import annotations
+
+import os
+
 import numpy as np
 
 from origins.errors import InputError, positive, refuse, whole
 from origins.topography import Array, pixel_sizes
+
+_BYTES = 40  # at the most, on each point while a surface is made: 36 measured
+_MOST = 1e300
 
 
 def self_affine_surface(
@@ -45,7 +52,8 @@ def self_affine_surface(
     -------
     heights : array of `shape`, with mean zero
 
-    Raises InputError for values outside these, for a short_cutoff below two pixels and where no mode is left.
+    Raises InputError for values outside these, for a short_cutoff below two pixels, where no mode is left, and for a
+    shape whose making, at 40 bytes a point, needs more than the memory of the machine.
     """
     amplitude = mode_amplitudes(shape, pixel_size, hurst, rms_slope, long_cutoff, short_cutoff)
     if whole("seed", seed, 0) >= 2**64:
@@ -88,9 +96,10 @@ def mode_amplitudes(
     short_cutoff: float | None = None,
 ) -> Array:
     """|a_q| on the half plane of np.fft.rfft2, with h(r) = sum over all q of a_q e^{iqr}."""
-    if not isinstance(shape, tuple) or len(shape) != 2:
-        refuse("shape", shape, "must be a pair of whole numbers, such as (256, 256)")
+    if not isinstance(shape, tuple | list) or len(shape) != 2:
+        refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
     n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
+    check_memory((n_x, n_y), _BYTES)
     dx, dy = pixel_sizes(pixel_size)
     if not 0.0 < positive("hurst", hurst) <= 1.0:
         refuse("hurst", hurst, "must be above 0 and at most 1")
@@ -101,6 +110,8 @@ def mode_amplitudes(
         refuse("short_cutoff", short_cutoff, f"must be at least two pixels, {least:g}")
     box = max(n_x * dx, n_y * dy)
     longest = box if long_cutoff is None else positive("long_cutoff", long_cutoff)
+    if longest < shortest and long_cutoff is None:
+        refuse("short_cutoff", short_cutoff, f"must be at most the surface's length, {box:g}")
     if longest < shortest:
         refuse("long_cutoff", long_cutoff, f"must be at least the short cutoff, {shortest:g}")
     q_x = 2.0 * np.pi * np.fft.fftfreq(n_x, dx)
@@ -117,6 +128,23 @@ def mode_amplitudes(
     amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
     slope = np.sqrt((amplitude**2 * q**2 * _weights((n_x, n_y))).sum())
     return amplitude * (rms_slope / slope)
+
+
+def check_memory(shape: tuple[int, int], bytes_a_point: int) -> None:
+    """InputError where work of so many bytes on each point needs more than the memory of the machine."""
+    try:
+        there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):  # not told on every system
+        return
+    needed = shape[0] * shape[1] * bytes_a_point
+    if needed > there:
+        amount = f"{needed / 1e9:.3g}" if needed < _MOST else "over 1e300"
+        refuse(
+            "shape",
+            shape,
+            f"needs {amount} GB, {bytes_a_point} bytes a point, and this machine has {there / 1e9:.3g} GB; take a "
+            "smaller one, such as [4096, 4096]",
+        )
 
 
 def _weights(shape: tuple[int, int]) -> Array:

@@ -140,11 +140,11 @@ def spectral_moments(
     """
     surface = as_topography(heights, pixel_size)
     if periodic and detrend != "centre":
-        refuse("detrend", detrend, 'a periodic surface has neither tilt nor curvature; write detrend="centre"')
+        refuse("detrend", detrend, 'a periodic surface has neither tilt nor curvature; write detrend = "centre"')
     step = whole("step", step, 1)
     least = 2 * step + 1
     if min(surface.heights.shape) < least:
-        refuse("step", step, f"the scan of {surface.heights.shape} points needs at least {least} along each axis")
+        refuse("step", step, f"the scan of {surface.heights.shape} points needs at least 2 step + 1 along each axis")
     level = detrended(surface, detrend)
     sizes = (step * level.pixel_size[0], step * level.pixel_size[1])
     slopes = _slopes(level, step, periodic)

@@ -1,5 +1,7 @@
 """Spectral moments of a surface from its power spectrum (paper, Eq. PcPersson2)."""
 
+from __future__ import annotations
+
 import numpy as np
 import numpy.typing as npt
 from scipy.special import exprel

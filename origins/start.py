@@ -1,5 +1,7 @@
 """The stretches of the contacts at X = 0: one value, a Gaussian, or any frozen scipy.stats distribution."""
 
+from __future__ import annotations
+
 import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr, ndtri

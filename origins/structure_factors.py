@@ -4,6 +4,8 @@ An island at R has the energy sum_n c_n S(G_n) exp(i G_n·R) on the substrate su
 by S alone. Turning the island by an angle turns the wavevectors by the opposite one.
 """
 
+from __future__ import annotations
+
 from math import pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -26,7 +28,7 @@ _BATCH = 1 << 17  # atoms times waves at once, to stay in the cache
 _TURN, _TURN_REST = 6.28125, 0.0019353071795864769
 
 
-def structure_factors(atoms: "ase.Atoms", angle: npt.ArrayLike, wavevectors: npt.ArrayLike = SQUARE) -> Complex:
+def structure_factors(atoms: ase.Atoms, angle: npt.ArrayLike, wavevectors: npt.ArrayLike = SQUARE) -> Complex:
     """S(G) of any island turned by `angle` about its centre of mass, summed over the atoms.
 
     Parameters

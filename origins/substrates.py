@@ -1,5 +1,7 @@
 """Substrates: what a flat crystal does to one atom above it, as a finite Fourier series (paper, Sec. VI C)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -8,7 +10,7 @@ from math import isfinite, lcm, pi, sqrt
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import finite, positive, refuse
+from origins.errors import InputError, finite, positive, refuse
 from origins.thresholds import Array
 
 _LARGEST_DENOMINATOR = 64
@@ -135,7 +137,7 @@ def fourier_substrate(wavevectors: npt.ArrayLike, coefficients: npt.ArrayLike, c
     # what is left of waves that cancel is rounding
     kept = [(wave, share) for wave, share in kept if abs(share) > 1e-15 * np.abs(c).max()]
     if not kept:
-        refuse("coefficients", c, "leave nothing but a constant; give at least one wave that is not zero")
+        raise InputError("wavevectors: nothing but a constant is left; give at least one wave that is not zero")
     waves = np.array([wave for wave, _ in kept])
     shares = np.array([share for _, share in kept])
     waves.setflags(write=False)

@@ -1,5 +1,7 @@
 """Thermally activated breaking: the rate h(x; x_s) of one contact, its integral and the inverse of that."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Literal

@@ -5,6 +5,8 @@ outside of the support, the inverses, the moments and the sampling. Names and me
 frozen scipy.stats distribution.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -45,14 +47,16 @@ class Thresholds:
 
     onset_power: float = np.inf
     onset_power_error: float = 0.0
-    interface: "Interface | None" = None
-    domains: "DomainSamples | None" = None
+    interface: Interface | None = None
+    domains: DomainSamples | None = None
     knows_breakpoints: bool = True
     _lowest_atom: float = 0.0  # weight of an atom at the lower end of a support that reaches further
 
     # -- what a family states: x lies inside the support; densities are also asked at its finite ends ----
     def _pdf(self, x: Array) -> Array:
-        return np.exp(self._logpdf(x))
+        # where the density diverges it may exceed all numbers
+        with np.errstate(over="ignore"):
+            return np.exp(self._logpdf(x))
 
     def _logpdf(self, x: Array) -> Array:
         with np.errstate(divide="ignore"):

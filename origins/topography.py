@@ -133,5 +133,5 @@ def _metres(unit: object) -> float:
     refuse(
         "heights.unit",
         unit,
-        "lengths need one unit, such as 'nm'; open the scan with unit='nm', or pass heights and pixel_size in metres",
+        "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass heights and pixel_size in metres",
     )

@@ -142,14 +142,14 @@ def test_bad_scene_is_one_line_and_nothing_is_left(write, capsys, bad: dict[str,
     assert main(["compare", write("good", tables(WIDE, master={})), write("bad", bad)]) == 2
     shown = capsys.readouterr()
     (line,) = shown.err.splitlines()
-    assert line.startswith(f"mesofriction: {message}") and shown.out == ""
+    assert line.startswith(f"mesofriction: bad.toml: {message}") and shown.out == ""
     assert sorted(os.listdir(".")) == ["bad.toml", "good.toml"]
 
 
 def test_absent_scene_and_folder_below_a_file(write: Writer, capsys: pytest.CaptureFixture[str]) -> None:
     good = write("good", tables(WIDE, master={}))
     assert main(["compare", good, "absent"]) == 2
-    assert "scene = 'absent': no such file" in capsys.readouterr().err
+    assert "mesofriction: scene = 'absent': no such file" in capsys.readouterr().err
     assert main(["compare", good, "--out", "good.toml/below"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("mesofriction: out = 'good.toml/below': ")
@@ -169,7 +169,7 @@ def test_infinite_mean_square_is_refused(write, capsys, monkeypatch) -> None:
         compare([toolkit.load_scene(heavy)])
     assert main(["compare", write("heavy", heavy)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "<x_s^2> is infinite" in line
+    assert line.startswith("mesofriction: heavy: ") and "<x_s^2> is infinite" in line
     assert os.listdir(".") == ["heavy.toml"]
 
 

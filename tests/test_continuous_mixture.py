@@ -60,6 +60,24 @@ def test_equal_orientations_of_a_closed_form() -> None:
     assert frozen.sf(1.0) == pytest.approx(np.exp(-1.0) - np.exp(-2.0), abs=1e-10)
 
 
+MOVING = [
+    lambda phi: origins.identical(1.0 + phi),
+    lambda phi: origins.rectangular(1.0, 2.0 + phi),
+    lambda phi: stats.expon(loc=phi),
+    lambda phi: stats.beta(0.5, 2.0, loc=1.0 + phi),
+    lambda phi: origins.gw_gaussian(0.0, 1.0 + phi, regime="mixed", plasticity_index=5.0),
+]
+
+
+def test_jumps_that_stand_still_are_kept() -> None:
+    fixed = [origins.rectangular(1.0, 2.0), origins.identical(0.5)]
+    law = origins.continuous_mixture(
+        lambda phi: origins.mixture([*fixed, grains(phi, B=1.0)], [0.4, 0.2, 0.4]), 1.5, 2.5, accuracy=1e-6
+    )
+    assert law.atoms[1].sum() == pytest.approx(0.2)
+    assert float(law.pdf(1.0 - 1e-9)) < float(law.pdf(1.0 + 1e-9)) - 0.39
+
+
 @pytest.mark.parametrize(
     "arguments, says",
     [
@@ -70,7 +88,12 @@ def test_equal_orientations_of_a_closed_form() -> None:
         ({"density": lambda phi: np.nan}, "density = nan: must be finite"),
         ({"density": lambda phi: 0.0}, "density = <function"),
         ({"accuracy": 0.0}, "accuracy = 0.0: must be above zero"),
-        ({"law": lambda phi: origins.identical(1.0 + phi)}, "accuracy = 1e-10: 512 laws reach"),
+        *(
+            ({"law": law, "accuracy": accuracy}, "law: an exact value or a jump of the density moves with phi, ")
+            for law in MOVING
+            for accuracy in (1e-2, 1e-10)
+        ),
+        ({"law": lambda phi: stats.beta(2.0, 2.0, loc=phi)}, "accuracy = 1e-10: 512 laws reach"),
         ({"law": lambda phi: phi}, "thresholds = "),
     ],
 )

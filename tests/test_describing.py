@@ -64,3 +64,10 @@ def test_interface_numbers_have_units() -> None:
     numbers = describe(origins.Contacts(law)).numbers
     assert numbers["mean"].unit == "m" and numbers["mean_stiffness"].unit == "N/m" and numbers["pressure"].error is None
     assert numbers["mean_load"].value == pytest.approx(1e6 / numbers["contact_density"].value)
+
+
+def test_a_density_that_nears_1_over_x_is_described_without_a_spring() -> None:
+    found = describe(origins.Contacts(origins.lubricated(1.0, power=-0.99)))
+    assert all(np.isfinite(found.numbers[name].value) for name in (*MOMENTS, "kinetic_force"))
+    assert "critical_spring" not in found.numbers
+    assert found.notes[0].startswith("thresholds: a weight of ") and "no F(X), K*" in found.notes[0]

@@ -252,7 +252,7 @@ BAD = [
     ({"mean_atoms": 5.0, "law": "paper"}, "stiffness = 1.0: "),
     ({"mean_atoms": 5.0, "samples": 0}, "samples = 0: "),
     ({"mean_atoms": 5.0, "seed": -1}, "seed = -1: "),
-    ({"mean_atoms": 5.0, "substrate": origins.fourier_substrate([[1.0, 1.0]], [1.0])}, "substrate = Substrate("),
+    ({"mean_atoms": 5.0, "substrate": origins.fourier_substrate([[1.0, 1.0]], [1.0])}, "substrate: varies in one"),
     ({"sizes": [(2, 2)], "lattice_constant": np.pi, "angles": [0.0]}, "domains: none of 20000 islands has a barrier"),
 ]
 

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
+import master
 import origins
 
 PAGE = Path(__file__).parents[1] / "docs" / "extremes.md"
 ROW = re.compile(r"^\| (?P<case>[^|]+) \| `(?P<call>[^`]+)` \| (?P<answer>[^|]+) \|$", re.MULTILINE)
 ROWS = [match.groupdict() for match in ROW.finditer(PAGE.read_text(encoding="utf-8"))]
-NAMES = {**vars(origins), "pi": np.pi, "stats": stats}
+NAMES = {**vars(origins), "master": master, "pi": np.pi, "stats": stats}
 
 
 def test_every_row_is_read() -> None:

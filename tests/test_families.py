@@ -429,3 +429,10 @@ def test_bad_parameters_are_named(call, begins: str) -> None:
     with pytest.raises(InputError) as refusal:
         call()
     assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value)
+
+
+def test_generalised_gamma_keeps_its_weight_where_powers_underflow() -> None:
+    law = origins.lubricated(1.0, power=-0.99)
+    x = np.geomspace(1e-300, 1e-3, 100)
+    assert np.allclose(law.sf(x) + law.cdf(x), 1.0, rtol=0.0, atol=2e-15)
+    assert (np.diff(law.sf(x)) < 0.0).all() and law.sf(law.isf(0.99)) == pytest.approx(0.99, rel=1e-13)

@@ -1,9 +1,15 @@
 """What a scene does not name is not imported."""
 
+import inspect
 import json
+import re
 
 import pytest
 
+import eq_model
+import master
+import origins
+import toolkit
 from toolkit.scene import shipped_scenes
 
 HEAVY = ["numba", "ase", "mpi4py", "matplotlib", "SurfaceTopography", "scipy.stats", "tqdm", "h5py"]
@@ -69,3 +75,22 @@ print(*sorted(sys.modules))
         )
         assert done.returncode == 0, done.stderr
         assert rooms & set(done.stdout.split()) <= {room, *allowed}
+
+
+def test_help_of_the_public_face_is_readable() -> None:
+    """numpy's aliases are unions of protocols, which help() writes out unless annotations stay as written."""
+    unreadable = []
+    unions = re.compile(r"_Supports|_Nested|dtype\[|_Buffer")
+
+    def visit(name: str, thing: object) -> None:
+        if inspect.isclass(thing):
+            for key, member in vars(thing).items():
+                if key == "__init__" or not key.startswith("_"):
+                    visit(f"{name}.{key}", member.fget if isinstance(member, property) else member)
+        elif inspect.isfunction(thing) and unions.search(str(inspect.signature(thing))):
+            unreadable.append(name)
+
+    for room in (origins, master, eq_model, toolkit):
+        for name in room.__all__:
+            visit(f"{room.__name__}.{name}", getattr(room, name))
+    assert unreadable == []

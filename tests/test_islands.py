@@ -154,7 +154,7 @@ BAD = [
     (lambda: fourier_substrate([], []), "wavevectors = array of shape (0,): "),
     (lambda: fourier_substrate([[1.0, 0.0]], [1.0, 2.0]), "coefficients = array of shape (2,): "),
     (lambda: fourier_substrate([[1.0, np.nan]], [1.0]), "wavevectors = nan: "),
-    (lambda: fourier_substrate([[1.0, 0.0], [-1.0, 0.0]], [1.0, -1.0]), "coefficients = array of shape (2,): "),
+    (lambda: fourier_substrate([[1.0, 0.0], [-1.0, 0.0]], [1.0, -1.0]), "wavevectors: nothing but a constant is left"),
     (lambda: fourier_substrate([[1.0, 0.0]], ["a"]), "coefficients = ['a']: "),
 ]
 

@@ -1,5 +1,6 @@
 """Stick-slip propensity against closed forms, many digits and a second road; and what it says of its own errors."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import comb
@@ -433,3 +434,19 @@ def test_infinite_mean_square_is_refused(law: object) -> None:
 def test_bad_tolerance_is_refused(tolerance: object) -> None:
     with pytest.raises(InputError, match="tolerance = "):
         master.propensity(origins.Contacts(origins.identical(1.0)), tolerance)  # type: ignore[arg-type]
+
+
+def test_a_density_that_nears_1_over_x_is_answered_or_refused() -> None:
+    """Weight where floating point ends has no lattice: the answer stops before, and at once."""
+    laws = [origins.lubricated(1.0, power=power) for power in (-0.9, -0.95)]
+    steep = [master.propensity(origins.Contacts(law), tolerance=1e-5) for law in laws]
+    assert all(one.critical_spring_error < 1e-5 and one.static_to_kinetic_error < 1e-5 for one in steep)
+    # continuous in the power: 1.4e-3 at -0.95
+    assert 1.0 < steep[0].critical_spring / steep[1].critical_spring < 1.2
+    began = time.perf_counter()
+    for power in (-0.96, -0.99, -0.999):
+        contacts = origins.Contacts(origins.lubricated(1.0, power=power))
+        for solver in (master.propensity, lambda these: master.solve(these, np.linspace(0.0, 2.0, 11))):
+            with pytest.raises(origins.InputError, match=r"^thresholds: a weight of .* lies below 1e-290 of the mean"):
+                solver(contacts)
+    assert time.perf_counter() - began < 3.0

@@ -143,5 +143,5 @@ def test_a_channel_without_one_unit_is_refused_by_name() -> None:
     surface_topography = pytest.importorskip("SurfaceTopography")
     reader = surface_topography.open_topography(DATA / "afm-10um.di")
     phase = next(channel for channel in reader.channels if isinstance(channel.unit, tuple))
-    with pytest.raises(origins.InputError, match=r"heights\.unit = .*unit='nm'"):
+    with pytest.raises(origins.InputError, match=r"heights\.unit = .*unit = 'nm'"):
         origins.spectral_moments(reader.topography(channel_index=phase.index))

@@ -1,5 +1,8 @@
 """The generated surface: its slope is what was asked for, exactly, whatever the seed."""
 
+import time
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -99,3 +102,24 @@ def test_bad_input_is_refused_in_one_line(change: dict, says: str) -> None:
     with pytest.raises(origins.InputError) as caught:
         origins.self_affine_surface(**{**good, **change})
     assert says in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_surface_beyond_memory_is_refused_at_once() -> None:
+    began = time.perf_counter()
+    for shape, needed in (((10**6, 10**6), "4e+04"), ((10**200, 10**200), "over 1e300")):
+        with pytest.raises(origins.InputError) as caught:
+            origins.self_affine_surface(shape, 1.0, hurst=0.8, rms_slope=0.1, seed=1)
+        assert f": needs {needed} GB, 40 bytes a point, and this machine has " in str(caught.value)
+        assert "\n" not in str(caught.value) and len(str(caught.value)) < 250
+    assert time.perf_counter() - began < 0.1
+
+
+def test_memory_asked_for_is_no_less_than_what_is_taken() -> None:
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        origins.self_affine_surface((512, 512), 1.0, hurst=0.8, rms_slope=0.1, seed=1)
+        taken = (tracemalloc.get_traced_memory()[1] - before) / 512**2
+    finally:
+        tracemalloc.stop()
+    assert 20.0 < taken < 40.0

@@ -167,7 +167,7 @@ def test_objects_are_converted_by_their_unit_and_masks_are_missing_points() -> N
         (lambda h: origins.spectral_moments(np.ones((9, 9)), 1.0), "flat surface"),
         (lambda h: origins.spectral_moments(1e-9 * np.add.outer(np.arange(9.0), np.arange(9.0)), 1.0), "flat surface"),
         (lambda h: origins.spectral_moments(h, 1.0, detrend="plane"), "detrend = 'plane'"),
-        (lambda h: origins.spectral_moments(h, 1.0, periodic=True), 'detrend="centre"'),
+        (lambda h: origins.spectral_moments(h, 1.0, periodic=True), 'detrend = "centre"'),
         (lambda h: origins.spectral_moments(h, 1.0, step=0), "step = 0"),
         (lambda h: origins.spectral_moments(h, 1.0, step=10), "step = 10"),
         (lambda h: origins.spectral_moments(Scan(h, (1.0, 1.0), None)), "heights.unit = None"),

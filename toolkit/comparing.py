@@ -1,11 +1,13 @@
 """Scenes side by side: how prone to stick-slip each is, by the master equation, with the ensemble's evidence beside."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from origins.errors import InputError
 from toolkit.describing import HEIGHT_INTEGRALS
 from toolkit.deviation import worst_deviation
 from toolkit.ranks import on_root
@@ -76,10 +78,25 @@ def compare(
     scenes : checked scenes; their own [master] and [eq] are run too, for the picture and the evidence.
     comm, progress : as for toolkit.run.
 
-    Raises InputError for thresholds of infinite <x_s^2>: there is no kinetic force to compare with.
+    Raises InputError, with the name of the scene, for thresholds of infinite <x_s^2>: there is no kinetic force to
+    compare with.
     """
-    verdicts = [_judge(scene, comm, progress) for scene in scenes]
+    verdicts = []
+    for scene in scenes:
+        with naming(scene.name):
+            verdicts.append(_judge(scene, comm, progress))
     return sorted(verdicts, key=lambda verdict: (-verdict.critical_spring, -verdict.static_to_kinetic))
+
+
+@contextmanager
+def naming(scene: str) -> Iterator[None]:
+    """Put the name of one scene of many before any InputError raised within, unless it says it already."""
+    try:
+        yield
+    except InputError as error:
+        if str(error).startswith("scene = "):
+            raise
+        raise InputError(f"{scene}: {error}") from error
 
 
 def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None) -> Verdict:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from toolkit.axes import Lengths, heights
 from toolkit.comparing import Verdict
 from toolkit.deviation import deviation
 from toolkit.scene import Scene
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 _INK = ["#1f4e79", "#c0392b", "#2e7d32", "#b9770e", "#6c3483", "#117a65", "#7b241c", "#34495e"]
 _BARS = 33
+_APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
 
 
 def save_comparison(verdicts: Sequence[Verdict], scenes: Sequence[Scene], path: Path) -> None:
@@ -28,38 +30,46 @@ def save_comparison(verdicts: Sequence[Verdict], scenes: Sequence[Scene], path: 
     columns = ["P", "S"] if surface is None else ["surface", "P", "S"]
     rows: list[Any] = [columns, ["F"] * len(columns), ["z"] * len(columns)]
     places = figure.subplot_mosaic(rows, height_ratios=[3, 3, 1.2])
+    places["z"].sharex(places["F"])
     if surface is not None:
         plot_surface(places["surface"], *surface)
     plot_thresholds(places["P"], verdicts)
     plot_springs(places["S"], verdicts)
     plot_forces(places["F"], verdicts)
     plot_deviations(places["z"], verdicts)
-    places["z"].sharex(places["F"])
     figure.savefig(path, dpi=130, format="png")
 
 
-def plot_surface(axes: "Axes", heights: Any, sizes: tuple[float, float]) -> "Axes":
+def plot_surface(axes: "Axes", surface: Any, sizes: tuple[float, float]) -> "Axes":
     """Heights (m) over an area of `sizes` (m)."""
-    micro = 1e6
-    extent = (0.0, sizes[0] * micro, 0.0, sizes[1] * micro)
-    image = axes.imshow(heights.T * 1e9, origin="lower", extent=extent, cmap="cividis")
-    axes.figure.colorbar(image, ax=axes, label="height (nm)", shrink=0.85)
-    axes.set(title="the surface", xlabel="x (µm)", ylabel="y (µm)")
+    image = axes.imshow(surface.T, origin="lower", extent=(0.0, sizes[0], 0.0, sizes[1]), cmap="cividis")
+    bar = axes.figure.colorbar(image, ax=axes, shrink=0.85)
+    Lengths.of(float(np.nanmax(np.abs(surface))), metres=True).write(bar.ax.yaxis, "height")
+    for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
+        Lengths.of(max(sizes), metres=True).write(axis, name)
+    axes.set_title("the surface")
     return axes
 
 
 def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     """P_c of each scene in units of its own mean threshold."""
-    reach = 0.0
+    reach, limits = 0.0, []
     for ink, dash, verdict in _inked(verdicts):
         curve, unit = verdict.result.thresholds, verdict.mean_threshold
         shown = np.isfinite(curve.density)
         axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, color=ink, ls=dash, lw=1.3, label=verdict.name)
+        if curve.density[shown].any():
+            limits.append(heights(curve, curve.density * unit))
         if curve.atoms.size:
             axes.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=ink, lw=2)
         reach = max(reach, float(curve.x[curve.survival > 2e-3].max(initial=unit)) / unit)
     axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", ylabel=r"$\langle x_s\rangle\,P_c$")
-    axes.set(xlim=(0.0, 1.05 * reach), ylim=(0.0, None))
+    axes.set_xlim(0.0, 1.05 * reach)
+    tops = [one.top for one in limits] or [1.0]
+    if max(tops) > _APART * min(tops):
+        axes.set(yscale="log", ylim=(min(tops) / 100.0, 2.0 * max(tops)))
+    else:
+        axes.set_ylim(0.0, 1.05 * max(tops))
     return axes
 
 
@@ -85,7 +95,18 @@ def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
                 label=None if solved is not None else verdict.name,
             )
     axes.axhline(1.0, color="0.6", lw=0.8, zorder=0)
-    axes.set(ylabel="$F/F_k$", xlim=(0.0, None), ylim=(0.0, None))
+    axes.set(ylabel="$F/F_k$", ylim=(0.0, None))
+    reaches = [
+        float(curve.path[-1]) / verdict.mean_threshold
+        for verdict in verdicts
+        for curve in (verdict.result.master, verdict.result.eq)
+        if curve is not None
+    ]
+    shortest, longest = min(reaches), max(reaches)
+    if longest > _APART * shortest:
+        axes.set(xscale="log", xlim=(min(0.1, 0.1 * shortest), 1.05 * longest))
+    else:
+        axes.set_xlim(0.0, 1.02 * longest)
     axes.set_title("force: master equation (lines), EQ ensemble (points, ±1 standard error)")
     axes.legend(loc="lower right", ncols=2, fontsize="small")
     return axes
@@ -107,6 +128,7 @@ def plot_springs(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     """K*/(N<k>) of each scene: a softer driving spring is unstable. Infinite ones reach the edge."""
     finite = [verdict.critical_spring for verdict in verdicts if 0.0 < verdict.critical_spring < np.inf]
     low, high = min([*finite, 1e-3]) / 3.0, max([*finite, 1.0]) * 3.0
+    room = (high / low) ** 0.2  # for the numbers behind the bars
     for row, (ink, _, verdict) in enumerate(_inked(verdicts)):
         value = min(max(verdict.critical_spring, low), high)
         axes.barh(row, value - low, left=low, color=ink, height=0.6)
@@ -114,7 +136,7 @@ def plot_springs(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
         axes.annotate(text, (value, row), xytext=(3, 0), textcoords="offset points", va="center", fontsize="small")
     axes.set_yticks(range(len(verdicts)), [verdict.name for verdict in verdicts], fontsize="small")
     axes.invert_yaxis()
-    axes.set(xscale="log", xlim=(low, high * 4.0), xlabel=r"$K^*/(N_c\langle k\rangle)$")
+    axes.set(xscale="log", xlim=(low, high * room), xlabel=r"$K^*/(N_c\langle k\rangle)$")
     axes.set_title("stick-slip below this spring")
     return axes
 

@@ -2,15 +2,20 @@
 
 import time
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from origins import Contacts
 from origins.domains import DomainSamples
+from origins.errors import InputError
 from origins.interface import Interface
 from origins.quadrature import gauss, panel_edges
 from origins.thresholds import Thresholds
 from toolkit.sampling import misfit, sampling_errors, unseen
+
+if TYPE_CHECKING:
+    import master
 
 HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as the tests hold it
 _EPSILON = float(np.finfo(float).eps)
@@ -22,6 +27,7 @@ _UNITS = {
     "contact_density": "1/m2",
     "mean_stiffness": "N/m",
     "separation": "m",
+    "mean_threshold": "m",
     "patch_area": "m2",
     "mean_load": "N",
     "mean_area": "m2",
@@ -77,21 +83,22 @@ def describe(contacts: Contacts) -> Description:
     numbers["onset_power"] = Number(law.onset_power, law.onset_power_error, "")
     notes = misfit(law)
     if np.isfinite(law.moment(2)):
-        steady, found = master.steady_state(contacts), master.propensity(contacts)
-        numbers |= {
-            "kinetic_force": Number(steady.force, steady.force_error * mean.value, unit),
-            "critical_spring": Number(found.critical_spring, found.critical_spring_error, ""),
-            "static_to_kinetic": Number(found.static_to_kinetic, found.static_to_kinetic_error, ""),
-            "decoherence_length": Number(found.decoherence_length, found.decoherence_length_error, unit),
-        }
+        steady = master.steady_state(contacts)
+        numbers["kinetic_force"] = Number(steady.force, steady.force_error * mean.value, unit)
+        try:
+            found = master.propensity(contacts)
+        except InputError as error:
+            notes.append(str(error))
+        else:
+            numbers |= _of_propensity(found, unit)
     else:
         notes.append("<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with")
-    sampled = sampling_errors(contacts)
+    sampled = sampling_errors(contacts) if "critical_spring" in numbers else {}
     if sampled:
         notes += unseen(sampled, numbers["critical_spring"].value)
-    for name, error in sampled.items():
+    for name, scatter in sampled.items():
         known = numbers[name]
-        numbers[name] = Number(known.value, float(np.hypot(known.error or 0.0, error)), known.unit)
+        numbers[name] = Number(known.value, float(np.hypot(known.error or 0.0, scatter)), known.unit)
     if law.interface is not None:
         numbers |= _of_interface(law.interface)
         notes += law.interface.cautions
@@ -136,6 +143,14 @@ def _quantile(law: Thresholds, q: float, above: bool, unit: str) -> Number:
     tail, density = float(law.sf(x) if above else law.cdf(x)), float(law.pdf(x))
     off = abs(tail - q) / density if density > 0.0 and np.isfinite(density) and not law.atoms[0].size else 0.0
     return Number(x, off + 4.0 * _EPSILON * x, unit)
+
+
+def _of_propensity(found: "master.Propensity", unit: str) -> dict[str, Number]:
+    return {
+        "critical_spring": Number(found.critical_spring, found.critical_spring_error, ""),
+        "static_to_kinetic": Number(found.static_to_kinetic, found.static_to_kinetic_error, ""),
+        "decoherence_length": Number(found.decoherence_length, found.decoherence_length_error, unit),
+    }
 
 
 def _of_interface(interface: Interface) -> dict[str, Number]:

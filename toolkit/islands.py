@@ -41,8 +41,9 @@ def domains(
     coefficient: float | None = None,
     samples: int = 20_000,
     seed: int = 0,
+    comm: Any = None,
 ) -> origins.Thresholds:
-    """Thresholds of rotated domains; see origins.domains.
+    """Thresholds of rotated domains, drawn by all ranks of `comm`; see origins.domains.
 
     `island` is a table with a kind of ISLANDS, for one island of your own; `substrate` one with a kind of SUBSTRATES,
     sin x + sin y when left out. Raises InputError.
@@ -73,6 +74,7 @@ def domains(
         coefficient=coefficient,
         samples=samples,
         seed=seed,
+        comm=comm,
     )
 
 

@@ -11,6 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import origins
 from origins.errors import InputError, finite, refuse
 
 THRESHOLDS = {
@@ -33,6 +34,15 @@ START = {
     "identical": "toolkit.laws:identical_start",
     "gaussian": "origins:gaussian_start",
 }
+REFORMING = {**START, "boltzmann": "origins:boltzmann_reforming"}
+
+_PYTHON = re.compile(r"^([\w.\[\]]+)( = None: (?:is missing; )?| = True: | = False: )")
+_TOML = {
+    " = None: ": ": is missing; ",
+    " = None: is missing; ": ": is missing; ",
+    " = True: ": " = true: ",
+    " = False: ": " = false: ",
+}
 
 
 def identical_start(value: float) -> float:
@@ -40,11 +50,20 @@ def identical_start(value: float) -> float:
     return finite("value", value)
 
 
-def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path) -> Any:
+def ageing(
+    folder: Path, final: Mapping[str, Any], rate: float, closure: str = "exact", comm: Any = None
+) -> origins.Ageing:
+    """Ageing towards the law that the table `final` names, of a kind of THRESHOLDS; see origins.Ageing."""
+    law = build(THRESHOLDS, as_table("final", final), "final", folder, comm)
+    return origins.Ageing(law, rate, closure)  # type: ignore[arg-type]
+
+
+def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path, comm: Any = None) -> Any:
     """What the table's kind makes of the table's other keys.
 
     The components of a mixture, tables with a kind of their own, are built first. A function
-    with a parameter `folder` is given `folder`, from where the scene's file names count.
+    with a parameter `folder` is given `folder`, from where the scene's file names count, and one with a parameter
+    `comm` the communicator whose ranks, all of which must call, share its work.
     Raises InputError with the path of the bad key, counted from `where`.
     """
     kind = table.get("kind")
@@ -55,11 +74,15 @@ def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder
     module, name = kinds[kind].split(":")
     function = getattr(import_module(module), name)
     arguments = {key: value for key, value in table.items() if key != "kind"}
-    value = arguments.get("components")
-    if isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
-        items = enumerate(value)
-        arguments["components"] = [build(kinds, item, f"{where}.components[{index}]", folder) for index, item in items]
-    return call(function, arguments, where, kind, folder=folder)
+    if "components" in arguments:
+        arguments["components"] = _components(kinds, arguments["components"], f"{where}.components", folder, comm)
+    return call(function, arguments, where, kind, folder=folder, comm=comm)
+
+
+def _components(kinds: Mapping[str, str], value: object, where: str, folder: Path, comm: Any) -> list[Any]:
+    if not isinstance(value, list) or not value or not all(isinstance(item, Mapping) for item in value):
+        refuse(where, value, 'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]')
+    return [build(kinds, item, f"{where}[{index}]", folder, comm) for index, item in enumerate(value)]
 
 
 def call(
@@ -90,11 +113,15 @@ def as_table(name: str, value: object) -> Mapping[str, Any]:
 
 @contextmanager
 def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
-    """Put `where` before any InputError raised within; where it begins with an argument, by the scene's key for it."""
+    """Put `where` before any InputError raised within; where it begins with an argument, by the scene's key for it.
+
+    An argument that is None is a key that is missing, and True is written true.
+    """
     try:
         yield
     except InputError as error:
-        found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", str(error))
+        told = _PYTHON.sub(lambda found: found[1] + _TOML[found[2]], str(error), count=1)
+        found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", told)
         if found and found[1] in keys:
             raise InputError(f"{where}.{keys[found[1]]}{found[2]}") from error
-        raise InputError(f"{where}: {error}") from error
+        raise InputError(f"{where}: {told}") from error

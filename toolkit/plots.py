@@ -1,10 +1,12 @@
-"""Pictures: functions that take matplotlib axes and return them. Lengths are in the unit of the thresholds."""
+"""Pictures: functions that take matplotlib axes and return them. Data are in the unit of the thresholds; tick labels
+have its prefix, or the power of ten that the axis names."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.deviation import deviation
 from toolkit.results import OWN_UNIT, Result, ThresholdCurve
 
@@ -44,8 +46,13 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
             color=_INK["eq"],
             label="EQ ensemble, ±1 standard error",
         )
-    unit = _unit(result.thresholds)
-    axes.set(xlabel=f"slider position $X${unit}", ylabel=rf"force $F/(N_c\langle k\rangle)${unit}")
+    curves = [curve for curve in (result.master, result.eq) if curve is not None]
+    metres = _in_metres(result.thresholds)
+    reach, force = (max((float(np.abs(one).max()) for one in some), default=0.0) for some in (
+        [curve.path for curve in curves], [curve.force for curve in curves]
+    ))
+    Lengths.of(reach, metres).write(axes.xaxis, "slider position $X$")
+    Lengths.of(force, metres).write(axes.yaxis, r"force $F/(N_c\langle k\rangle)$")
     axes.set_title(result.title or result.name)
     axes.legend()
     return axes
@@ -57,8 +64,8 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     axes.plot(path, off, ".", ms=3.5, color=_INK["eq"])
     reach = max(4.0, 1.1 * float(np.abs(off).max(initial=0.0)))
-    axes.set(xlabel=f"slider position $X${_unit(result.thresholds)}", ylim=(-reach, reach))
-    axes.set_ylabel("EQ - ME\n(std. errors)")
+    axes.set(ylabel="EQ - ME\n(std. errors)", ylim=(-reach, reach))
+    Lengths.of(float(path.max(initial=0.0)), _in_metres(result.thresholds)).write(axes.xaxis, "slider position $X$")
     return axes
 
 
@@ -66,39 +73,63 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     """P_c(x), with exact single values as lines as high as their weight."""
     finite = np.isfinite(curve.density)
     if curve.density[finite].any():
+        _upright(axes, curve, curve.density)
         axes.fill_between(curve.x[finite], curve.density[finite], color=_INK["thresholds"], alpha=0.25, lw=0)
         axes.plot(curve.x[finite], curve.density[finite], color=_INK["thresholds"], lw=1.2)
+    _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
     if curve.atoms.size:
-        axes.vlines(curve.atoms, 0.0, curve.atom_weights, color=_INK["thresholds"], lw=2, label="weight at one value")
-        axes.legend()
-    axes.set(title="thresholds", xlabel=f"threshold $x${_unit(curve)}", ylabel=f"$P_c(x)${_per_unit(curve)}")
-    axes.set(xlim=_reach(curve), ylim=(0, None))
+        # a weight is no density: beside one it has an axis of its own
+        own = axes.twinx() if curve.density[finite].any() else axes
+        own.vlines(curve.atoms, 0.0, curve.atom_weights, color=_INK["thresholds"], lw=2)
+        own.set_ylabel("weight at one value")
+        own.set_ylim(0.0, 1.05 * float(curve.atom_weights.max()))
+        own.yaxis.set_major_formatter("{x:g}")
     return axes
 
 
 def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     """S(x), the probability that a threshold exceeds x."""
     axes.plot(curve.x, curve.survival, color=_INK["thresholds"], lw=1.2)
-    axes.set(title="survival", xlabel=f"threshold $x${_unit(curve)}", ylabel="$S(x)$")
-    axes.set(xlim=_reach(curve), ylim=(0, 1.05))
+    axes.set(ylabel="$S(x)$", ylim=(0, 1.05))
+    _label(axes, curve, "survival", "threshold $x$")
     return axes
 
 
 def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     """P_c(x)/S(x), the rate of breaking per length at stretch x, up to where one contact in a thousand holds."""
     shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
-    axes.plot(curve.x[shown], curve.density[shown] / curve.survival[shown], color=_INK["thresholds"], lw=1.2)
-    axes.set(title="hazard", xlabel=f"stretch $x${_unit(curve)}", ylabel=f"$P_c(x)/S(x)${_per_unit(curve)}")
-    axes.set(xlim=_reach(curve), ylim=(0, None))
+    hazard = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
+    if shown.any():
+        _upright(axes, curve, hazard)
+    axes.plot(curve.x[shown], hazard[shown], color=_INK["thresholds"], lw=1.2)
+    _label(axes, curve, "hazard", "stretch $x$", "$P_c(x)/S(x)$")
     return axes
 
 
-def _unit(curve: ThresholdCurve) -> str:
-    return "" if curve.unit == OWN_UNIT else f" ({curve.unit})"
+def _upright(axes: "Axes", curve: ThresholdCurve, values: Any) -> None:
+    """The limits of y."""
+    found = heights(curve, values)
+    axes.set(yscale="log" if found.logarithmic else "linear", ylim=(found.bottom, found.top))
 
 
-def _per_unit(curve: ThresholdCurve) -> str:
-    return "" if curve.unit == OWN_UNIT else f" (1/{curve.unit})"
+def _label(axes: "Axes", curve: ThresholdCurve, title: str, name: str, inverse: str | None = None) -> None:
+    """Title, the axis of x and, where it is one of inverse lengths, that of y."""
+    first, last = _reach(curve)
+    axes.set_title(title)
+    if spans_decades(curve):
+        first = float(curve.x[curve.x > 0.0].min())
+        axes.set_xscale("log")
+    axes.set_xlim(first, last)
+    if last - first < 1e-2 * last:
+        axes.locator_params(axis="x", nbins=3)  # long numbers
+    lengths = Lengths.of(last, _in_metres(curve))
+    lengths.write(axes.xaxis, name)
+    if inverse is not None:
+        lengths.write_inverse(axes.yaxis, inverse)
+
+
+def _in_metres(curve: ThresholdCurve) -> bool:
+    return curve.unit != OWN_UNIT
 
 
 def _reach(curve: ThresholdCurve) -> tuple[float, float]:

@@ -21,14 +21,15 @@ def run(
     ----------
     scene : dict, path or name of a shipped scene
     comm : mpi4py communicator, optional
-        The ensemble's work is shared among its ranks, all of which must call; None: this process alone.
+        Sampling of thresholds and the ensemble's work are shared among its ranks, all of which must call; None: this
+        process alone.
         Every rank gets the whole result.
     progress : callable, optional
         Called as progress(done, total) after each block of the ensemble, with this rank's contacts.
 
     Raises InputError for a scene that cannot be run.
     """
-    scene = load_scene(scene)
+    scene = load_scene(scene, comm=comm)
     master = None if scene.master is None else _solve(scene, scene.master)
     eq = None if scene.eq is None else _simulate(scene, scene.eq, comm, progress)
     return Result(

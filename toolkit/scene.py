@@ -12,13 +12,21 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+import origins
 from origins.contacts import Contacts
-from origins.errors import InputError, positive, refuse, whole
+from origins.errors import InputError, positive, refuse, shown, whole, without_point
 from toolkit import laws
 from toolkit.toml import to_toml
 
 SHIPPED = Path(__file__).parent / "scenes"
 _MOST_POINTS = 10_000_000
+_FURTHEST = 1e6  # mean thresholds
+_EXPECTED = {
+    "object": "a table",
+    "float": "a number, such as 1.0",
+    "int": "a whole number",
+    "str": 'text in quotes, such as "text"',
+}
 
 
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -28,6 +36,11 @@ class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class ContactsTable(Table, frozen=True):
     thresholds: dict[str, Any]
     start: dict[str, Any] | None = None
+    thermal: dict[str, Any] | None = None
+    ageing: dict[str, Any] | None = None
+    delay: dict[str, Any] | None = None
+    reforming: dict[str, Any] | None = None
+    stiffness: str = "independent"
 
 
 class DriveTable(Table, frozen=True):
@@ -51,8 +64,6 @@ class SceneTable(Table, frozen=True):
     title: str = ""
     master: MasterTable | None = None
     eq: EqTable | None = None
-
-_FURTHEST = 1e6  # mean thresholds
 
 
 @dataclass(frozen=True)
@@ -78,16 +89,20 @@ def shipped_scenes() -> list[str]:
     return sorted(file.stem for file in SHIPPED.glob("*.toml"))
 
 
-def load_scene(scene: "Scene | Mapping[str, Any] | str | PathLike[str]", solved: bool = True) -> Scene:
+def load_scene(
+    scene: "Scene | Mapping[str, Any] | str | PathLike[str]", solved: bool = True, comm: Any = None
+) -> Scene:
     """The scene of a dict, of a scene file, or of a shipped scene's name; one to be `solved` must name a solver.
 
+    The ranks of the mpi4py communicator `comm`, all of which must call, share what sampling its thresholds take; every
+    rank gets the same bits.
     Raises InputError with the path of the bad key, such as ``contacts.thresholds.std = -1.0: must be above zero``.
     """
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, Mapping):
         text = to_toml(scene)
-        return _checked("scene", text, tomllib.loads(text), Path(), solved)
+        return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
     file = _find(scene)
     try:
         text = file.read_text(encoding="utf-8")
@@ -96,7 +111,7 @@ def load_scene(scene: "Scene | Mapping[str, Any] | str | PathLike[str]", solved:
         raise InputError(f"scene = {str(scene)!r}: cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"scene = {str(scene)!r}: is not TOML: {error}") from error
-    return _checked(file.stem, text, tables, file.parent, solved)
+    return _checked(file.stem, text, tables, file.parent, solved, comm)
 
 
 def _find(scene: object) -> Path:
@@ -110,7 +125,9 @@ def _find(scene: object) -> Path:
     return file
 
 
-def _checked(name: str, text: str, tables: Mapping[str, Any], folder: Path, solved: bool) -> Scene:
+def _checked(
+    name: str, text: str, tables: Mapping[str, Any], folder: Path, solved: bool, comm: Any
+) -> Scene:
     table = read_table(tables)
     if solved and table.master is None and table.eq is None:
         raise InputError("scene: has neither [master] nor [eq], so nothing would be computed; add one of them")
@@ -124,17 +141,29 @@ def _checked(name: str, text: str, tables: Mapping[str, Any], folder: Path, solv
         whole("eq.contacts", table.eq.contacts, least=1)
         whole("eq.replicas", table.eq.replicas, least=1)
         whole("eq.seed", table.eq.seed, least=0)
-    thresholds = laws.build(laws.THRESHOLDS, table.contacts.thresholds, "contacts.thresholds", folder)
-    start = table.contacts.start
-    start_law = None if start is None else laws.build(laws.START, start, "contacts.start", folder)
-    with laws.inside("contacts", {"thresholds": "thresholds", "start": "start"}):
-        contacts = Contacts(thresholds=thresholds, start=start_law)
+    contacts = _contacts(table.contacts, folder, comm)
     if solved and to > _FURTHEST * contacts.mean_threshold:
         unit = "m" if contacts.interface is not None else "the thresholds' unit"
         times = to / contacts.mean_threshold
         rule = f"is {times:.1g} mean thresholds of {contacts.mean_threshold:.3g}; give it in {unit}"
         refuse("drive.to", to, f"{rule}, 1e6 mean thresholds at most")
     return Scene(name, table.title, text, folder, contacts, np.linspace(0.0, to, points), table.master, table.eq)
+
+
+def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
+    """The contacts with the laws that the table names, and no other."""
+    made: dict[str, Any] = {
+        "thresholds": laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm),
+        "stiffness": table.stiffness,
+    }
+    for name, kinds in (("start", laws.START), ("reforming", laws.REFORMING)):
+        if (own := getattr(table, name)) is not None:
+            made[name] = laws.build(kinds, own, f"contacts.{name}", folder)
+    for name, law in (("thermal", origins.Thermal), ("ageing", laws.ageing), ("delay", origins.Delay)):
+        if (own := getattr(table, name)) is not None:
+            made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
+    with laws.inside("contacts", {name: name for name in made}):
+        return Contacts(**made)
 
 
 def read_table(tables: Mapping[str, Any]) -> SceneTable:
@@ -155,13 +184,18 @@ def _explain(message: str, tables: Mapping[str, Any]) -> str:
         kind = _field_type(kind, key)
     unknown = re.match(r"Object contains unknown field `(.*)`", rule)
     missing = re.match(r"Object missing required field `(.*)`", rule)
+    other = re.match(r"Expected `(\w+)", rule)
     if unknown:
         key = unknown[1]
         known = ", ".join(kind.__struct_fields__)
-        return f"{'.'.join([*keys, key])} = {value[key]!r}: unknown key; known here: {known}"
+        return f"{'.'.join([*keys, key])} = {shown(value[key])}: unknown key; known here: {known}"
     if missing:
         return f"{'.'.join([*keys, missing[1]])}: is missing"
-    return f"{'.'.join(keys)} = {value!r}: {rule[0].lower()}{rule[1:]}"
+    if other and other[1] in _EXPECTED:
+        rule = f"must be {_EXPECTED[other[1]]}"
+        rule += without_point(value, least=0) if other[1] == "int" else ""
+    text = str(value).lower() if isinstance(value, bool) else shown(value)
+    return f"{'.'.join(keys)} = {text}: {rule}"
 
 
 def _field_type(kind: Any, key: str) -> Any:

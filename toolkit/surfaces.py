@@ -1,6 +1,5 @@
 """Rough surfaces in scenes: a scan, a generated surface, a spectrum or summits, and the thresholds they give."""
 
-import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,7 +9,8 @@ import numpy as np
 
 import origins
 from origins.errors import InputError, positive, refuse, whole
-from origins.topography import as_topography, detrended
+from origins.self_affine import check_memory
+from origins.topography import METRES, as_topography, detrended
 from toolkit import laws
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ SURFACES = {
     "summits": "origins:moments_of_summits",
 }
 HEIGHTS = ("scan", "self-affine")
-_MOST_POINTS = 2**28  # 2 GB of heights
+_BYTES = 70  # on each point of a surface while its moments are taken: 66 measured
 STIFFNESSES = {
     "sound": "origins:sound_stiffness",
     "mindlin": "origins:mindlin_stiffness",
@@ -95,11 +95,13 @@ def open_scan(
     `physical_sizes`, `unit` and `height_scale_factor` are for files that hold none. Raises InputError where the file is
     missing, is no scan, or contradicts them.
     """
-    if not isinstance(file, str) or not (folder / file).is_file():
-        refuse("file", file, f"no such file in {folder}")
+    if not isinstance(file, str):
+        refuse("file", file, 'must be a file name, such as "scan.di"')
+    if not (folder / file).is_file():
+        refuse("file", file, f"no such file in {folder.resolve()}")
     try:
         from SurfaceTopography import open_topography
-        from SurfaceTopography.Exceptions import ReadFileError
+        from SurfaceTopography.Exceptions import CannotDetectFileFormat, MetadataAlreadyFixedByFile
     except ImportError as error:
         raise InputError(f"file = {file!r}: needs SurfaceTopography; install mesofriction[topography]") from error
     channel = whole("channel", channel, least=0)
@@ -109,14 +111,33 @@ def open_scan(
     given = {"physical_sizes": sizes, "unit": unit, "height_scale_factor": height_scale_factor}
     try:
         with open_topography(str(folder / file)) as reader:
+            if not reader.channels:
+                refuse("file", file, "cannot be read as a scan: it holds no heights; it may be cut short")
             if channel >= len(reader.channels):
                 refuse("channel", channel, f"the file has {len(reader.channels)} channels, counted from 0")
             known = {key: value for key, value in given.items() if value is not None}
-            return (reader.topography(channel_index=channel, **known),)
+            scan = reader.topography(channel_index=channel, **known)
+        if getattr(scan, "unit", None) not in METRES:
+            refuse("unit", unit, 'lengths need one unit, and the file holds none; write one, such as unit = "nm"')
+        return (scan,)
     except InputError:
         raise
-    except (ReadFileError, ValueError) as error:
-        raise InputError(f"file = {file!r}: cannot be read as a scan: {str(error).splitlines()[0]}") from error
+    except CannotDetectFileFormat as error:
+        # its message holds the complaints of all readers, one after the other
+        why = "it is in no format that SurfaceTopography knows, or cut short"
+        raise InputError(f"file = {file!r}: cannot be read as a scan: {why}") from error
+    except MetadataAlreadyFixedByFile as error:
+        for name, value in given.items():
+            if value is not None and f"'{name}'" in str(error):
+                refuse(name, value, "the file holds its own; leave it out")
+        raise
+    except Exception as error:
+        # readers raise whatever their parsing does
+        if sizes is None and "physical_sizes" in str(error):
+            rule = "the file holds no sizes; write those of the whole scan, such as physical_sizes = [1e-5, 1e-5]"
+            refuse("physical_sizes", None, rule)
+        why = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"file = {file!r}: cannot be read as a scan: {why}") from error
 
 
 def _pair(name: str, value: object) -> tuple[float, float]:
@@ -135,10 +156,10 @@ def generate(
     short_cutoff: float | None = None,
 ) -> tuple[np.ndarray, Any]:
     """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
-    if isinstance(shape, list) and all(isinstance(n, int) for n in shape) and math.prod(shape) > _MOST_POINTS:
-        refuse("shape", shape, f"must be at most {_MOST_POINTS} points in all, such as [4096, 4096]")
+    if isinstance(shape, list) and len(shape) == 2 and all(isinstance(n, int) and n > 0 for n in shape):
+        check_memory((shape[0], shape[1]), _BYTES)
     heights = origins.self_affine_surface(
-        tuple(shape) if isinstance(shape, list) else shape,
+        shape,
         pixel_size,
         hurst=hurst,
         rms_slope=rms_slope,

@@ -16,14 +16,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print the table; write compare.png, compare.txt and compare.json; 1 where a solver missed its tolerance."""
     from origins.errors import refuse
-    from toolkit.comparing import compare, table
+    from toolkit.comparing import compare, naming, table
     from toolkit.files import write_json
     from toolkit.folders import check_folder, write_folder
     from toolkit.progress import Progress
     from toolkit.ranks import on_root
     from toolkit.scene import load_scene
 
-    scenes = [load_scene(scene) for scene in arguments.scenes]
+    scenes = []
+    for scene in arguments.scenes:
+        with naming(scene):
+            scenes.append(load_scene(scene, comm=comm))
     for index, scene in enumerate(scenes):
         if scene.name in [other.name for other in scenes[:index]]:
             refuse("scenes", scene.name, "two scenes of this name could not be told apart; rename one of the files")

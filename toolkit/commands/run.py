@@ -22,7 +22,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     from toolkit.running import run
     from toolkit.scene import load_scene
 
-    scene = load_scene(arguments.scene)
+    scene = load_scene(arguments.scene, comm=comm)
     folder = arguments.out or f"{scene.name}-output"
     # refused before the work, not after it
     on_root(comm, lambda: check_folder(folder))

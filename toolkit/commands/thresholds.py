@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from toolkit.describing import Description
 
-ALL_RANKS = False
+ALL_RANKS = True
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,22 +22,21 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     from toolkit.files import write_json
     from toolkit.folders import write_folder
     from toolkit.plots import save_thresholds_picture
+    from toolkit.ranks import on_root
     from toolkit.results import sample_curve
     from toolkit.scene import load_scene
 
-    scene = load_scene(arguments.scene, solved=False)
+    scene = load_scene(arguments.scene, solved=False, comm=comm)
     folder = arguments.out or f"{scene.name}-output"
-    found = describe(scene.contacts)
+    found = on_root(comm, lambda: describe(scene.contacts))
     curve = sample_curve(scene.contacts.thresholds)
     title = scene.title or scene.name
     record = {"name": scene.name, "title": scene.title, **asdict(found)}
-    write_folder(
-        folder,
-        {
-            "thresholds.png": lambda path: save_thresholds_picture(curve, title, path),
-            "thresholds.json": lambda path: write_json(record, path),
-        },
-    )
+    writers = {
+        "thresholds.png": lambda path: save_thresholds_picture(curve, title, path),
+        "thresholds.json": lambda path: write_json(record, path),
+    }
+    on_root(comm, lambda: write_folder(folder, writers))
     print("\n".join([title, *lines(found), f"written to {folder}"]))
     return 0
 

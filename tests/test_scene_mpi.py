@@ -1,0 +1,89 @@
+"""Scenes of rotated domains under mpirun: the ranks share the sampling, and the bits are those of one process."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import toolkit
+from toolkit.toml import to_toml
+
+SCENE = {
+    "contacts": {
+        "thresholds": {
+            "kind": "mixture",
+            "components": [
+                {"kind": "domains", "lattice_constant": 3.88, "mean_atoms": 30.0, "stiffness": 1.0, "samples": 20_000},
+                {"kind": "rectangular", "lower": 0.5, "upper": 1.0},
+            ],
+            "weights": [0.5, 0.5],
+        }
+    },
+    "drive": {"to": 1.0, "points": 11},
+    "eq": {"contacts": 300, "replicas": 2, "seed": 3},
+}
+
+PROGRAM = """
+import json, sys
+from mpi4py import MPI
+import toolkit
+from toolkit.toml import to_toml
+from origins import domain_sampling
+
+drawn, real = [], domain_sampling._draw
+def counted(family, angles, fastest, key, numbers):
+    drawn.append(numbers.size)
+    return real(family, angles, fastest, key, numbers)
+domain_sampling._draw = counted
+comm = MPI.COMM_WORLD
+run = toolkit.run(json.loads(sys.argv[1]), comm=comm)
+bits = [float(x).hex() for x in (run.mean_threshold, *run.thresholds.survival[::10], *run.eq.force)]
+every = comm.gather([bits, sum(drawn)])
+if comm.Get_rank() == 0:
+    print(json.dumps(every))
+"""
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_ranks_share_the_domains_and_agree(ranks: int, mpirun: Callable[..., Any]) -> None:
+    alone = toolkit.run(SCENE)
+    assert alone.eq is not None
+    numbers = (alone.mean_threshold, *alone.thresholds.survival[::10], *alone.eq.force)
+    done = mpirun(ranks, PROGRAM, json.dumps(SCENE))
+    assert done.returncode == 0, done.stderr
+    every = json.loads(done.stdout)
+    assert len(every) == ranks and sum(drawn for _, drawn in every) == 20_000
+    assert all(bits == [float(x).hex() for x in numbers] for bits, _ in every)
+    # whole blocks of 4,096 are shared
+    assert all(drawn >= 4096 for _, drawn in every) and max(drawn for _, drawn in every) <= 20_000 / ranks + 4096
+
+
+COMMAND = """
+import sys, toolkit.command, toolkit.comparing, toolkit.describing
+# the sampling errors of 20 resampled laws take long
+toolkit.comparing.sampling_errors = toolkit.describing.sampling_errors = lambda contacts: {}
+from mpi4py import MPI
+from origins import domain_sampling
+
+drawn, real = [], domain_sampling._draw
+def counted(family, angles, fastest, key, numbers):
+    drawn.append(numbers.size)
+    return real(family, angles, fastest, key, numbers)
+domain_sampling._draw = counted
+status = toolkit.command.main()
+every = MPI.COMM_WORLD.gather(sum(drawn))
+if MPI.COMM_WORLD.Get_rank() == 0:
+    print(*every)
+sys.exit(status)
+"""
+
+
+@pytest.mark.parametrize("words", [["run"], ["compare"], ["thresholds"]])
+def test_commands_share_the_domains(words: list[str], mpirun: Callable[..., Any], tmp_path: Any) -> None:
+    thresholds = SCENE["contacts"]["thresholds"]["components"][0] | {"samples": 8192}  # type: ignore[index]
+    tables = SCENE | {"contacts": {"thresholds": thresholds}}
+    (tmp_path / "domains.toml").write_text(to_toml(tables))
+    done = mpirun(2, COMMAND, *words, "domains.toml", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "4096 4096" and (tmp_path / "out").is_dir()
