@@ -23,7 +23,7 @@ import json, sys, tomllib
 import toolkit
 from toolkit.scene import SHIPPED
 tables = tomllib.loads((SHIPPED / f"{sys.argv[1]}.toml").read_text())
-del tables["eq"]
+tables.pop("eq", None)
 result = toolkit.run(tables)
 print(json.dumps({"force": float(result.master.force.max()), "modules": sorted(sys.modules)}))
 """,

@@ -84,6 +84,7 @@ def compare(
     verdicts = []
     for scene in scenes:
         with naming(scene.name):
+            scene.only_forward("compare")
             verdicts.append(_judge(scene, comm, progress))
     return sorted(verdicts, key=lambda verdict: (-verdict.critical_spring, -verdict.static_to_kinetic))
 

@@ -11,16 +11,19 @@ import numpy as np
 
 from origins.errors import InputError, refuse
 from toolkit.folders import write_folder
-from toolkit.results import Result, SimulatedRecord, SolvedRecord, ThresholdCurve
+from toolkit.results import Result, SimulatedRecord, SoftRecord, SolvedRecord, ThresholdCurve
 
 if TYPE_CHECKING:
     import h5py
 
-Record = TypeVar("Record", SolvedRecord, SimulatedRecord, ThresholdCurve)
+Record = TypeVar("Record", SolvedRecord, SoftRecord, SimulatedRecord, ThresholdCurve)
 
 RESULT, SUMMARY, PICTURE = "result.h5", "summary.json", "picture.png"
 
-_LENGTHS = ("path", "force", "force_standard_error", "x", "atoms")
+_LENGTHS = (
+    *("path", "position", "force", "force_standard_error", "x", "atoms"),
+    *(f"slip_{name}" for name in ("drive", "before", "after", "force_before", "force_after")),
+)
 
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
@@ -57,7 +60,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
                 version=str(store.attrs["version"]),
                 mean_threshold=float(store.attrs["mean_threshold"]),
                 thresholds=_read(store["thresholds"], ThresholdCurve),
-                master=_read(store["master"], SolvedRecord) if "master" in store else None,
+                master=_read_solved(store["master"]) if "master" in store else None,
                 eq=_read(store["eq"], SimulatedRecord) if "eq" in store else None,
             )
     except (OSError, KeyError) as error:
@@ -84,6 +87,16 @@ def summary(result: Result) -> dict[str, Any]:
             "message": result.master.message,
             "last_force": float(result.master.force[-1]),
         }
+        if isinstance(result.master, SoftRecord):
+            soft = result.master
+            content["master"] |= {
+                "verdict": soft.verdict,
+                "reason": soft.reason,
+                "slips": int(soft.slip_drive.size),
+                "period": soft.period,
+                "critical_spring": soft.critical_spring,
+                "critical_spring_error": soft.critical_spring_error,
+            }
     if result.eq is not None and asked.eq is not None:
         content["eq"] = {
             "contacts": asked.eq.contacts,
@@ -126,7 +139,9 @@ def _write_result(result: Result, path: Path) -> None:
         unit = result.thresholds.unit
         _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
         if result.master is not None:
-            _write(store.create_group("master"), result.master, SolvedRecord, unit)
+            solved = result.master
+            kind = SoftRecord if isinstance(solved, SoftRecord) else SolvedRecord
+            _write(store.create_group("master"), solved, kind, unit)
         if result.eq is not None and result.asked.eq is not None:
             store.attrs["seed"] = result.asked.eq.seed
             _write(store.create_group("eq"), result.eq, SimulatedRecord, unit)
@@ -142,6 +157,10 @@ def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str)
             group[field.name].attrs["units"] = units.get(field.name, "1")
         else:
             group.attrs[field.name] = value
+
+
+def _read_solved(group: "h5py.Group") -> SolvedRecord:
+    return _read(group, SoftRecord) if "position" in group else _read(group, SolvedRecord)
 
 
 def _read(group: "h5py.Group", record: type[Record]) -> Record:

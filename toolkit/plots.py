@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.deviation import deviation
-from toolkit.results import OWN_UNIT, Result, ThresholdCurve
+from toolkit.results import OWN_UNIT, Result, SoftRecord, ThresholdCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,7 +51,8 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
     reach, force = (max((float(np.abs(one).max()) for one in some), default=0.0) for some in (
         [curve.path for curve in curves], [curve.force for curve in curves]
     ))
-    Lengths.of(reach, metres).write(axes.xaxis, "slider position $X$")
+    place = "drive position $X_T$" if isinstance(result.master, SoftRecord) else "slider position $X$"
+    Lengths.of(reach, metres).write(axes.xaxis, place)
     Lengths.of(force, metres).write(axes.yaxis, r"force $F/(N_c\langle k\rangle)$")
     axes.set_title(result.title or result.name)
     axes.legend()

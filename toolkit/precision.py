@@ -82,6 +82,7 @@ def precision(scene: Scene, ladders: Ladders | None = None, report: Callable[[Po
     A ladder ends early after a run of more than three seconds. Raises InputError for a scene that a method refuses,
     before anything is reported.
     """
+    scene.only_forward("precision")
     ladders = ladders or Ladders()
     unit = scene.contacts.mean_threshold
     against = reference(scene.contacts, scene.path)

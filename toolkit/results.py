@@ -5,8 +5,8 @@ The solvers' results share no base class: whatever has these attributes will do,
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,9 @@ import numpy.typing as npt
 from origins.quadrature import panel_edges
 from origins.thresholds import Thresholds
 from toolkit.scene import SceneTable, read_table
+
+if TYPE_CHECKING:
+    from master.soft import SoftSolution
 
 Array = npt.NDArray[np.float64]
 
@@ -69,6 +72,45 @@ class SolvedRecord:
     run_time: float
     success: bool
     message: str
+
+
+@dataclass(frozen=True)
+class SoftRecord(SolvedRecord):
+    """A soft slider's: `path` is the drive's, `position` (n,) the slider's, and its slips, arrays of shape (m,).
+
+    All lengths; `period` is nan for fewer than two slips.
+    """
+
+    position: Array
+    slip_drive: Array
+    slip_before: Array
+    slip_after: Array
+    slip_force_before: Array
+    slip_force_after: Array
+    period: float
+    verdict: str
+    reason: str
+    critical_spring: float
+    critical_spring_error: float
+
+
+def soft_record(solution: "SoftSolution") -> SoftRecord:
+    """What is kept of a soft slider's solution."""
+    slips, regime = solution.slips, solution.regime
+    return SoftRecord(
+        **{field.name: getattr(solution, field.name) for field in fields(SolvedRecord)},
+        position=solution.position,
+        slip_drive=slips.drive,
+        slip_before=slips.before,
+        slip_after=slips.after,
+        slip_force_before=slips.force_before,
+        slip_force_after=slips.force_after,
+        period=np.nan if solution.period is None else solution.period,
+        verdict=regime.verdict,
+        reason=regime.reason,
+        critical_spring=regime.critical_spring,
+        critical_spring_error=regime.critical_spring_error,
+    )
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 import toolkit
 from toolkit import laws
-from toolkit.results import Result, Simulated, Solved, sample_curve
+from toolkit.results import Result, Simulated, Solved, sample_curve, soft_record
 from toolkit.scene import EqTable, MasterTable, Scene, load_scene
 
 
@@ -47,8 +47,20 @@ def run(
 def _solve(scene: Scene, asked: MasterTable) -> Solved:
     import master
 
+    drive = scene.drive
     with laws.inside("master", {"tolerance": "tolerance"}):
-        return master.solve(scene.contacts, scene.path, tolerance=asked.tolerance)
+        if drive.spring is None:
+            return master.solve(scene.contacts, scene.path, asked.tolerance, velocity=drive.velocity)
+        return soft_record(
+            master.solve(
+                scene.contacts,
+                scene.path,
+                asked.tolerance,
+                velocity=drive.velocity,
+                spring=drive.spring,
+                slip=drive.slip,
+            )
+        )
 
 
 def _simulate(scene: Scene, asked: EqTable, comm: Any, progress: Callable[[int, int], None] | None) -> Simulated:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, Literal, get_args
 
 import msgspec
 import numpy as np
@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 import origins
 from origins.contacts import Contacts
-from origins.errors import InputError, positive, refuse, shown, whole, without_point
+from origins.drive import Drive
+from origins.errors import InputError, finite, positive, refuse, shown, whole, without_point
 from toolkit import laws
 from toolkit.toml import to_toml
 
@@ -44,8 +45,12 @@ class ContactsTable(Table, frozen=True):
 
 
 class DriveTable(Table, frozen=True):
-    to: float
     points: int
+    to: float | None = None
+    turns: list[float] | None = None
+    velocity: float = 1.0
+    spring: float | None = None
+    slip: Literal["reset", "reform-after", "instant"] = "reset"
 
 
 class MasterTable(Table, frozen=True):
@@ -70,8 +75,9 @@ class SceneTable(Table, frozen=True):
 class Scene:
     """A checked scene.
 
-    `text` is the TOML it came from, `folder` where its file names count from; `path` are the slider's positions (n,),
-    lengths in the unit of the thresholds. `master` and `eq` are None where that solver is not asked for.
+    `text` is the TOML it came from, `folder` where its file names count from; `drive.path` are positions of the
+    slider, or of the drive where there is a spring, (n,), lengths in the unit of the thresholds. `master` and `eq` are
+    None where that solver is not asked for.
     """
 
     name: str
@@ -79,9 +85,22 @@ class Scene:
     text: str
     folder: Path
     contacts: Contacts
-    path: npt.NDArray[np.float64]
+    drive: Drive
     master: MasterTable | None
     eq: EqTable | None
+
+    @property
+    def path(self) -> npt.NDArray[np.float64]:
+        return self.drive.path
+
+    def only_forward(self, what: str) -> "Scene":
+        """Itself, if its slider is rigid and moves forward; InputError with the name of `what` takes no other."""
+        rule = f"{what} takes a rigid slider that moves forward; give drive.to alone"
+        if self.drive.spring is not None:
+            refuse("drive.spring", self.drive.spring, rule)
+        if not self.drive.forward:
+            raise InputError(f"drive.turns: {rule}")
+        return self
 
 
 def shipped_scenes() -> list[str]:
@@ -131,10 +150,6 @@ def _checked(
     table = read_table(tables)
     if solved and table.master is None and table.eq is None:
         raise InputError("scene: has neither [master] nor [eq], so nothing would be computed; add one of them")
-    to = positive("drive.to", table.drive.to)
-    points = whole("drive.points", table.drive.points, least=2)
-    if points > _MOST_POINTS:
-        refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
     if table.master is not None:
         positive("master.tolerance", table.master.tolerance)
     if table.eq is not None:
@@ -142,12 +157,48 @@ def _checked(
         whole("eq.replicas", table.eq.replicas, least=1)
         whole("eq.seed", table.eq.seed, least=0)
     contacts = _contacts(table.contacts, folder, comm)
-    if solved and to > _FURTHEST * contacts.mean_threshold:
-        unit = "m" if contacts.interface is not None else "the thresholds' unit"
-        times = to / contacts.mean_threshold
-        rule = f"is {times:.1g} mean thresholds of {contacts.mean_threshold:.3g}; give it in {unit}"
-        refuse("drive.to", to, f"{rule}, 1e6 mean thresholds at most")
-    return Scene(name, table.title, text, folder, contacts, np.linspace(0.0, to, points), table.master, table.eq)
+    scene = Scene(name, table.title, text, folder, contacts, _drive(table.drive), table.master, table.eq)
+    if solved:
+        _check_reach(scene, table.drive)
+    return scene if table.eq is None else scene.only_forward("the ensemble [eq]")
+
+
+def _drive(table: DriveTable) -> Drive:
+    points = whole("drive.points", table.points, least=2)
+    if points > _MOST_POINTS:
+        refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
+    if (table.to is None) == (table.turns is None):
+        both = "both are given" if table.to is not None else "neither is given"
+        raise InputError(f"drive: needs one of to = 5.0 and turns = [3.0, -3.0, 3.0], and {both}")
+    ends = [positive("drive.to", table.to)] if table.turns is None else table.turns
+    path = _path(ends, points)
+    with laws.inside("drive", {"velocity": "velocity", "spring": "spring", "slip": "slip"}):
+        return Drive(path, table.velocity, None, table.spring, table.slip)
+
+
+def _path(ends: list[float], points: int) -> npt.NDArray[np.float64]:
+    """Straight from 0 to each of the ends in turn, all of them among the points; these as even as that allows."""
+    places = np.array([0.0, *(finite(f"drive.turns[{k}]", end) for k, end in enumerate(ends))])
+    if places.size < 2 or points < places.size:
+        refuse("drive.turns", ends, f"must hold a position at least, and fewer than drive.points = {points}")
+    same = np.flatnonzero(np.diff(places) == 0.0)
+    if same.size:
+        refuse(f"drive.turns[{same[0]}]", ends[same[0]], "is where the path already stands; leave it out")
+    travelled = np.append(0.0, np.abs(np.diff(places)).cumsum())
+    number = np.round(travelled / travelled[-1] * (points - 1)).astype(int)
+    # each leg has a point of its own at least, whichever way rounding went
+    number = np.maximum.accumulate(number - np.arange(places.size)) + np.arange(places.size)
+    number = np.minimum(number, points - 1 - np.arange(places.size)[::-1])
+    return np.interp(np.arange(points), number, places)
+
+
+def _check_reach(scene: Scene, table: DriveTable) -> None:
+    reach, mean = float(np.abs(scene.path).max()), scene.contacts.mean_threshold
+    if reach > _FURTHEST * mean:
+        unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
+        rule = f"is {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}"
+        key, value = ("to", table.to) if table.turns is None else ("turns", table.turns)
+        refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most")
 
 
 def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:

@@ -41,6 +41,8 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 def report(result: Any) -> list[str]:
     """A line per solver with its error and its run time."""
+    from toolkit.results import SoftRecord
+
     lines = [result.title or result.name]
     if result.master is not None:
         solved = result.master
@@ -48,6 +50,10 @@ def report(result: Any) -> list[str]:
             f"master  error {solved.force_error:.1e} of <x_s>  run time {solved.run_time:.4f} s  "
             f"{solved.path.size} points"
         )
+        if isinstance(solved, SoftRecord):
+            slips = f"{solved.slip_drive.size} slips"
+            period = f", period {solved.period:.6g}" if solved.slip_drive.size > 1 else ""
+            lines.append(f"regime  {solved.verdict}, {slips}{period}: {solved.reason}")
     if result.eq is not None:
         eq = result.eq
         error = eq.force_standard_error.max() / result.mean_threshold

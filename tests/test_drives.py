@@ -1,0 +1,86 @@
+"""Scenes of sliders that turn round or are pulled by a spring."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import master
+import toolkit
+from origins import InputError
+from toolkit.results import SoftRecord
+
+
+def scene(drive: dict[str, Any], **tables: Any) -> dict[str, Any]:
+    thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.1}
+    return {"contacts": {"thresholds": thresholds}, "drive": drive, "master": {"tolerance": 1e-7}, **tables}
+
+
+@pytest.mark.parametrize(
+    ("turns", "points"), [([3.0, -3.0, 3.0], 601), ([1.0, 0.999, 5.0], 4), ([-0.01, 2.0], 50), ([2.0, -1e-9, 1e-9], 6)]
+)
+def test_every_turning_point_is_a_point_of_the_path(turns: list[float], points: int) -> None:
+    path = toolkit.load_scene(scene({"turns": turns, "points": points})).path
+    assert path.size == points and path[0] == 0.0 and path[-1] == turns[-1]
+    place = [int(np.flatnonzero(path == turn)[0]) for turn in turns[:-1]] + [points - 1]
+    ends = [0.0, *turns]
+    for first, last, begin, end in zip([0, *place[:-1]], place, ends[:-1], ends[1:], strict=True):
+        np.testing.assert_allclose(path[first : last + 1], np.linspace(begin, end, last - first + 1), atol=1e-15)
+
+
+def test_a_loop_is_solved_and_comes_back_from_its_folder(tmp_path: Path) -> None:
+    asked = scene({"turns": [2.0, -2.0, 2.0], "points": 101})
+    result = toolkit.run(asked)
+    checked = toolkit.load_scene(asked)
+    assert result.master is not None and result.success
+    np.testing.assert_array_equal(result.master.force, master.solve(checked.contacts, checked.path, 1e-7).force)
+    toolkit.save(result, tmp_path / "out")
+    again = toolkit.load(tmp_path / "out")
+    np.testing.assert_array_equal(again.master.force, result.master.force)  # type: ignore[union-attr]
+
+
+def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
+    result = toolkit.run(scene({"to": 6.0, "points": 61, "spring": 0.8, "slip": "reform-after"}))
+    soft = result.master
+    assert isinstance(soft, SoftRecord) and soft.slip_drive.size >= 2 and result.success
+    assert soft.period == pytest.approx(soft.slip_drive[-1] - soft.slip_drive[-2])
+    np.testing.assert_allclose(soft.force, 0.8 * (soft.path - soft.position), atol=1e-12)
+    np.testing.assert_allclose(soft.slip_force_before, 0.8 * (soft.slip_drive - soft.slip_before), atol=1e-12)
+    toolkit.save(result, tmp_path / "out")
+    again = toolkit.load(tmp_path / "out").master
+    assert isinstance(again, SoftRecord)
+    np.testing.assert_array_equal(again.slip_after, soft.slip_after)
+    told = json.loads((tmp_path / "out" / "summary.json").read_text())["master"]
+    assert told["slips"] == soft.slip_drive.size and told["verdict"] == soft.verdict == again.verdict
+
+
+@pytest.mark.parametrize(
+    ("drive", "tables", "says"),
+    [
+        ({"points": 11}, {}, "drive: needs one of to = 5.0 and turns = [3.0, -3.0, 3.0], and neither is given"),
+        ({"points": 11, "to": 1.0, "turns": [1.0]}, {}, "and both are given"),
+        ({"points": 3, "turns": [1.0, -1.0, 1.0]}, {}, "fewer than drive.points = 3"),
+        ({"points": 11, "turns": []}, {}, "must hold a position at least"),
+        ({"points": 11, "turns": [1.0, 1.0]}, {}, "drive.turns[1] = 1.0: is where the path already stands"),
+        ({"points": 11, "turns": [0.0, 1.0]}, {}, "drive.turns[0] = 0.0: is where the path already stands"),
+        ({"points": 11, "turns": [1.0, 1e9]}, {}, "is 1e+09 mean thresholds"),
+        ({"points": 11, "to": 1.0, "spring": 0.0}, {}, "drive.spring = 0.0: must be above zero"),
+        ({"points": 11, "to": 1.0, "velocity": -1.0}, {}, "drive.velocity = -1.0: must be above zero"),
+        ({"points": 11, "to": 1.0, "slip": "none"}, {}, "slip"),
+        ({"points": 11, "to": 1.0, "spring": 1.0}, {"eq": {}}, "drive.spring = 1.0: the ensemble [eq] takes a rigid"),
+        ({"points": 11, "turns": [1.0, 0.5]}, {"eq": {}}, "drive.turns: the ensemble [eq] takes a rigid"),
+    ],
+)
+def test_drives_that_cannot_be_are_refused(drive: dict[str, Any], tables: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        toolkit.load_scene(scene(drive, **tables))
+    assert says in str(refusal.value) and "\n" not in str(refusal.value)
+
+
+def test_a_comparison_names_the_scene_that_it_does_not_take() -> None:
+    from toolkit.comparing import compare
+
+    with pytest.raises(InputError, match=r"scene: drive.spring = 0.5: compare takes a rigid slider"):
+        compare([toolkit.load_scene(scene({"to": 1.0, "points": 5, "spring": 0.5}))])
