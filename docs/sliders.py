@@ -1,0 +1,55 @@
+"""The picture and the numbers of docs/sliders.md: python docs/sliders.py"""
+
+from pathlib import Path
+
+import numpy as np
+
+import master
+import origins
+from master.explicit_loop import explicit_loop
+
+PICTURE = Path(__file__).parent / "pictures" / "sliders.png"
+CONTACTS = origins.Contacts(origins.gaussian(1.0, 0.2), origins.gaussian_start(0.0, 0.025))
+SPRING = 0.5
+RULES = [("reset", "#1f4e79", "-"), ("reform-after", "#c0392b", "--"), ("instant", "#2e7d32", ":")]
+
+
+def loop(amplitude: float, points: int = 601) -> np.ndarray:
+    """0, amplitude, -amplitude, amplitude."""
+    ends = amplitude * np.array([0.0, 1.0, -1.0, 1.0])
+    travelled = np.append(0.0, np.abs(np.diff(ends)).cumsum())
+    return np.interp(np.linspace(0.0, travelled[-1], points), travelled, ends)
+
+
+def both(amplitude: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The path, F by exact cohorts, and F by the paper's closure, its steps extrapolated."""
+    path = loop(amplitude)
+    coarse, fine = (explicit_loop(CONTACTS, path, amplitude / n).force for n in (300, 600))
+    return path, master.solve(CONTACTS, path, 1e-8).force, 2.0 * fine - coarse
+
+
+def main() -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(12, 3.8), layout="constrained")
+    axes = figure.subplots(1, 3, width_ratios=(1, 1, 1.4))
+    for ax, amplitude in zip(axes, (3.0, 0.9), strict=False):
+        path, exact, paper = both(amplitude)
+        print(f"turning at +-{amplitude}: the paper's closure is off by {np.abs(paper - exact).max():.3f}")
+        ax.plot(path, exact, color="#1f4e79", lw=1.4, label="exact cohorts")
+        ax.plot(path, paper, color="#c0392b", lw=1.2, ls="--", label="paper's closure")
+        ax.set(title=f"turns at ±{amplitude}", xlabel="slider position $X$", ylabel=r"force $F/(N_c\langle k\rangle)$")
+        ax.legend(loc="center" if amplitude > 1.0 else "lower right", fontsize="small")
+    drive = np.linspace(0.0, 12.0, 1201)
+    for slip, ink, dashes in RULES:
+        found = master.solve(CONTACTS, drive, spring=SPRING, slip=slip)
+        print(f"{slip}: {found.slips.drive.size} slips, {found.regime.verdict}; {found.regime.reason}")
+        axes[2].plot(drive, found.force, color=ink, ls=dashes, lw=1.4, label=f'slip = "{slip}"')
+    title = f"soft slider, K = {SPRING} $N_c\\langle k\\rangle$"
+    axes[2].set(title=title, xlabel="drive position $X_T$", ylabel=r"force $F/(N_c\langle k\rangle)$")
+    axes[2].legend(loc="lower right", fontsize="small", framealpha=1.0)
+    figure.savefig(PICTURE, dpi=130)
+
+
+if __name__ == "__main__":
+    main()
