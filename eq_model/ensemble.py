@@ -34,7 +34,9 @@ class EnsembleResult:
     force : mean stretch over all contacts and replicas at each X, shape (n,), a length (force per N_c <k>).
     force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for one contact.
         The variance is that of the first 2^18 contacts and of every eighth 2^16 of the others.
-        Where fewer than 100 breaks are expected, it is at least what they add to the variance, seen or not.
+        Where fewer than 100 first breaks are expected, it is at least what they add to the variance, seen or not. What
+        happens to less than one contact in all of them later on is in no ensemble and not in its error: one contact's
+        stretch divided by their number.
     holding : fraction of contacts that hold, shape (n,): all.
     breaks : breaks in all; breaks_per_rank : of each rank.
     run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.

@@ -119,8 +119,11 @@ class FirstBreaks:
 
         self.density, self._released = _tabulate_pair(rows, edges, self._accuracy)
         if edges.size > 1:
-            reached = law.atoms[keep] <= start + edges[-1]
-            held = float(law.sf(np.array([start + edges[-1]]))[0]) + float(law.atom_weights[keep][reached].sum())
+            last = start + edges[-1]
+            if law.atoms.size:  # just short of it: rounding must not put an atom there on either side at once
+                last *= 1.0 - 2e-15
+            reached = law.atoms[keep] <= last
+            held = float(law.sf(np.array([last]))[0]) + float(law.atom_weights[keep][reached].sum())
             self._defect = abs(1.0 - held / survival - self.density.total)
 
     def _from_distribution(self, contacts: Contacts) -> None:
@@ -129,6 +132,8 @@ class FirstBreaks:
         self.mean_start = start.mean
         self.atoms, self.atom_weights, self.atom_released = np.empty(0), np.empty(0), np.empty(0)
         marks = np.sort(np.concatenate([law.edges, law.atoms]))
+        if not marks.size:  # all thresholds lie beyond the path
+            marks = np.array([self.end + high])
         middle = np.clip(self.mean_start, low, high)
         # b_0 is nothing but around the law less the start, and bends where the breakpoints of both meet
         outer = np.concatenate([marks[[0, -1]], law.atoms])
@@ -142,13 +147,15 @@ class FirstBreaks:
         held = held[(held >= low) & (held <= high)]
         stepped += [law.atoms - point for point in held]
         around = [_thin(marks, 0.25 * (high - low)) - middle, outer - low, outer - high, law.breakpoints - middle]
-        seeds = np.concatenate([*around, *corners, *stepped, -2.0 * rough, -2.0 * held, [0.0, -2.0 * low]])
+        # from x_0 < 0 contacts break at X = -2 x_0 at the earliest: a narrow law turns that on and off at 2 x_s
+        both_ways = 2.0 * law.edges[law.edges <= -low]
+        seeds = np.concatenate([*around, *corners, *stepped, both_ways, -2.0 * rough, -2.0 * held, [0.0, -2.0 * low]])
         begins = law.begins if not law.atoms.size else min(law.begins, float(law.atoms.min()))
         edges = _clip(_distinct(seeds), max(begins - high, 0.0), min(self.end, marks.max() - low))
         self.density, self._released = _tabulate_pair(start.rows, edges, self._accuracy)
         self.has_corners = rough.size + held.size > 0
         self.jumps, self.jump_sizes = self._find_jumps(np.concatenate(stepped))
-        if law.atoms.size:
+        if law.atoms.size and edges.size:
             at = _distinct(np.concatenate([*corners, *stepped]))
             width = min(law.narrowest, high - low)
             self.bends, self.bend_sizes = bends(self.density, at[(at > _SAME) & (at < edges[-1])], width)
@@ -158,8 +165,12 @@ class FirstBreaks:
     def _find_jumps(self, candidates: Array) -> tuple[Array, Array]:
         """X = 0 and those of the candidates where the density jumps, and by how much."""
         at = _distinct(candidates[(candidates > _SAME) & (candidates < self.end)])
-        below, above = self.density(at * (1.0 + _ACROSS * np.array([[-1.0], [1.0]])))
-        sharp = np.abs(above - below) > 1e-7 * np.maximum(above, below)
+        around = at * (1.0 + _ACROSS * np.array([[-99.0], [-1.0], [1.0], [99.0]]))
+        below_far, below, above, above_far = self.density(around)
+        size = np.maximum(above, below)
+        # a start that diverges makes no jump: it still changes from one distance to the other
+        steady = np.maximum(np.abs(above - above_far), np.abs(below - below_far)) < 1e-6 * size
+        sharp = steady & (np.abs(above - below) > 1e-7 * size)
         return np.append(0.0, at[sharp]), np.append(self.density(np.zeros(1)), (above - below)[sharp])
 
 

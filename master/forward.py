@@ -18,6 +18,7 @@ ROUND_OFF = 1e-13
 MOST_NODES = 2**20
 SMOOTH = 1.0 / 32.0  # four times what is left of a difference at eighth order would be 1/64
 _CLOSE = 0.5**0.5  # ratio of the steps of two lattices whose difference is at least the error of the finer
+_RESOLVED = 0.3
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
 _FEWEST_NODES = 256
 _STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
@@ -87,7 +88,8 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
             if rough:
                 left = estimate(difference, before, least_share(problem, step), problem.law.diverges)
             else:
-                left = difference
+                # two lattices that do not resolve the law may be closer to each other than to the truth
+                left = difference if step < _RESOLVED * problem.law.narrowest else 4.0 * difference
             error = max(left, handed_over) + later.left_out + later.drift + floor
             if not rough or np.isfinite(before):
                 if best is None or error < best[1]:
@@ -140,9 +142,8 @@ def first_step(law: Law, rough: bool, end: float, tolerance: float) -> float:
         step = min(2.1 * law.narrowest * min(tolerance, 3e-5) ** 0.125, end / _FEWEST_NODES)
     step = max(step, end * 8.0 / MOST_NODES)
     atoms, weights = law.atoms, law.atom_weights
-    if atoms.size:  # the heaviest atom falls on a node, so that it is folded without loss
-        heaviest = float(atoms[weights.argmax()])
-        step = heaviest / np.ceil(heaviest / step)
+    if atoms.size and (heaviest := float(atoms[weights.argmax()])) > 4.0 * step:
+        step = heaviest / np.ceil(heaviest / step)  # it falls on a node, so that it is folded without loss
     return step
 
 

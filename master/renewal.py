@@ -51,7 +51,8 @@ class Renewal:
         kernel = smooth + deposit_atoms(law.atoms, law.atom_weights, step, size)
         release = smooth_released + deposit_atoms(law.atoms, law.atom_weights * law.atoms, step, size)
         self.defect = 0.0
-        if law.atomic or (law.edges.size and law.edges[-1] < step * (size - 1)):
+        highest = max(law.edges[-1:].max(initial=0.0), law.atoms.max(initial=0.0))
+        if 0.0 < highest < step * (size - 1):
             # every generation would lose again what weight the lattice lacks
             lost = 1.0 - float(kernel.sum())
             self.defect = abs(lost)

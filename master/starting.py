@@ -45,8 +45,8 @@ class StartSum:
         self._conditional = law.held < 1.0
         seeds = np.concatenate([np.linspace(self.low, self.high, 9), inner])
         if self._conditional:
-            # 1/S(|x|) has a cusp at 0 and kinks at the law's own: panels follow it as well as the start
-            marks = np.concatenate([law.breakpoints, law.atoms])
+            # 1/S(|x|) has a cusp at 0 and the law's own kinks and narrow rises: panels follow it as well as the start
+            marks = np.concatenate([law.edges, law.breakpoints, law.atoms])
             seeds = np.concatenate([seeds, marks, -marks, [0.0]])
         seeds = np.unique(seeds[(seeds >= self.low) & (seeds <= self.high)])
         table = tabulate(self._both, seeds, 1e-13)[0]

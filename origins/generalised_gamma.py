@@ -65,9 +65,11 @@ class GeneralisedGamma(Thresholds):
         return self.width * np.where(t < _SMALL, onset, t ** (1.0 / self.decay))
 
     def _isf(self, q: Array) -> Array:
-        # near 1 q holds no more digits than its complement, which may belong to an underflowing t
-        far = self.width * gammainccinv(self._shape, q) ** (1.0 / self.decay)
-        return np.where(q < 0.5, far, self._ppf(np.maximum(1.0 - q, np.finfo(float).tiny)))
+        # near 1 q holds no more digits than its complement; and t may underflow where x does not
+        t = gammainccinv(self._shape, q)
+        far = self.width * t ** (1.0 / self.decay)
+        near = self._ppf(np.maximum(1.0 - q, np.finfo(float).tiny))
+        return np.where((q < 0.5) & (t > _SMALL), far, near)
 
     def _moment(self, n: int) -> float:
         return self.width**n * float(poch(self._shape, n / self.decay))

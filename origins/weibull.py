@@ -62,4 +62,5 @@ class Weibull(Thresholds):
         return self.scale * (-np.log(q)) ** (1.0 / self.shape)
 
     def _moment(self, n: int) -> float:
-        return self.scale**n * float(gamma(1.0 + n / self.shape))
+        with np.errstate(over="ignore"):
+            return float(np.float64(self.scale) ** n * gamma(1.0 + n / self.shape))

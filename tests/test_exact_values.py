@@ -51,16 +51,22 @@ def sums(atoms: list[float], weights: list[float], rest: float, least: float, en
 
 
 def uniform_force(
-    atoms: list[float], weights: list[float], low: float, high: float, x: np.ndarray, start: float = 0.0
+    atoms: list[float],
+    weights: list[float],
+    low: float,
+    high: float,
+    x: np.ndarray,
+    start: tuple[float, float] | None = None,
 ) -> np.ndarray:
-    """Exact F(X), relaxed or for a start uniform from -start to start."""
-    force = x.copy()
+    """Exact F(X), relaxed or for a start uniform between two values."""
+    first, last = start or (0.0, 0.0)
+    force = x + 0.5 * (first + last)
     rest, least = 1.0 - sum(weights), min([low, *atoms])
-    for n, k, shift, weight in sums(atoms, weights, rest, least, x.max() + start):
+    for n, k, shift, weight in sums(atoms, weights, rest, least, x.max() + last):
         if start:
-            upper = below_uniform(k, low, high - low, shift, x + start, 1)
-            lower = below_uniform(k, low, high - low, shift, x - start, 1)
-            force -= weight / n * (upper - lower) / (2.0 * start)
+            upper = below_uniform(k, low, high - low, shift, x + last, 1)
+            lower = below_uniform(k, low, high - low, shift, x + first, 1)
+            force -= weight / n * (upper - lower) / (last - first)
         else:
             force -= weight / n * below_uniform(k, low, high - low, shift, x, 0)
     return force
@@ -81,15 +87,20 @@ def gamma_force(atom: float, weight: float, shape: float, scale: float, x: np.nd
     return force
 
 
+def spread(start: tuple[float, float] | None) -> object:
+    return None if start is None else scipy.stats.uniform(start[0], start[1] - start[0])
+
+
 SCENES = {
     "one value inside a rectangle": ([1.0], [0.4], 0.5, 1.5),
     "one value off the lattice": ([0.8371], [0.25], 0.4, 1.9),
     "a narrow rectangle": ([0.7, 1.5], [0.3, 0.4], 0.3, 0.31),
+    "a value above the rectangle": ([1.7], [0.5], 0.5, 1.0),
     "three values": ([0.5, 0.77, 1.31], [0.2, 0.3, 0.1], 0.45, 1.2),
 }
 
 
-@pytest.mark.parametrize("start", [0.0, 0.2])
+@pytest.mark.parametrize("start", [None, (-0.2, 0.2), (-0.25, -0.15)])
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 def test_exact_values_beside_a_rectangle(name, start, tolerance):
@@ -97,13 +108,46 @@ def test_exact_values_beside_a_rectangle(name, start, tolerance):
     law = origins.mixture(
         [*(origins.identical(a) for a in atoms), origins.rectangular(low, high)], [*weights, 1.0 - sum(weights)]
     )
-    contacts = origins.Contacts(law, scipy.stats.uniform(-start, 2.0 * start) if start else None)
+    contacts = origins.Contacts(law, spread(start))
     x = np.sort(np.append(np.linspace(0.0, 4.0, 401), np.random.default_rng(5).uniform(0.0, 4.0, 100)))
     solution = master.solve(contacts, x, tolerance)
     error = np.abs(solution.force - uniform_force(atoms, weights, low, high, x, start)).max() / law.mean()
     assert solution.success
     assert error <= solution.force_error <= tolerance
     assert solution.nodes < 100_000
+
+
+@pytest.mark.parametrize("end", [0.3, 1.0, 1.6, 2.5, 5.0])
+@pytest.mark.parametrize("start", [(-0.02, 0.02), (-0.49, -0.39), (0.1, 0.3)])
+def test_a_path_that_ends_before_the_highest_values_break(end, start):
+    # what lies beyond the lattice is not missing from it
+    atoms, weights = [1.928, 0.646], [0.96, 0.04]
+    contacts = origins.Contacts(origins.mixture([origins.identical(a) for a in atoms], weights), spread(start))
+    x = np.linspace(0.0, end, 50)
+    solution = master.solve(contacts, x)
+    error = np.abs(solution.force - uniform_force(atoms, weights, 0.7, 0.8, x, start)).max() / contacts.mean_threshold
+    assert solution.success and error <= solution.force_error
+
+
+@pytest.mark.parametrize("law", [origins.identical(1.0), origins.rectangular(0.9, 1.1), origins.gaussian(1.0, 0.01)])
+def test_before_any_break_the_force_is_that_of_the_stretches(law):
+    contacts = origins.Contacts(law, scipy.stats.uniform(-0.05, 0.2))
+    for end in (0.0, 0.1, 0.3):
+        solution = master.solve(contacts, [0.0, end])
+        assert solution.success
+        np.testing.assert_allclose(solution.force, [0.05, 0.05 + end], atol=1e-12)
+
+
+@pytest.mark.parametrize("value", [1e-5, 1e-8])
+def test_values_far_below_a_node_break_at_once(value):
+    x = np.linspace(0.0, 3.0, 31)
+    rest = [origins.rectangular(0.5, 1.0), origins.gaussian(1.0, 0.1)]
+    law = origins.mixture([origins.identical(value), *rest], [0.3, 0.3, 0.4])
+    solution = master.solve(origins.Contacts(law), x, 1e-7)
+    without = master.solve(origins.Contacts(origins.mixture(rest, [3.0 / 7.0, 4.0 / 7.0])), x, 1e-9)
+    assert solution.success and solution.nodes < 2**20
+    # each break waits for 3/7 of such a value on average
+    assert np.abs(solution.force - without.force).max() <= 2.0 * value + 1e-7
 
 
 @pytest.mark.parametrize("shape", [1.0, 4.0 / 3.0, 1.5, 2.0])

@@ -6,6 +6,8 @@ import pytest
 import scipy.stats
 from scipy.special import gamma, gammainc, ndtr
 
+import eq_model
+import master
 import origins
 from master.first import FirstBreaks
 from master.law import Law
@@ -163,3 +165,21 @@ def test_an_atom_reads_every_jump_of_the_survival_that_a_start_is_conditioned_on
     contacts = origins.Contacts(law, start=origins.gaussian_start(mean=-0.3, std=0.2))
     first = Problem(contacts, 6.0 / contacts.mean_threshold, 1e-8).first
     assert first.error < 1e-10
+
+
+@pytest.mark.parametrize("std", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_a_narrow_law_under_a_start_that_reaches_down_to_it(std):
+    # b_0 is cut off within some std of twice the thresholds, far from all else that happens
+    contacts = origins.Contacts(origins.gaussian(1.0, std), scipy.stats.uniform(-1.0 + std, 0.5))
+    first = Problem(contacts, 5.0, 1e-8).first
+    assert abs(first.density.total - 1.0) < 1e-12 and first.error < 1e-11
+
+
+def test_a_start_that_diverges_makes_no_jump():
+    law = origins.mixture([origins.identical(1.0), origins.gaussian(1.0, 0.1)], [0.3, 0.7])
+    contacts = origins.Contacts(law, scipy.stats.gamma(0.5, 0.0, 0.02))
+    assert np.abs(Problem(contacts, 4.0, 1e-6).first.jump_sizes).max() < 10.0
+    path = [0.99, 1.0, 1.01, 1.999, 2.0, 2.001, 3.0]
+    ensemble = eq_model.simulate(contacts, path, n_contacts=200_000)
+    z = (master.solve(contacts, path, 1e-6).force - ensemble.force) / ensemble.force_standard_error
+    assert np.abs(z).max() < 5.0

@@ -395,3 +395,11 @@ def test_jumps_converge_at_third_order():
 def test_a_path_beyond_numbers_is_refused():
     with pytest.raises(origins.InputError, match=r"path\[-1\] = 1e\+300: is 1e\+300 mean thresholds; follow at most"):
         master.solve(origins.Contacts(origins.gaussian(1.0, 0.05)), [0.0, 1e300])
+
+
+@pytest.mark.parametrize("std", [1e-6, 1e-5, 3e-5])
+@pytest.mark.parametrize("points", [501, 777])
+def test_laws_too_narrow_for_any_lattice_are_no_better_than_they_say(std: float, points: int) -> None:
+    path = np.linspace(0.0, 5.0, points)
+    solution = master.solve(origins.Contacts(origins.gaussian(1.0, std)), path)
+    assert np.abs(solution.force - gaussian_force(path, 1.0, std)).max() <= solution.force_error
