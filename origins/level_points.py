@@ -14,6 +14,7 @@ from origins.thresholds import Array
 _PROBE = 1e-4  # of a radian of the period, for curvatures by differences of forces
 _MOST_HESSIANS, _MOST_STEPS = 100, 12
 _MOST_RELAXATION, _NEAR = 300, 0.03  # steps of LBFGS, and the force on an atom at which Newton's method takes over
+_FLAT = 1e-6
 _CLOSE = 1e-15  # error of an energy to aim at, in units of the substrate's energy
 
 
@@ -47,8 +48,11 @@ def relax(island: MovingIsland, scales: Scales, points: Array, stiffest: float) 
     for _ in range(5):
         image = island.image(points)
         # ASE's annotation leaves out the None that its optimizers take for silence
-        optimizer = LBFGS(image, logfile=None, alpha=stiffest, maxstep=0.3 * scales.radian)  # type: ignore[arg-type]
-        optimizer.run(fmax=_NEAR * scales.force, steps=_MOST_RELAXATION)
+        optimizer = LBFGS(image, logfile=None, alpha=stiffest)  # type: ignore[arg-type]
+        optimizer.maxstep = 0.3 * scales.radian  # given to it, ASE takes more than 1 for a mistake
+        # on a flat top forces are small to begin with
+        here = float(np.linalg.norm(image.get_forces(), axis=1).max())
+        optimizer.run(fmax=min(_NEAR * scales.force, max(0.1 * here, _FLAT * scales.force)), steps=_MOST_RELAXATION)
         found = settle(island, scales, image.positions, 0)
         if found is None:
             break
@@ -70,8 +74,7 @@ def settle(island: MovingIsland, scales: Scales, points: Array, climbing: int) -
     for _ in range(_MOST_HESSIANS):
         curvatures, modes = np.linalg.eigh(_hessian(island, scales, points, basis))
         directions = basis @ modes
-        # flatter than this cannot be told from rounding
-        flat = 20.0 * np.finfo(float).eps * len(island.moving) * scales.force / (_PROBE * scales.radian)
+        flat = flattest(island, scales)
         sizes = np.maximum(np.abs(curvatures), flat)
         sizes[:climbing] *= -1.0
         last, before = np.inf, points
@@ -94,6 +97,11 @@ def settle(island: MovingIsland, scales: Scales, points: Array, climbing: int) -
             step = (directions @ (along / sizes)).reshape(-1, 3)
             points = points + step * min(1.0, 0.5 * scales.radian / np.linalg.norm(step, axis=1).max())
     return None
+
+
+def flattest(island: MovingIsland, scales: Scales) -> float:
+    """The least curvature that differences of forces tell from rounding."""
+    return float(20.0 * np.finfo(float).eps * len(island.moving) * scales.force / (_PROBE * scales.radian))
 
 
 def stiffest(island: MovingIsland, scales: Scales, points: Array) -> float:

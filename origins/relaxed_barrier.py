@@ -28,6 +28,7 @@ _DISC = 1.0  # steps of the map around a saddle
 _KNOWN = 1e-9  # saddles nearer in energy than this are taken for one
 _STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))  # periods that straight bands lead over
 _LONG = 1.2  # against the longer period
+_LEVELS = 64  # places along a period
 _SHAKE = 0.02  # radians
 _MOST_MINIMA = 10
 
@@ -201,6 +202,9 @@ def _rigid(slider: MovingIsland, scales: Scales, chart: EnergyMap) -> tuple[Leve
         return point, point
     starts = [slider.points + _flat(chart.displacements(node)) for node in chart.valleys()]
     minimum = min((relax(slider, scales, start, stiffest(slider, scales, start)) for start in starts), key=_energy)
+    for step in np.array(_STEPS) @ chart.periods:
+        if (ends := _channel(slider, scales, minimum, _flat(step))) is not None:
+            return ends
     node = chart.nearest((minimum.points - slider.points)[0, :2])
     blocked = np.zeros(chart.energies.shape, dtype=bool)
     best: LevelPoint | None = None
@@ -212,6 +216,10 @@ def _rigid(slider: MovingIsland, scales: Scales, chart: EnergyMap) -> tuple[Leve
         top = path[chart.energies[tuple(way.nodes.T % len(chart.energies))].argmax()]
         # a saddle known already to be no lower needs no band
         saddle = None if best is None else settle(slider, scales, top[None], 1)
+        if best is not None and saddle is not None and saddle.ways_down == 2 and saddle.energy >= best.energy:
+            # over a peak between places closed already: no way of its own
+            blocked |= chart.disc((top - slider.points[0])[:2], _DISC)
+            continue
         if (
             best is None
             or saddle is None
@@ -232,6 +240,25 @@ def _rigid(slider: MovingIsland, scales: Scales, chart: EnergyMap) -> tuple[Leve
     if best is None:
         raise RuntimeError("no way leads out of a minimum: a defect of this program")
     return minimum, best
+
+
+def _channel(
+    slider: MovingIsland, scales: Scales, minimum: LevelPoint, period: Array
+) -> tuple[LevelPoint, LevelPoint] | None:
+    """The lowest and the highest point along one period, where they differ by so little that forces tell no way."""
+    from origins.level_points import flattest
+
+    flat = flattest(slider, scales) * scales.radian**2
+    places, energies = [minimum.points], [minimum.energy]
+    for t in np.arange(1, _LEVELS) / _LEVELS:
+        places.append(minimum.points + t * period)
+        energies.append(slider.evaluate(places[-1])[0])
+        if energies[-1] > minimum.energy + flat:
+            return None
+    low, high = int(np.argmin(energies)), int(np.argmax(energies))
+    error = scales.noise + 0.01 * (energies[high] - energies[low])  # of a wave between two of the places
+    one, other = (replace(minimum, points=places[k], energy=energies[k], error=error) for k in (low, high))
+    return one, other
 
 
 def _free(island: MovingIsland, scales: Scales, chart: EnergyMap) -> tuple[LevelPoint, LevelPoint]:

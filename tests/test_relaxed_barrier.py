@@ -45,6 +45,23 @@ class Bumps(Calculator):
         self.results = {"energy": float((one + other).sum()), "forces": forces}
 
 
+class Wells(Calculator):
+    """-exp(k (cos x + cos y - 2)): the flatter between the wells the larger k."""
+
+    implemented_properties = ["energy", "forces"]  # noqa: RUF012
+
+    def __init__(self, steepness: float) -> None:
+        super().__init__()
+        self.steepness = steepness
+
+    def calculate(self, atoms: Any = None, properties: Any = None, system_changes: Any = all_changes) -> None:
+        super().calculate(atoms, properties, system_changes)
+        x, y = self.atoms.positions[:, :2].T
+        depth = np.exp(self.steepness * (np.cos(x) + np.cos(y) - 2.0))
+        forces = -self.steepness * np.column_stack([np.sin(x) * depth, np.sin(y) * depth, 0.0 * x])
+        self.results = {"energy": -float(depth.sum()), "forces": forces}
+
+
 def scanned(energy: Any, gradient: Any, cell: np.ndarray, n: int = 90) -> float:
     """Barrier by filling a plain map up to its first way around, both its ends polished by scipy's root."""
     places = np.stack(np.meshgrid(*[np.arange(n) / n] * 2, indexing="ij"), -1) @ cell
@@ -273,6 +290,27 @@ def test_islands_that_slide_freely() -> None:
         found = relaxed_barrier(atoms, substrate_calculator(SQUARE))
         assert found.barrier <= found.barrier_error < 1e-12
     assert origins.barrier(atoms, 0.0) < 1e-12
+    # in a channel: the rows are out of step along x
+    for off in (0.0, 1e-12, 1e-9):
+        island = origins.triangular_island(2.0 * np.pi * (1.0 + off), 5, 4)
+        found = relaxed_barrier(island, substrate_calculator(SQUARE))
+        assert abs(found.barrier - origins.barrier(island, 0.0)) <= found.barrier_error < 1e-10
+
+
+@pytest.mark.parametrize("start", [0.0, 0.3])
+@pytest.mark.parametrize("steepness", [1.0, 1.5])
+def test_narrow_wells_apart_from_one_another(start: float, steepness: float) -> None:
+    atoms = ase.Atoms("H", positions=[[start, 0.0, 0.0]])
+    found = relaxed_barrier(atoms, Wells(steepness), periods=2.0 * np.pi * np.eye(2))
+    assert abs(found.barrier - (1.0 - np.exp(-2.0 * steepness))) <= found.barrier_error < 1e-13
+    assert found.evaluations < 5_000
+
+
+@pytest.mark.parametrize("period", [1e-9, 25.0, 1e9])
+def test_any_unit_of_length(period: float) -> None:
+    atoms = ase.Atoms("H", positions=[[0.1 * period, 0.05 * period, 0.0]])
+    found = relaxed_barrier(atoms, substrate_calculator(origins.square_substrate(1.0, period)))
+    assert abs(found.barrier - 2.0) <= found.barrier_error < 1e-12
 
 
 def test_the_atoms_given_stay_as_they_are() -> None:
