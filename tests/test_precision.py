@@ -233,6 +233,23 @@ def test_bad_input_is_one_line_and_leaves_nothing(
     assert told.out == "" and os.listdir(".") == ["mine.toml"]
 
 
+def test_tolerances_that_give_the_same_are_drawn_once() -> None:
+    from matplotlib.figure import Figure
+
+    from toolkit.precision_picture import plot_precision
+
+    ladders = Ladders((1e-2, 1e-4, 1e-6), (32,), (100,), (100,))
+    exact = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}
+    cases = ((exact, "master equation, the same at every tolerance", 1), (SCENE, "master equation", 3))
+    for tables, label, count in cases:
+        measured = precision(load_scene(tables), ladders)
+        lines = plot_precision(Figure().subplots(), measured).get_lines()
+        full = [line for line in lines if line.get_marker() == "o" and line.get_markerfacecolor() != "none"]
+        assert full[0].get_label() == label
+        times = np.concatenate([np.asarray(line.get_xdata()) for line in full])
+        assert times.size == count and times.min() == min(point.run_time for point in of(measured, "master"))
+
+
 def test_picture_of_errors_of_zero(tmp_path: Path) -> None:
     # one threshold, one stretch: no contact differs from another, and neither solver errs
     tables = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}

@@ -38,6 +38,11 @@ def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
         points = [point for point in measured.points if point.method == method]
         if not points:
             continue
+        told = {(point.error, point.claimed_error) for point in points}
+        if method == "master" and len(points) > 1 and len(told) == 1:
+            # every tolerance gives the same numbers: the run times differ by chance
+            points = [min(points, key=lambda point: point.run_time)]
+            label += ", the same at every tolerance"
         run_time = np.array([point.run_time for point in points])
         error = np.maximum([point.error for point in points], own)
         faint = np.array([point.at_reference for point in points])
