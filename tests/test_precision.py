@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -234,20 +235,28 @@ def test_bad_input_is_one_line_and_leaves_nothing(
 
 
 def test_tolerances_that_give_the_same_are_drawn_once() -> None:
+    # identical thresholds have one answer; the last two of the three share another
     from matplotlib.figure import Figure
 
     from toolkit.precision_picture import plot_precision
 
     ladders = Ladders((1e-2, 1e-4, 1e-6), (32,), (100,), (100,))
     exact = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}
-    cases = ((exact, "master equation, the same at every tolerance", 1), (SCENE, "master equation", 3))
-    for tables, label, count in cases:
-        measured = precision(load_scene(tables), ladders)
+    plain = precision(load_scene(SCENE), ladders)
+    first, last = plain.points[0], plain.points[2]
+    shared = [first, replace(last, setting=1e-4, run_time=2.0 * last.run_time), last, *plain.points[3:]]
+    cases = (
+        (precision(load_scene(exact), ladders), "master equation, equal results once", 1),
+        (plain, "master equation", 3),
+        (replace(plain, points=shared), "master equation, equal results once", 2),
+    )
+    for measured, label, count in cases:
         lines = plot_precision(Figure().subplots(), measured).get_lines()
         full = [line for line in lines if line.get_marker() == "o" and line.get_markerfacecolor() != "none"]
         assert full[0].get_label() == label
         times = np.concatenate([np.asarray(line.get_xdata()) for line in full])
         assert times.size == count and times.min() == min(point.run_time for point in of(measured, "master"))
+        assert count != 2 or sorted(times) == sorted([first.run_time, last.run_time])
 
 
 def test_picture_of_errors_of_zero(tmp_path: Path) -> None:
