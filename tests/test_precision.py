@@ -234,21 +234,23 @@ def test_bad_input_is_one_line_and_leaves_nothing(
     assert told.out == "" and os.listdir(".") == ["mine.toml"]
 
 
-def test_tolerances_that_give_the_same_are_drawn_once() -> None:
+def test_tolerances_that_give_the_same_are_drawn_once(gaussian: Precision) -> None:
     # identical thresholds have one answer; the last two of the three share another
     from matplotlib.figure import Figure
 
     from toolkit.precision_picture import plot_precision
 
-    ladders = Ladders((1e-2, 1e-4, 1e-6), (32,), (100,), (100,))
     exact = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}
-    plain = precision(load_scene(SCENE), ladders)
-    first, last = plain.points[0], plain.points[2]
-    shared = [first, replace(last, setting=1e-4, run_time=2.0 * last.run_time), last, *plain.points[3:]]
+    first, last = gaussian.points[0], gaussian.points[2]
+    shared = [first, replace(last, setting=1e-6, run_time=2.0 * last.run_time), last, *gaussian.points[3:]]
     cases = (
-        (precision(load_scene(exact), ladders), "master equation, equal results once", 1),
-        (plain, "master equation", 3),
-        (replace(plain, points=shared), "master equation, equal results once", 2),
+        (
+            precision(load_scene(exact), Ladders((1e-2, 1e-4, 1e-6), (32,), (100,), (100,))),
+            "master equation, equal results once",
+            1,
+        ),
+        (gaussian, "master equation", 3),
+        (replace(gaussian, points=shared), "master equation, equal results once", 2),
     )
     for measured, label, count in cases:
         lines = plot_precision(Figure().subplots(), measured).get_lines()

@@ -50,12 +50,12 @@ def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
         if not points:
             continue
         once = _once(points) if method == "master" else points
-        if len(once) < len(points):
-            points, label = once, f"{label}, equal results once"
+        shown = f"{label}, equal results once" if len(once) < len(points) else label
+        points = once
         run_time = np.array([point.run_time for point in points])
         error = np.maximum([point.error for point in points], own)
         faint = np.array([point.at_reference for point in points])
-        axes.plot(run_time[~faint], error[~faint], marker + "-", color=ink, lw=1, ms=6, label=label)
+        axes.plot(run_time[~faint], error[~faint], marker + "-", color=ink, lw=1, ms=6, label=shown)
         axes.plot(run_time[faint], error[faint], marker, color=ink, ms=6, alpha=0.3)
         claimed = np.array([np.nan if point.claimed_error is None else point.claimed_error for point in points])
         if claim and (claimed > 0.0).any():
