@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 LAWS = ("area", "equal", "paper")
 _MOST_SAMPLES = 100_000_000
 _MOST_ATOMS = 1e12
+_FULL_CIRCLE = 2.0 * np.pi * (1.0 + 1e-12)  # as rounded by whoever wrote it
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +110,8 @@ def domains(
     weights : array of shape (m,)
         Shares of `sizes` or `islands`, above zero; equal when left out.
     angles : array
-        Radians. Taken in turn, sample by sample; left out, each island lies at any angle of the full circle.
+        Radians, from -2 pi to 2 pi. Taken in turn, sample by sample; left out, each island lies at any angle of the
+        full circle.
     temperature : float
         k_BT, an energy: angles are weighted by exp(-U_min/k_BT) for each size of island, U_min the lowest energy at
         that angle; left out, all angles are equally likely.
@@ -146,7 +148,7 @@ def domains(
     scale = _checked_law(law, stiffness, coefficient)
     family = _family(lattice_constant, sizes, mean_atoms, islands, weights, substrate)
     choice = Angles(
-        None if angles is None else finite_array("angles", angles),
+        None if angles is None else _radians(angles),
         None if temperature is None else positive("temperature", temperature),
     )
     samples = whole("samples", samples, 1)
@@ -183,6 +185,16 @@ def domains(
         exponential_ratios=ratios,
     )
     return thresholds
+
+
+def _radians(angles: npt.ArrayLike) -> Array:
+    listed = finite_array("angles", angles)
+    beyond = np.flatnonzero(np.abs(listed) > _FULL_CIRCLE)
+    if beyond.size:
+        first = float(listed[beyond[0]])
+        rule = f"angles are in radians, 2 pi at most; write {np.radians(first):.6g} for {first:g} degrees"
+        refuse(f"angles[{beyond[0]}]", first, rule)
+    return listed
 
 
 def _exponential(forces: Array) -> tuple[float, float, tuple[float, float]]:

@@ -77,7 +77,8 @@ def finite_array(name: str, value: object) -> np.ndarray:
         array = np.atleast_1d(np.asarray(value, dtype=float))
     except (TypeError, ValueError, OverflowError):
         refuse(name, value, "must be an array of numbers")
-    if np.asarray(value).dtype == bool:
+    # numbers in quotes would be read as numbers
+    if np.asarray(value).dtype.kind not in "iufO":
         refuse(name, value, "must be an array of numbers")
     if array.ndim != 1 or array.size == 0:
         refuse(name, array, "must be one-dimensional and not empty")

@@ -20,6 +20,7 @@ _ISOTROPIC = 1.5  # ratio of rms slopes along the axes
 _PLASTIC = 0.01  # fraction of contacts
 _STEEP = 0.5  # rms slope
 _PIXELS = 2.0  # radius of a contact, in pixels
+_LARGEST = 0.1  # m, across a scan
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,11 @@ class Interface:
         return self.area_fraction / self.contact_density
 
     @property
+    def kinetic_stress(self) -> float:
+        """Kinetic friction per nominal area, N<k> F_k with the density of contacts for N, Pa."""
+        return self.friction_coefficient * self.pressure
+
+    @property
     def mean_plane_separation(self) -> float | None:
         """gw only: height of the flat above the surface's own mean plane, m."""
         return None if self.separation is None else self.separation + self.moments.summit_offset
@@ -132,7 +138,7 @@ class Interface:
     @property
     def cautions(self) -> tuple[str, ...]:
         """Where the surface or the load strains the theory, in words; empty where nothing does."""
-        said = []
+        said = self._cautions_of_size()
         if self.model == "gw" and self.area_fraction > _APART:
             said.append(
                 f"contacts cover {self.area_fraction:.0%} of the surface: Greenwood and Williamson's summits are far "
@@ -180,3 +186,25 @@ class Interface:
                 "k and x_s at random"
             )
         return tuple(said)
+
+    def _cautions_of_size(self) -> list[str]:
+        """Where scan, pixel and contacts do not fit into one another."""
+        size, pixel = self.moments.size, self.moments.pixel_size
+        if size is None or pixel is None:
+            return []
+        said, area = [], size[0] * size[1]
+        if max(size) > _LARGEST:
+            said.append(f"the scan is {max(size):.3g} m across: is the unit right?")
+        if self.contact_density * area < 1.0:
+            said.append(
+                f"the scan would hold {self.contact_density * area:.2g} contacts, fewer than one: what they bear "
+                "extrapolates the tail of its heights"
+            )
+        if self.patch_area is not None and self.patch_area < pixel[0] * pixel[1]:
+            said.append(
+                f"patch_area = {self.patch_area:.3g} m² is below the {pixel[0] * pixel[1]:.3g} m² of a pixel: the "
+                "scan knows of nothing so small"
+            )
+        if self.patch_area is not None and self.patch_area > area:
+            said.append(f"patch_area = {self.patch_area:.3g} m² is above the {area:.3g} m² of the scan: is it in m²?")
+        return said

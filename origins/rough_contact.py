@@ -75,8 +75,10 @@ def from_topography(
         compressed by more than r (3 pi H/4E*)² do, where that meets Hertz' load. Area and load are continuous
         there, and so is x_s; P_c jumps. Persson's stresses are elastic.
     patch_area : float
-        persson only, and needed there: area of one contact, m². The theory has stresses but no contacts; x_s goes as
-        its square root (for k ~ A^(1/2)) and the contact density as its inverse; shape and friction coefficient stay.
+        persson only, and needed there: area of one contact, m². The theory has stresses but no contacts. Under both
+        laws x_s and <k> go as patch_area^(1/2) ("amontons": x_s as patch_area^(1-e) and <k> as patch_area^e where
+        k ~ A^e) and the contact density as its inverse; shape, propensity and friction coefficient stay. Take
+        `interface.mean_area` of model="gw" on the same surface, under the same pressure.
     height_law : "gaussian" or "exponential"
         gw only: law of the summits' heights, either of the measured standard deviation.
     detrend, periodic, step
@@ -135,8 +137,7 @@ def from_moments(
     if regime != "elastic":
         refuse("regime", regime, 'model = "persson" has elastic stresses; leave it out, or write model = "gw"')
     if patch_area is None:
-        pixels = moments.pixel_size
-        such = "patch_area = 1e-14" if pixels is None else f"the pixel's, patch_area = {pixels[0] * pixels[1]:.3g}"
+        such = _mean_area_of_summits(moments, material, pressure)
         refuse("patch_area", patch_area, f'model = "persson" needs the area of one contact in m², such as {such}')
     return _on_patches(moments, law, material, pressure, positive("patch_area", patch_area))
 
@@ -215,6 +216,16 @@ def _on_summits(
         separation=contact.separation,
     )
     return thresholds
+
+
+def _mean_area_of_summits(moments: SpectralMoments, material: Material, pressure: float) -> str:
+    """The area of a contact as model "gw" has it, in words."""
+    try:
+        contact = pressed(summits_of(moments, material, "elastic", "gaussian"), pressure)
+    except InputError:  # more load than summits apart can bear
+        return "patch_area = 1e-14"
+    area = contact.area_fraction / contact.contact_density
+    return f'the mean one of model = "gw" here, patch_area = {area:.3g}'
 
 
 def _on_patches(

@@ -29,6 +29,8 @@ class SpectralMoments:
         Pixels between the neighbours that were differenced; None where there was no scan.
     pixel_size : (float, float) or None
         Distances between those neighbours, in metres.
+    size : (float, float) or None
+        Lengths of the scan along both axes, in metres; None where there was no scan.
     missing_fraction : float
         Fraction of the points that are missing.
     used_fraction : float
@@ -42,6 +44,7 @@ class SpectralMoments:
     pixel_size: tuple[float, float] | None = None
     missing_fraction: float = 0.0
     used_fraction: float = 1.0
+    size: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if not self.bandwidth > _BANDWIDTH_LIMIT:
@@ -165,6 +168,7 @@ def spectral_moments(
         pixel_size=sizes,
         missing_fraction=level.missing_fraction,
         used_fraction=used,
+        size=(level.heights.shape[0] * level.pixel_size[0], level.heights.shape[1] * level.pixel_size[1]),
     )
 
 

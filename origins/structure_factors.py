@@ -131,9 +131,11 @@ def _turned(angle: Array, wavevectors: npt.ArrayLike) -> Array:
 
 
 def angles_of(angle: npt.ArrayLike) -> Array:
-    """`angle` as a float array of its own shape; InputError unless finite numbers."""
-    shape = np.shape(angle)
-    return finite_array("angle", np.ravel(np.asarray(angle))).reshape(shape)
+    """`angle` (radians) as a float array of its own shape; InputError unless finite numbers."""
+    given = np.asarray(angle)
+    if given.dtype.kind not in "iufO":
+        refuse("angle", angle, "must be in radians, a number or an array of them, such as 0.3")
+    return finite_array("angle", given.ravel()).reshape(given.shape)
 
 
 def checked_island(

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 import origins
 from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.comparing import compare
-from toolkit.comparison_picture import plot_forces, plot_springs, plot_surface, plot_thresholds
-from toolkit.plots import plot_density, plot_force, plot_hazard
+from toolkit.comparison_picture import draw_comparison, plot_forces, plot_springs, plot_surface, plot_thresholds
+from toolkit.plots import plot_density, plot_deviation, plot_force, plot_hazard
 from toolkit.results import sample_curve
 from toolkit.running import run
 from toolkit.scene import load_scene
@@ -98,6 +98,39 @@ def test_exact_values_beside_a_density_have_their_own_axis() -> None:
     plot_density(alone := Figure().subplots(), sample_curve(origins.identical(2e-7)))
     assert len(alone.figure.axes) == 1 and alone.get_ylabel() == "weight at one value"
     assert max(labels(alone.yaxis)) == 1.0
+
+
+def test_exact_values_in_a_comparison_have_their_own_axis() -> None:
+    gaussian, exact = {"kind": "gaussian", "mean": 1.0, "std": 0.001}, {"kind": "identical", "value": 2.0}
+    mixed = {"kind": "mixture", "weights": [0.98, 0.02], "components": [gaussian, exact]}
+    figure = draw_comparison(compare([scene(mixed, 4.0), scene({"kind": "gw-elastic", "B": 1.0}, 400.0)]))
+    (density,) = (axes for axes in figure.axes if axes.get_title() == "thresholds")
+    (own,) = (axes for axes in figure.axes if axes.get_ylabel() == "weight at one value (diamonds)")
+    # a logarithmic axis of densities has no place for a line that begins at zero
+    assert density.get_yscale() == "log" and own.get_yscale() == "linear"
+    assert own.get_ylim() == pytest.approx((0.0, 0.021)) and own.get_xlim()[1] > 2.0 / 1.02
+    assert own.get_lines()[0].get_xydata() == pytest.approx(np.array([[2.0 / 1.02, 0.02]]))
+
+
+@pytest.mark.parametrize(("to", "ends"), [(400.0, ", logarithmic axis"), (4.0, "$")])
+def test_axis_of_the_way_says_that_it_is_logarithmic(to: float, ends: str) -> None:
+    figure = draw_comparison(compare([scene({"kind": "gw-elastic", "B": b}, x) for b, x in ((1.0, 4.0), (2.0, to))]))
+    (label,) = (axes.get_xlabel() for axes in figure.axes if axes.get_xlabel().startswith("slider position"))
+    assert label.endswith(ends)
+
+
+def test_points_do_not_hide_the_line() -> None:
+    tables = {**rough("amontons"), "eq": {"contacts": 100, "replicas": 4}}
+    plot_force(axes := Figure().subplots(), run(tables))
+    (bars,) = axes.containers
+    assert axes.get_lines()[0].get_zorder() > max(part.get_zorder() for part in bars.get_children())
+
+
+def test_solvers_not_compared_are_said_to_be() -> None:
+    tables = {**rough("amontons"), "eq": {"contacts": 2, "replicas": 2}}
+    plot_deviation(axes := Figure().subplots(), run(tables))
+    assert axes.texts[0].get_text().startswith("not compared: too few contacts")
+    assert axes.get_xlabel() == "slider position $X$ (nm)"
 
 
 def test_thresholds_over_decades_have_logarithmic_axes() -> None:

@@ -51,6 +51,96 @@ def test_run_prints_a_line_per_solver_and_writes(write_scene, capsys) -> None:
     assert toolkit.load("mine-output").text == Path(scene).read_text()
 
 
+ROUGH: dict[str, Any] = {
+    "kind": "from-topography",
+    "model": "gw",
+    "law": "amontons",
+    "pressure": 1e6,
+    "surface": {
+        "kind": "self-affine",
+        "shape": [32, 32],
+        "pixel_size": 1e-8,
+        "hurst": 0.8,
+        "rms_slope": 0.1,
+        "seed": 1,
+    },
+    "material": {"contact_modulus": 1.75e9, "shear_modulus": 1.1e9, "local_friction": 0.4},
+}
+
+
+def rough(**changes: Any) -> dict[str, Any]:
+    return {**MASTER_ONLY, "contacts": {"thresholds": ROUGH | changes}, "drive": {"to": 5e-8, "points": 21}}
+
+
+def test_run_of_a_surface_says_and_keeps_what_to_mind(write_scene, capsys) -> None:
+    scene = write_scene(rough())
+    assert main(["run", scene]) == 0
+    _, surface, _, *notes, _ = capsys.readouterr().out.splitlines()
+    interface = toolkit.load_scene(scene).contacts.interface
+    assert interface is not None
+    assert surface == (
+        f"surface {interface.contact_density:.3g} contacts/m², <k> = {interface.mean_stiffness:.3g} N/m, "
+        f"area of contact {interface.area_fraction:.2%}; F_k/load = {interface.friction_coefficient:.3g}, "
+        f"{interface.kinetic_stress:.3g} Pa under 1e+06 Pa"
+    )
+    told = [note.removeprefix("note    ") for note in notes]
+    assert any("the scan does not resolve it" in note for note in interface.cautions)
+    assert told[:-1] == list(interface.cautions)
+    assert told[-1].startswith("errors are numerical only, not those of the scan")
+    written = json.loads(Path("mine-output/summary.json").read_text())
+    assert written["notes"] == told
+    numbers = written["interface"]
+    assert numbers["contact_density"]["value"] == interface.contact_density
+    assert numbers["kinetic_stress"] | {"error": None} == {
+        "value": interface.friction_coefficient * 1e6,
+        "error": None,
+        "unit": "Pa",
+    }
+    assert numbers["mean_load"]["unit"] == "N" and "mean_threshold" not in numbers
+    back = toolkit.load("mine-output")
+    assert back.notes == tuple(told) and json.loads(json.dumps(toolkit.files.summary(back))) == written
+
+
+@pytest.mark.parametrize(
+    ("thresholds", "to", "eq", "why"),
+    [
+        (MASTER_ONLY["contacts"]["thresholds"], 0.3, {"contacts": 100}, "no contact breaks on this path"),
+        (MASTER_ONLY["contacts"]["thresholds"], 5.0, {"contacts": 10, "replicas": 2}, "too few contacts or breaks"),
+        (MASTER_ONLY["contacts"]["thresholds"], 5.0, {"contacts": 1, "replicas": 1}, "a single contact"),
+        ({"kind": "identical", "value": 1.0}, 5.0, {"contacts": 100}, "all contacts break at once"),
+    ],
+)
+def test_solvers_that_cannot_be_compared_are_not(write_scene, capsys, thresholds, to: float, eq, why: str) -> None:
+    tables = {**MASTER_ONLY, "contacts": {"thresholds": thresholds}, "drive": {"to": to, "points": 21}, "eq": eq}
+    assert main(["run", write_scene(tables)]) == 0
+    assert f"eq less master: not compared: {why}" in capsys.readouterr().out
+
+
+def test_thresholds_of_contacts_that_the_solvers_do_not_take(write_scene, capsys) -> None:
+    tables = {**MASTER_ONLY, "contacts": {**MASTER_ONLY["contacts"], "delay": {"time": 0.5}}}
+    assert main(["thresholds", write_scene(tables)]) == 0
+    out = capsys.readouterr().out
+    assert "onset power m" in out and "kinetic force" not in out
+    assert "P_c alone, without F_k, K*, F_s/F_k and X*: contacts.delay: " in out
+
+
+def test_thresholds_of_a_surface_name_what_they_list_once(write_scene, capsys) -> None:
+    assert main(["thresholds", write_scene(rough())]) == 0
+    out = capsys.readouterr().out
+    for name in ("mean <x_s> ", "kinetic force F_k/(N<k>) ", "critical spring K*/(N<k>) ", "static to kinetic F_s/F_k ",
+                 "decoherence length X* ", "friction coefficient F_k/load ", "kinetic stress F_k/area "):
+        assert out.count(f"  {name}") == 1
+    assert "mean threshold" not in out and "errors are numerical only" in out
+
+
+def test_folder_is_no_file(write_scene, capsys) -> None:
+    scene = write_scene(rough(surface={"kind": "scan", "file": "/tmp"}))
+    assert main(["run", "."]) == 2 == main(["run", scene])
+    first, second = capsys.readouterr().err.splitlines()
+    assert first == "mesofriction: scene = '.': is a folder; name a scene file in it"
+    assert second.endswith("file = '/tmp': is a folder; name a scan in it")
+
+
 def test_out_names_the_folder(write_scene) -> None:
     assert main(["run", write_scene(MASTER_ONLY), "--out", "deep/er"]) == 0
     assert sorted(os.listdir(".")) == ["deep", "mine.toml"]

@@ -62,7 +62,9 @@ def test_ranks_prints_and_writes(write: Writer, capsys: pytest.CaptureFixture[st
     assert sorted(os.listdir("compare-output")) == FILES
     assert Path("compare-output/compare.txt").read_text().splitlines() == lines[:-1]
     assert [line.split()[:2] for line in lines[2:5]] == [["1", "exact"], ["2", "narrow"], ["3", "wide"]]
-    assert lines[2].split().count("infinite") == 2 and "infinite" not in lines[3] + lines[4]
+    # onset, K* and X*
+    assert lines[2].split().count("infinite") == 3 and "infinite" not in lines[3] + lines[4]
+    assert "exact: K* is infinite: all contacts break at one value, x = 1, where F drops by 2 F_k" in lines
     content = json.loads(Path("compare-output/compare.json").read_text())["scenes"]
     assert [one["name"] for one in content] == ["exact", "narrow", "wide"]
     assert content[0]["critical_spring"] is None and content[0]["decoherence_length"] is None
@@ -119,9 +121,49 @@ def test_ensemble_alone_and_master_alone() -> None:
 def test_path_shorter_than_the_first_break() -> None:
     # nothing has broken: no deviation to tell of, no standard error, and a verdict all the same
     (verdict,) = compare([toolkit.load_scene(tables(NARROW, to=0.5))])
-    assert verdict.evidence is not None and verdict.evidence.worst_deviation == 0.0
+    assert verdict.evidence is not None and verdict.evidence.worst_deviation is None
+    lines = table([verdict])
+    assert lines[2].split()[-3] == "none" and "scene: EQ and ME not compared: no contact breaks on this path" in lines
     assert verdict.evidence.expected == pytest.approx(0.5 / (verdict.kinetic_force * 2.0))
     assert verdict.critical_spring > 6.0
+
+
+MIXED: dict[str, Any] = {"kind": "mixture", "components": [EXACT, NARROW], "weights": [0.25, 0.75]}
+
+
+@pytest.mark.parametrize("start", [0.0, -0.5])
+def test_why_a_spring_is_infinite(start: float) -> None:
+    content = tables(MIXED, master={})
+    content["contacts"]["start"] = {"kind": "identical", "value": start}
+    scene = toolkit.load_scene(content)
+    (verdict,) = compare([scene])
+    kinetic = (0.25 + 0.75 * 4.01) / 3.5  # <x_s²>/(2<x_s>)
+    assert verdict.cautions == (
+        f"K* is infinite: 25 % of the contacts break at one value, x = 1, where F drops by {0.25 / kinetic:.2g} F_k",
+    )
+    # the force itself: just before the break and just after it
+    at = 1.0 - start
+    _, before, after = master.solve(scene.contacts, [0.0, at * (1.0 - 1e-9), at * (1.0 + 1e-9)]).force
+    assert before - after == pytest.approx(0.25, abs=1e-6)
+
+
+def test_a_value_that_no_contact_starts_below_makes_no_spring_infinite() -> None:
+    content = tables(MIXED, master={})
+    content["contacts"]["start"] = {"kind": "identical", "value": 1.5}
+    (verdict,) = compare([toolkit.load_scene(content)])
+    assert np.isfinite(verdict.critical_spring) and verdict.cautions == ()
+
+
+def test_a_note_for_several_scenes_is_one_line_and_samples_have_an_onset_error() -> None:
+    x = np.random.default_rng(5).gamma(6.0, 1.0 / 6.0, size=200).tolist()
+    scenes = [tables({"kind": "from-samples", "x_s": x}, master={}), tables(EXACT), tables(EXACT)]
+    verdicts = compare([toolkit.load_scene(one) for one in scenes])
+    assert all(verdict.onset_power_error > 0.0 for verdict in verdicts if verdict.sampled)
+    lines = table(verdicts)
+    (line,) = (line for line, verdict in zip(lines[2:], verdicts, strict=False) if verdict.sampled)
+    (own,) = (verdict for verdict in verdicts if verdict.sampled)
+    assert line.split()[2:5:2] == [f"{own.onset_power:.4g}", f"{own.onset_power_error:.0e}"]
+    assert sum("all contacts break at one value" in one for one in lines) == 1
 
 
 def test_missed_tolerance_is_status_1_and_written(write: Writer) -> None:

@@ -245,6 +245,11 @@ BAD = [
     ({"islands": ["a"], "lattice_constant": None}, "atoms = 'a': "),
     ({"islands": origins.triangular_island(A, 2, 2), "lattice_constant": None}, "islands = Atoms("),
     ({"mean_atoms": 5.0, "angles": [np.nan]}, "angles[0] = nan: "),
+    ({"mean_atoms": 5.0, "angles": ["0.1"]}, "angles = ['0.1']: must be an array of numbers"),
+    (
+        {"mean_atoms": 5.0, "angles": [0.0, 20.0]},
+        "angles[1] = 20.0: angles are in radians, 2 pi at most; write 0.349066 for 20 degrees",
+    ),
     ({"mean_atoms": 5.0, "temperature": 0.0}, "temperature = 0.0: "),
     ({"mean_atoms": 5.0, "law": "amontons"}, "law = 'amontons': "),
     ({"mean_atoms": 5.0, "stiffness": None}, "stiffness = None: "),

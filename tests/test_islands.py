@@ -147,6 +147,8 @@ BAD = [
     (lambda: irregular_island(A, 5.0, seed=-1), "seed = -1: "),
     (lambda: irregular_island(A, 5.0, roughness=4.0), "roughness = 4.0: "),
     (lambda: positions_of([1.0, 2.0]), "atoms = [1.0, 2.0]: "),
+    (lambda: origins.barrier(triangular_island(A, 3, 3), "20"), "angle = '20': must be in radians"),
+    (lambda: origins.triangular_barrier(A, 3, 3, ["0.1", 0.2]), "angle = ['0.1', 0.2]: must be in radians"),
     (lambda: positions_of(ase.Atoms()), "atoms = Atoms("),
     (lambda: square_substrate(0.0), "amplitude = 0.0: "),
     (lambda: square_substrate(1.0, -1.0), "period = -1.0: "),

@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -231,6 +232,33 @@ def test_bad_input_is_one_line_and_leaves_nothing(
     (line,) = told.err.splitlines()
     assert line.startswith(f"mesofriction: {message}")
     assert told.out == "" and os.listdir(".") == ["mine.toml"]
+
+
+def test_tolerances_that_give_the_same_are_drawn_once(gaussian: Precision) -> None:
+    # identical thresholds have one answer; the last two of the three share another
+    from matplotlib.figure import Figure
+
+    from toolkit.precision_picture import plot_precision
+
+    exact = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}
+    first, last = gaussian.points[0], gaussian.points[2]
+    shared = [first, replace(last, setting=1e-6, run_time=2.0 * last.run_time), last, *gaussian.points[3:]]
+    cases = (
+        (
+            precision(load_scene(exact), Ladders((1e-2, 1e-4, 1e-6), (32,), (100,), (100,))),
+            "master equation, equal results once",
+            1,
+        ),
+        (gaussian, "master equation", 3),
+        (replace(gaussian, points=shared), "master equation, equal results once", 2),
+    )
+    for measured, label, count in cases:
+        lines = plot_precision(Figure().subplots(), measured).get_lines()
+        full = [line for line in lines if line.get_marker() == "o" and line.get_markerfacecolor() != "none"]
+        assert full[0].get_label() == label
+        times = np.concatenate([np.asarray(line.get_xdata()) for line in full])
+        assert times.size == count and times.min() == min(point.run_time for point in of(measured, "master"))
+        assert count != 2 or sorted(times) == sorted([first.run_time, last.run_time])
 
 
 def test_picture_of_errors_of_zero(tmp_path: Path) -> None:

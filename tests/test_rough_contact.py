@@ -1,6 +1,7 @@
 """From moments to thresholds: each contact model and threshold law against a second road."""
 
 import itertools
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -268,18 +269,38 @@ def test_density_and_sound_velocity_are_the_shear_modulus() -> None:
     assert found.interface.plastic_fraction is None
 
 
-def test_patch_area_sets_the_scale_of_thresholds_and_nothing_else() -> None:
+@pytest.mark.parametrize(("law", "exponent"), [("amontons", 0.5), ("paper", 0.5), ("amontons", 0.25)])
+def test_patch_area_sets_the_scale_of_thresholds_and_nothing_else(law: str, exponent: float) -> None:
+    # k ~ A^e: x_s ~ A^(1-e) and <k> ~ A^e; the law paper has k = c x_s
+    power = {} if exponent == 0.5 else {"contact_stiffness": origins.PowerLaw(1e3, exponent), "shear_modulus": None}
     small, large = (
         from_moments(
-            MOMENTS, model="persson", law="amontons", material=MATERIAL, pressure=1e5, patch_area=PATCH * f
+            MOMENTS,
+            model="persson",
+            law=law,
+            material=replace(MATERIAL, **power),
+            pressure=1e5,
+            patch_area=PATCH * f,
         )
         for f in (1.0, 4.0)
     )
-    assert large.mean() == pytest.approx(2.0 * small.mean(), rel=1e-12)
+    assert large.mean() == pytest.approx(4.0 ** (1.0 - exponent) * small.mean(), rel=1e-12)
+    assert large.std() / large.mean() == pytest.approx(small.std() / small.mean(), rel=1e-9)
     a, b = small.interface, large.interface
     assert a is not None and b is not None
+    assert b.mean_stiffness == pytest.approx(4.0**exponent * a.mean_stiffness, rel=1e-12)
     assert b.contact_density == pytest.approx(a.contact_density / 4.0, rel=1e-12)
     assert b.friction_coefficient == pytest.approx(a.friction_coefficient, rel=1e-12)
+    assert b.kinetic_stress == b.friction_coefficient * 1e5
+
+
+def test_a_missing_patch_area_is_told_that_of_gw() -> None:
+    common = {"law": "amontons", "material": MATERIAL, "pressure": 1e5}
+    area = from_moments(MOMENTS, model="gw", **common).interface.mean_area  # type: ignore[union-attr]
+    with pytest.raises(origins.InputError, match=re.escape(f'model = "gw" here, patch_area = {area:.3g}')):
+        from_moments(MOMENTS, model="persson", **common)
+    with pytest.raises(origins.InputError, match="such as patch_area = 1e-14"):
+        from_moments(MOMENTS, model="persson", **{**common, "pressure": 1e9})
 
 
 def test_resolution_study_is_the_same_call_at_each_step() -> None:
@@ -383,6 +404,26 @@ FINE = replace(MOMENTS, m2_axes=(0.0035, 0.0035), pixel_size=None)
 def test_one_strain_at_a_time_is_said(calm: dict, change: dict, says: str) -> None:
     soft = replace(MATERIAL, hardness=None)
     common = {"moments": FINE, "model": "gw", "law": "amontons", "material": soft, "pressure": 1e5, **calm}
+    assert from_moments(**common).interface.cautions == ()
+    assert any(says in line for line in from_moments(**{**common, **change}).interface.cautions)
+
+
+WIDE = {"pixel_size": (1e-7, 1e-7), "size": (5e-4, 5e-4)}
+
+
+@pytest.mark.parametrize(
+    ("calm", "change", "says"),
+    [
+        ({}, {"moments": replace(FINE, pixel_size=(1e-7, 1e-7), size=(0.2, 1e-4))}, "0.2 m across: is the unit right?"),
+        ({}, {"pressure": 1.0}, "contacts, fewer than one: what they bear extrapolates the tail"),
+        ({"model": "persson", "patch_area": PATCH}, {"patch_area": 9.9e-15}, "is below the 1e-14 m² of a pixel"),
+        ({"model": "persson", "patch_area": PATCH}, {"patch_area": 2.6e-7}, "is above the 2.5e-07 m² of the scan"),
+    ],
+)
+def test_what_does_not_fit_the_scan_is_said(calm: dict, change: dict, says: str) -> None:
+    scan = replace(FINE, **WIDE)
+    soft = replace(MATERIAL, hardness=None)
+    common = {"moments": scan, "model": "gw", "law": "amontons", "material": soft, "pressure": 1e5, **calm}
     assert from_moments(**common).interface.cautions == ()
     assert any(says in line for line in from_moments(**{**common, **change}).interface.cautions)
 

@@ -48,6 +48,9 @@ def test_numbers_in_the_text() -> None:
     i = {name: law.interface for name, law in laws.items()}
     assert f"{i['gw-amontons'].area_fraction:.2%}" == "0.96%" and f"{i['persson'].area_fraction:.2%}" == "0.92%"
 
+    # the patches are as large as the advice has it
+    assert i["persson"].patch_area == pytest.approx(i["gw-amontons"].mean_area, rel=1e-3)
+
     def lighter(name: str, share: float) -> float:
         force, law = i[name].force_law, laws[name]
         goal = share * i[name].mean_force_threshold

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError
-from toolkit.describing import HEIGHT_INTEGRALS
-from toolkit.deviation import worst_deviation
+from toolkit.deviation import why_not_compared, worst_deviation
+from toolkit.interfaces import HEIGHT_INTEGRALS, remarks, why_infinite
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated
 from toolkit.running import run
@@ -25,7 +25,8 @@ class Evidence:
         the path where the master equation's force is largest (its own, where the scene has no [master]).
     expected : that ratio from the master equation, at that point.
     worst_deviation : largest |z| between the two over the path, where enough contacts have broken to tell. Both are
-        None where the scene has no [master].
+        None where the scene has no [master], and worst_deviation where no point tells.
+    not_compared : why no point tells, in words; None where one does, or the scene has no [master].
     run_time : s; contacts : number of contacts.
     """
 
@@ -33,6 +34,7 @@ class Evidence:
     static_to_kinetic_error: float
     expected: float | None
     worst_deviation: float | None
+    not_compared: str | None
     run_time: float
     contacts: int
 
@@ -41,8 +43,9 @@ class Evidence:
 class Verdict:
     """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
 
-    sampled says whether the thresholds come from samples; cautions are the interface's, and of an error that resampling
-    cannot show; friction_coefficient is F_k/load where they come from a surface, else None.
+    sampled says whether the thresholds come from samples; cautions are why K* is infinite, where samples, surface or
+    load strain the law, and of errors that are not shown; friction_coefficient is F_k/load where the thresholds come
+    from a surface, else None.
     """
 
     name: str
@@ -116,6 +119,7 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
     interface = scene.contacts.interface
     friction = None if interface is None else interface.friction_coefficient
     relative = steady.force_error * unit / steady.force
+    infinite = [why_infinite(scene.contacts)] if np.isinf(found.critical_spring) else []
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
@@ -134,7 +138,7 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
         mean_threshold=unit,
         unit=result.thresholds.unit,
         sampled=bool(sampled),
-        cautions=(*(() if interface is None else interface.cautions), *unseen(sampled, found.critical_spring)),
+        cautions=(*infinite, *unseen(sampled, found.critical_spring), *remarks(scene.contacts.thresholds)),
         run_time=found.run_time,
         evidence=None if result.eq is None else _evidence(result, result.eq, steady.force, scene),
         result=result,
@@ -144,15 +148,16 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
 def _evidence(result: Result, eq: Simulated, kinetic: float, scene: Scene) -> Evidence:
     curve = eq if result.master is None else result.master
     at = int(np.argmax(curve.force))
-    expected = deviation = None
+    expected = deviation = reason = None
     if result.master is not None:
         expected = float(result.master.force[at] / kinetic)
-        deviation = worst_deviation(result)
+        deviation, reason = worst_deviation(result), why_not_compared(result)
     return Evidence(
         static_to_kinetic=float(eq.force[at] / kinetic),
         static_to_kinetic_error=float(eq.force_standard_error[at] / kinetic),
         expected=expected,
         worst_deviation=deviation,
+        not_compared=reason,
         run_time=eq.run_time,
         contacts=0 if scene.eq is None else scene.eq.contacts * scene.eq.replicas,
     )
@@ -162,7 +167,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
     """The comparison as lines of text, every number with its error and what it took to compute."""
     names = max([len("scene"), *(len(verdict.name) for verdict in verdicts)])
     head = (
-        f"   {'scene':{names}}  {'onset m':>9}  {'K*/(N<k>)':>17}  {'F_s/F_k':>17}  {'X*/<x_s>':>17}  "
+        f"   {'scene':{names}}  {'onset m':>15}  {'K*/(N<k>)':>17}  {'F_s/F_k':>17}  {'X*/<x_s>':>17}  "
         f"{'F_k/<x_s>':>17}  {'F_k/load':>17}  {'time':>7}  "
         f"{'EQ at the peak':>16}  {'ME there':>8}  {'max |z|':>7}  {'EQ time':>7}"
     )
@@ -172,7 +177,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         if verdict.friction_coefficient is not None and verdict.friction_coefficient_error is not None:
             friction = _with_error(verdict.friction_coefficient, verdict.friction_coefficient_error)
         line = (
-            f"{rank:2d} {verdict.name:{names}}  {verdict.onset_power:9.4g}  "
+            f"{rank:2d} {verdict.name:{names}}  {_with_error(verdict.onset_power, verdict.onset_power_error, 4):>15}  "
             f"{_with_error(verdict.critical_spring, verdict.critical_spring_error):>17}  "
             f"{_with_error(verdict.static_to_kinetic, verdict.static_to_kinetic_error):>17}  "
             f"{_with_error(verdict.decoherence_length, verdict.decoherence_length_error):>17}  "
@@ -182,7 +187,8 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         if verdict.evidence is not None:
             evidence = verdict.evidence
             measured = f"{evidence.static_to_kinetic:.5f} ± {evidence.static_to_kinetic_error:.0e}"
-            deviation = "" if evidence.worst_deviation is None else f"{evidence.worst_deviation:.1f}"
+            deviation = "none" if evidence.not_compared is not None else ""
+            deviation = deviation if evidence.worst_deviation is None else f"{evidence.worst_deviation:.1f}"
             there = "" if evidence.expected is None else f"{evidence.expected:.5f}"
             line += f"  {measured:>16}  {there:>8}  {deviation:>7}  {_seconds(evidence.run_time):>7}"
         lines.append(line.rstrip())
@@ -197,20 +203,27 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
         notes.append("max |z|: their largest difference over the path in standard errors, about 3 by chance")
     if any(verdict.friction_coefficient is not None for verdict in verdicts):
         notes.append("F_k/load: k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest")
+    named: dict[str, list[str]] = {}
     for verdict in verdicts:
-        notes += [f"{verdict.name}: {caution}" for caution in verdict.cautions]
+        evidence = verdict.evidence
+        apart = [] if evidence is None or evidence.not_compared is None else [evidence.not_compared]
+        for note in (*(f"EQ and ME not compared: {reason}" for reason in apart), *verdict.cautions):
+            named.setdefault(note, []).append(verdict.name)
+    everyone = len(verdicts) if len(verdicts) > 1 else 0
+    notes += [f"{'all' if len(names) == everyone else ', '.join(names)}: {note}" for note, names in named.items()]
     if any(verdict.sampled for verdict in verdicts):
         names = ", ".join(verdict.name for verdict in verdicts if verdict.sampled)
         notes.append(f"{names}: thresholds from samples; errors are sampling errors, by {RESAMPLES} resampled laws")
     return notes
 
 
-def _with_error(value: float, error: float) -> str:
+def _with_error(value: float, error: float, digits: int = 6) -> str:
+    """Both; the value alone where it is exact or its error is not known."""
     if not np.isfinite(value):
         return "infinite"
-    if not np.isfinite(error):
-        return f"{value:.6g}"
-    return f"{value:.6g} ± {error:.0e}"
+    if not np.isfinite(error) or error == 0.0:
+        return f"{value:.{digits}g}"
+    return f"{value:.{digits}g} ± {error:.0e}"
 
 
 def _seconds(time: float) -> str:

@@ -13,19 +13,25 @@ from toolkit.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-_INK = ["#1f4e79", "#c0392b", "#2e7d32", "#b9770e", "#6c3483", "#117a65", "#7b241c", "#34495e"]
+# Okabe and Ito's, which the colour-blind tell apart too
+_INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
 _BARS = 33
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
 
 
 def save_comparison(verdicts: Sequence[Verdict], scenes: Sequence[Scene], path: Path) -> None:
     """All panels on one figure, as a PNG; the session's backend is not touched."""
-    from matplotlib.figure import Figure
-
     from toolkit.surfaces import shared_surface
 
-    surface = shared_surface(scenes)
+    draw_comparison(verdicts, shared_surface(scenes)).savefig(path, dpi=130, format="png")
+
+
+def draw_comparison(verdicts: Sequence[Verdict], surface: Any = None) -> "Figure":
+    """The figure; `surface`, where there is one, is its heights and sizes in m."""
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(13, 9), layout="constrained")
     columns = ["P", "S"] if surface is None else ["surface", "P", "S"]
     rows: list[Any] = [columns, ["F"] * len(columns), ["z"] * len(columns)]
@@ -37,7 +43,7 @@ def save_comparison(verdicts: Sequence[Verdict], scenes: Sequence[Scene], path: 
     plot_springs(places["S"], verdicts)
     plot_forces(places["F"], verdicts)
     plot_deviations(places["z"], verdicts)
-    figure.savefig(path, dpi=130, format="png")
+    return figure
 
 
 def plot_surface(axes: "Axes", surface: Any, sizes: tuple[float, float]) -> "Axes":
@@ -52,8 +58,9 @@ def plot_surface(axes: "Axes", surface: Any, sizes: tuple[float, float]) -> "Axe
 
 
 def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
-    """P_c of each scene in units of its own mean threshold."""
-    reach, limits = 0.0, []
+    """P_c of each scene in units of its own mean threshold; exact values as spikes, on an axis for their weight."""
+    reach, highest, limits = 0.0, 0.0, []
+    own = None
     for ink, dash, verdict in _inked(verdicts):
         curve, unit = verdict.result.thresholds, verdict.mean_threshold
         shown = np.isfinite(curve.density)
@@ -61,10 +68,18 @@ def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
         if curve.density[shown].any():
             limits.append(heights(curve, curve.density * unit))
         if curve.atoms.size:
-            axes.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=ink, lw=2)
+            own = own or axes.twinx()
+            highest = max(highest, float(curve.atom_weights.max()))
+            own.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=ink, ls=dash, lw=1.5)
+            own.plot(curve.atoms / unit, curve.atom_weights, "D", ms=4, color=ink)
+            reach = max(reach, float(curve.atoms.max()) / unit)
         reach = max(reach, float(curve.x[curve.survival > 2e-3].max(initial=unit)) / unit)
     axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", ylabel=r"$\langle x_s\rangle\,P_c$")
     axes.set_xlim(0.0, 1.05 * reach)
+    if own is not None:
+        own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, 1.05 * highest))
+    if not limits:
+        axes.set(ylabel="", yticks=[])
     tops = [one.top for one in limits] or [1.0]
     if max(tops) > _APART * min(tops):
         axes.set(yscale="log", ylim=(min(tops) / 100.0, 2.0 * max(tops)))
@@ -80,7 +95,8 @@ def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
         scale = verdict.kinetic_force * unit
         solved, eq = verdict.result.master, verdict.result.eq
         if solved is not None:
-            axes.plot(solved.path / unit, solved.force / scale, color=ink, ls=dash, lw=1.3, label=verdict.name)
+            x, y = solved.path / unit, solved.force / scale
+            axes.plot(x, y, color=ink, ls=dash, lw=1.3, zorder=3, label=verdict.name)
         if eq is not None:
             shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
             axes.errorbar(
@@ -91,6 +107,7 @@ def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
                 ms=2.5,
                 capsize=1.5,
                 lw=0.8,
+                zorder=2,
                 color=ink,
                 label=None if solved is not None else verdict.name,
             )
@@ -120,7 +137,8 @@ def plot_deviations(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
             shown = slice(None, None, max(1, path.size // 60))
             axes.plot(path[shown] / verdict.mean_threshold, off[shown], ".", ms=3.5, color=ink)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
-    axes.set(xlabel=r"slider position $X/\langle x_s\rangle$", ylabel="EQ - ME\n(std. errors)", ylim=(-5.0, 5.0))
+    kind = ", logarithmic axis" if axes.get_xscale() == "log" else ""
+    axes.set(xlabel=rf"slider position $X/\langle x_s\rangle${kind}", ylabel="EQ - ME\n(std. errors)", ylim=(-5.0, 5.0))
     return axes
 
 

@@ -1,7 +1,7 @@
 """A law of thresholds in numbers, each with its error: moments, quantiles, onset, propensity, and its interface."""
 
 import time
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,42 +9,17 @@ import numpy as np
 from origins import Contacts
 from origins.domains import DomainSamples
 from origins.errors import InputError
-from origins.interface import Interface
 from origins.quadrature import gauss, panel_edges
 from origins.thresholds import Thresholds
-from toolkit.sampling import misfit, sampling_errors, unseen
+from toolkit.interfaces import Number, of_interface, remarks, why_infinite
+from toolkit.sampling import sampling_errors, unseen
 
 if TYPE_CHECKING:
     import master
 
-HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as the tests hold it
 _EPSILON = float(np.finfo(float).eps)
 _NEGLIGIBLE = 1e-18
 _DOUBLINGS = 2000
-
-_UNITS = {
-    "pressure": "Pa",
-    "contact_density": "1/m2",
-    "mean_stiffness": "N/m",
-    "separation": "m",
-    "mean_threshold": "m",
-    "patch_area": "m2",
-    "mean_load": "N",
-    "mean_area": "m2",
-    "mean_radius": "m",
-    "mean_force_threshold": "N",
-    "critical_compression": "m",
-}
-_GIVEN = ("pressure", "patch_area")
-
-
-@dataclass(frozen=True)
-class Number:
-    """A value, its error (same unit; None where the value has none) and its unit: "" for a pure number."""
-
-    value: float
-    error: float | None
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -61,7 +36,8 @@ def describe(contacts: Contacts) -> Description:
 
     The errors of moments are distances of two roads, the family's own and a quadrature of the survival; those of
     quantiles come from the survival at them; those of F_k and of the propensity are the master equation's. Where the
-    thresholds come from samples, all count the sampling error too.
+    thresholds come from samples, all count the sampling error too. Contacts with laws that the master equation does not
+    take have no F_k and no propensity here, and a note says so.
     """
     import master
 
@@ -81,29 +57,33 @@ def describe(contacts: Contacts) -> Description:
     ):
         numbers[name] = _quantile(law, q, above, unit)
     numbers["onset_power"] = Number(law.onset_power, law.onset_power_error, "")
-    notes = misfit(law)
+    notes = []
     if np.isfinite(law.moment(2)):
-        steady = master.steady_state(contacts)
-        numbers["kinetic_force"] = Number(steady.force, steady.force_error * mean.value, unit)
         try:
-            found = master.propensity(contacts)
+            steady = master.steady_state(contacts)
         except InputError as error:
-            notes.append(str(error))
+            notes.append(f"P_c alone, without F_k, K*, F_s/F_k and X*: {error}")
         else:
-            numbers |= _of_propensity(found, unit)
+            numbers["kinetic_force"] = Number(steady.force, steady.force_error * mean.value, unit)
+            try:
+                numbers |= _of_propensity(master.propensity(contacts), unit)
+            except InputError as error:
+                notes.append(str(error))
     else:
         notes.append("<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with")
     sampled = sampling_errors(contacts) if "critical_spring" in numbers else {}
+    if "critical_spring" in numbers and np.isinf(numbers["critical_spring"].value):
+        notes.append(why_infinite(contacts))
     if sampled:
         notes += unseen(sampled, numbers["critical_spring"].value)
     for name, scatter in sampled.items():
         known = numbers[name]
         numbers[name] = Number(known.value, float(np.hypot(known.error or 0.0, scatter)), known.unit)
     if law.interface is not None:
-        numbers |= _of_interface(law.interface)
-        notes += law.interface.cautions
+        numbers |= of_interface(law.interface)
     if law.domains is not None:
         numbers |= _of_domains(law.domains)
+    notes += remarks(law)
     return Description(numbers, tuple(notes), time.perf_counter() - began)
 
 
@@ -151,19 +131,6 @@ def _of_propensity(found: "master.Propensity", unit: str) -> dict[str, Number]:
         "static_to_kinetic": Number(found.static_to_kinetic, found.static_to_kinetic_error, ""),
         "decoherence_length": Number(found.decoherence_length, found.decoherence_length_error, unit),
     }
-
-
-def _of_interface(interface: Interface) -> dict[str, Number]:
-    """What the interface knows in SI units, its own and derived."""
-    names = [field.name for field in fields(interface)]
-    names += [name for name, value in vars(type(interface)).items() if isinstance(value, property)]
-    numbers = {}
-    for name in names:
-        value = getattr(interface, name)
-        if isinstance(value, float):
-            error = None if name in _GIVEN else abs(value) * HEIGHT_INTEGRALS
-            numbers[name] = Number(value, error, _UNITS.get(name, "m" if "separation" in name else ""))
-    return numbers
 
 
 def _of_domains(domains: DomainSamples) -> dict[str, Number]:

@@ -3,9 +3,12 @@
 import numpy as np
 import numpy.typing as npt
 
-from toolkit.results import Result
+from toolkit.results import Result, Simulated
 
 Array = npt.NDArray[np.float64]
+
+_FEWEST = 30  # broken contacts: before, standard errors mean little
+_NONE = 1e-6  # of what one contact changes, where no contact differs from another
 
 
 def deviation(result: Result) -> tuple[Array, Array]:
@@ -13,16 +16,40 @@ def deviation(result: Result) -> tuple[Array, Array]:
 
     The master equation's own error counts too. Raises ValueError for a result that lacks one of the two.
     """
-    solved, eq, asked = result.master, result.eq, result.asked.eq
-    if solved is None or eq is None or asked is None:
+    solved, eq = result.master, result.eq
+    if solved is None or eq is None:
         raise ValueError("a result of both solvers is needed")
-    # some 30 contacts have broken: before, standard errors mean little
-    lone = np.minimum(eq.path, result.mean_threshold) / (asked.contacts * asked.replicas)
-    telling = eq.force_standard_error > 5.5 * lone
+    telling = np.isfinite(eq.force_standard_error)
+    telling &= eq.force_standard_error > np.sqrt(_FEWEST) * _of_one_contact(result, eq)
     allowed = eq.force_standard_error + solved.force_error * result.mean_threshold
-    return eq.path[telling], ((eq.force - solved.force) / allowed)[telling]
+    return eq.path[telling], ((eq.force - solved.force)[telling] / allowed[telling])
 
 
-def worst_deviation(result: Result) -> float:
-    """The largest of them in size; 0 where no point tells."""
-    return float(np.abs(deviation(result)[1]).max(initial=0.0))
+def _of_one_contact(result: Result, eq: Simulated) -> Array:
+    """About what a single broken contact changes the force by, a length, at each point of the path."""
+    asked = result.asked.eq
+    if asked is None:
+        raise ValueError("a result of an ensemble is needed")
+    return np.minimum(eq.path, result.mean_threshold) / (asked.contacts * asked.replicas)
+
+
+def worst_deviation(result: Result) -> float | None:
+    """The largest of them in size; None where no point tells."""
+    off = np.abs(deviation(result)[1])
+    return float(off.max()) if off.size else None
+
+
+def why_not_compared(result: Result) -> str | None:
+    """Why no point of the path tells, in words; None where one does."""
+    path, _ = deviation(result)
+    eq = result.eq
+    if path.size or eq is None:
+        return None
+    if eq.breaks == 0:
+        return "no contact breaks on this path"
+    error = eq.force_standard_error
+    if not np.isfinite(error).any():
+        return "a single contact has no standard error"
+    if not (error > _NONE * _of_one_contact(result, eq)).any():
+        return "all contacts break at once, so that there is no standard error"
+    return f"too few contacts or breaks: below some {_FEWEST} standard errors mean little"

@@ -3,7 +3,7 @@
 import json
 import math
 import os
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from origins.errors import InputError, refuse
 from toolkit.folders import write_folder
+from toolkit.interfaces import Number
 from toolkit.results import Result, SimulatedRecord, SoftRecord, SolvedRecord, ThresholdCurve
 
 if TYPE_CHECKING:
@@ -29,8 +30,9 @@ _LENGTHS = (
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
     """Write result.h5, summary.json and picture.png into `folder`, whole or not at all.
 
-    result.h5 holds a group per solver and one for the thresholds. Each array has its unit as the attribute `units`;
-    force is per N_c<k>, so a length. Raises InputError where the folder cannot be written.
+    result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
+    array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
+    cannot be written.
     """
     from toolkit.plots import save_picture
 
@@ -45,7 +47,12 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
-    """The result that `save` wrote into `folder`. Raises InputError where there is none."""
+    """The Result that `save`, or the command `run`, wrote into `folder`.
+
+    Its fields, where they were asked for: `master.path`, `.force`, `.force_error`, `.holding`, `.success`; `eq.path`,
+    `.force`, `.force_standard_error`, `.breaks`; `thresholds.x`, `.density`, `.survival`, `.unit`; `mean_threshold`;
+    `notes`; `interface["contact_density"].value` and more; `text`, the scene. Raises InputError where there is none.
+    """
     import h5py
 
     file = Path(folder) / RESULT
@@ -62,6 +69,8 @@ def load(folder: str | os.PathLike[str]) -> Result:
                 thresholds=_read(store["thresholds"], ThresholdCurve),
                 master=_read_solved(store["master"]) if "master" in store else None,
                 eq=_read(store["eq"], SimulatedRecord) if "eq" in store else None,
+                notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
+                interface=_read_interface(store["interface"]) if "interface" in store else None,
             )
     except (OSError, KeyError) as error:
         raise InputError(f"folder = {str(folder)!r}: its {RESULT} is not one of mesofriction: {error}") from error
@@ -109,6 +118,9 @@ def summary(result: Result) -> dict[str, Any]:
             "breaks_per_rank": [int(breaks) for breaks in result.eq.breaks_per_rank],
             "last_force": float(result.eq.force[-1]),
         }
+    if result.interface is not None:
+        content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
+    content["notes"] = list(result.notes)
     return content
 
 
@@ -138,6 +150,11 @@ def _write_result(result: Result, path: Path) -> None:
         )
         unit = result.thresholds.unit
         _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
+        if result.notes:
+            store["notes"] = list(result.notes)
+            store["notes"].attrs["units"] = "text"
+        if result.interface is not None:
+            _write_interface(store.create_group("interface"), result.interface)
         if result.master is not None:
             solved = result.master
             kind = SoftRecord if isinstance(solved, SoftRecord) else SolvedRecord
@@ -157,6 +174,22 @@ def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str)
             group[field.name].attrs["units"] = units.get(field.name, "1")
         else:
             group.attrs[field.name] = value
+
+
+def _write_interface(group: "h5py.Group", numbers: dict[str, Number]) -> None:
+    for name, number in numbers.items():
+        group[name] = number.value
+        group[name].attrs["units"] = number.unit or "1"
+        if number.error is not None:
+            group[name].attrs["error"] = number.error
+
+
+def _read_interface(group: "h5py.Group") -> dict[str, Number]:
+    numbers = {}
+    for name, data in group.items():
+        error, unit = data.attrs.get("error"), str(data.attrs["units"])
+        numbers[name] = Number(float(data[()]), None if error is None else float(error), "" if unit == "1" else unit)
+    return numbers
 
 
 def _read_solved(group: "h5py.Group") -> SolvedRecord:

@@ -45,8 +45,8 @@ def domains(
 ) -> origins.Thresholds:
     """Thresholds of rotated domains, drawn by all ranks of `comm`; see origins.domains.
 
-    `island` is a table with a kind of ISLANDS, for one island of your own; `substrate` one with a kind of SUBSTRATES,
-    sin x + sin y when left out. Raises InputError.
+    `angles` are radians; `island` is a table with a kind of ISLANDS, for one island of your own; `substrate` one with
+    a kind of SUBSTRATES, sin x + sin y when left out. Raises InputError.
     """
     if sum(given is not None for given in (sizes, mean_atoms, island)) != 1:
         raise InputError(

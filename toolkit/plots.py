@@ -7,18 +7,32 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toolkit.axes import Lengths, heights, spans_decades
-from toolkit.deviation import deviation
+from toolkit.deviation import deviation, why_not_compared
 from toolkit.results import OWN_UNIT, Result, SoftRecord, ThresholdCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
-_BARS = 121  # as many error bars as a picture can show apart
+_BARS = 61  # as many error bars as leave the line in sight
 
 
 def plot(result: Result, axes: Any = None) -> Any:
-    """F(X) from every solver, and P_c(x) beside it, on a pair of axes; made with pyplot where none are given."""
+    """F(X) from every solver, and P_c(x) beside it.
+
+    Parameters
+    ----------
+    result : Result
+        Of toolkit.run or toolkit.load.
+    axes : pair of matplotlib axes, optional
+        Where to draw F and P_c; left out, pyplot makes a figure for them.
+
+    Returns
+    -------
+    axes
+        The two of them, a numpy array where pyplot made them. Their figure saves the picture:
+        ``toolkit.plot(result)[0].figure.savefig("picture.png")``.
+    """
     if axes is None:
         from matplotlib import pyplot
 
@@ -29,9 +43,10 @@ def plot(result: Result, axes: Any = None) -> Any:
 
 
 def plot_force(axes: "Axes", result: Result) -> "Axes":
-    """F/(N_c<k>) against X: the master equation as a line, the ensemble as error bars of one standard error over it."""
+    """F/(N_c<k>) against X: the master equation as a line, the ensemble as error bars, one standard error, under it."""
     if result.master is not None:
-        axes.plot(result.master.path, result.master.force, color=_INK["master"], lw=1.4, label="master equation")
+        path, force = result.master.path, result.master.force
+        axes.plot(path, force, color=_INK["master"], lw=1.4, zorder=3, label="master equation")
     if result.eq is not None:
         eq = result.eq
         shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
@@ -44,16 +59,17 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
             capsize=2,
             lw=1,
             color=_INK["eq"],
+            zorder=2,
             label="EQ ensemble, ±1 standard error",
         )
     curves = [curve for curve in (result.master, result.eq) if curve is not None]
     metres = _in_metres(result.thresholds)
-    reach, force = (max((float(np.abs(one).max()) for one in some), default=0.0) for some in (
+    reach, highest = (max((float(np.abs(one).max()) for one in some), default=0.0) for some in (
         [curve.path for curve in curves], [curve.force for curve in curves]
     ))
     place = "drive position $X_T$" if isinstance(result.master, SoftRecord) else "slider position $X$"
     Lengths.of(reach, metres).write(axes.xaxis, place)
-    Lengths.of(force, metres).write(axes.yaxis, r"force $F/(N_c\langle k\rangle)$")
+    Lengths.of(highest, metres).write(axes.yaxis, r"force $F/(N_c\langle k\rangle)$")
     axes.set_title(result.title or result.name)
     axes.legend()
     return axes
@@ -62,11 +78,14 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
 def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
     path, off = deviation(result)
+    if (reason := why_not_compared(result)) is not None:
+        axes.text(0.5, 0.5, f"not compared: {reason}", transform=axes.transAxes, ha="center", va="center")
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     axes.plot(path, off, ".", ms=3.5, color=_INK["eq"])
     reach = max(4.0, 1.1 * float(np.abs(off).max(initial=0.0)))
     axes.set(ylabel="EQ - ME\n(std. errors)", ylim=(-reach, reach))
-    Lengths.of(float(path.max(initial=0.0)), _in_metres(result.thresholds)).write(axes.xaxis, "slider position $X$")
+    reach = 0.0 if result.master is None else float(np.abs(result.master.path).max())
+    Lengths.of(reach, _in_metres(result.thresholds)).write(axes.xaxis, "slider position $X$")
     return axes
 
 
@@ -160,8 +179,10 @@ def save_picture(result: Result, path: Path) -> None:
 def save_thresholds_picture(curve: ThresholdCurve, title: str, path: Path) -> None:
     """P_c, survival and hazard side by side as a PNG."""
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    figure = Figure(figsize=(11, 3.6), layout="constrained")
+    # room between the panels: the first has a second axis where there are exact values
+    figure = Figure(figsize=(11.5, 3.6), layout=ConstrainedLayoutEngine(wspace=0.1))
     axes = figure.subplots(1, 3)
     plot_density(axes[0], curve)
     plot_survival(axes[1], curve)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolkit.precision import TELLING, Precision
+from toolkit.precision import TELLING, Point, Precision
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,20 +28,34 @@ def save_precision(measured: Precision, path: Path) -> None:
     figure.savefig(path, dpi=130, format="png")
 
 
+def _once(points: list[Point]) -> list[Point]:
+    """The fastest of those that tolerances share: one answer, whose run times differ by chance."""
+    fastest: dict[tuple[float, float | None], Point] = {}
+    for point in points:
+        known = fastest.setdefault((point.error, point.claimed_error), point)
+        if point.run_time < known.run_time:
+            fastest[point.error, point.claimed_error] = point
+    return list(fastest.values())
+
+
 def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
     """True error in units of <x_s> against run time in s, both as logarithms; grey is where the reference errs too.
 
-    Points in the grey are drawn faint, and no lower than the reference's own error.
+    Tolerances that give one and the same answer are drawn once. Points in the grey are drawn faint, and no lower than
+    the reference's own error.
     """
     own = max(measured.reference.error, _LEAST)
     for method, (marker, ink, label, claim) in _STYLES.items():
         points = [point for point in measured.points if point.method == method]
         if not points:
             continue
+        once = _once(points) if method == "master" else points
+        shown = f"{label}, equal results once" if len(once) < len(points) else label
+        points = once
         run_time = np.array([point.run_time for point in points])
         error = np.maximum([point.error for point in points], own)
         faint = np.array([point.at_reference for point in points])
-        axes.plot(run_time[~faint], error[~faint], marker + "-", color=ink, lw=1, ms=6, label=label)
+        axes.plot(run_time[~faint], error[~faint], marker + "-", color=ink, lw=1, ms=6, label=shown)
         axes.plot(run_time[faint], error[faint], marker, color=ink, ms=6, alpha=0.3)
         claimed = np.array([np.nan if point.claimed_error is None else point.claimed_error for point in points])
         if claim and (claimed > 0.0).any():

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from origins.quadrature import panel_edges
 from origins.thresholds import Thresholds
+from toolkit.interfaces import Number
 from toolkit.scene import SceneTable, read_table
 
 if TYPE_CHECKING:
@@ -144,7 +145,27 @@ class ThresholdCurve:
 
 @dataclass(frozen=True)
 class Result:
-    """A run of a scene: its TOML `text`, the thresholds, and an answer per solver; None where not asked for."""
+    """A run of a scene; lengths are in the unit `thresholds.unit`, times in s.
+
+    Attributes
+    ----------
+    name, title, text, version : str
+        Of the scene, its TOML text, and this package's version.
+    mean_threshold : float
+        <x_s>, a length.
+    thresholds : ThresholdCurve
+        P_c as drawn: `x`, `density`, `survival`, `atoms`, `atom_weights`, `unit`.
+    master : Solved or None
+        `path`, `force` = F/(N_c<k>) (lengths), `holding` (a fraction), each of shape (n,); `force_error` (in <x_s>),
+        `success`, `message`, `run_time`; a SoftRecord where a spring pulls. None where not asked for.
+    eq : Simulated or None
+        `path`, `force`, `holding`, `force_standard_error` (a length), each of shape (n,); `breaks`,
+        `breaks_per_rank`, `run_time`, `compile_time`. None where not asked for.
+    notes : tuple of str
+        What to keep in mind of the thresholds: where samples, surface or load strain them.
+    interface : dict or None
+        For a rough surface, its contacts in SI units: a Number (`value`, `error`, `unit`) by name.
+    """
 
     name: str
     title: str
@@ -154,6 +175,8 @@ class Result:
     thresholds: ThresholdCurve
     master: Solved | None
     eq: Simulated | None
+    notes: tuple[str, ...] = ()
+    interface: dict[str, Number] | None = None
 
     @property
     def asked(self) -> SceneTable:

@@ -6,6 +6,7 @@ from typing import Any
 
 import toolkit
 from toolkit import laws
+from toolkit.interfaces import of_interface, remarks
 from toolkit.results import Result, Simulated, Solved, sample_curve, soft_record
 from toolkit.scene import EqTable, MasterTable, Scene, load_scene
 
@@ -30,6 +31,7 @@ def run(
     Raises InputError for a scene that cannot be run.
     """
     scene = load_scene(scene, comm=comm)
+    interface = scene.contacts.interface
     master = None if scene.master is None else _solve(scene, scene.master)
     eq = None if scene.eq is None else _simulate(scene, scene.eq, comm, progress)
     return Result(
@@ -41,6 +43,8 @@ def run(
         thresholds=sample_curve(scene.contacts.thresholds),
         master=master,
         eq=eq,
+        notes=tuple(remarks(scene.contacts.thresholds)),
+        interface=None if interface is None else of_interface(interface),
     )
 
 

@@ -139,6 +139,8 @@ def _find(scene: object) -> Path:
     if isinstance(scene, str) and scene in shipped_scenes():
         return SHIPPED / f"{scene}.toml"
     file = Path(scene)
+    if file.is_dir():
+        refuse("scene", str(scene), "is a folder; name a scene file in it")
     if not file.is_file():
         refuse("scene", str(scene), f"no such file, and no shipped scene: those are {', '.join(shipped_scenes())}")
     return file

@@ -97,6 +97,8 @@ def open_scan(
     """
     if not isinstance(file, str):
         refuse("file", file, 'must be a file name, such as "scan.di"')
+    if (folder / file).is_dir():
+        refuse("file", file, "is a folder; name a scan in it")
     if not (folder / file).is_file():
         refuse("file", file, f"no such file in {folder.resolve()}")
     try:

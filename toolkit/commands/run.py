@@ -40,10 +40,13 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 
 def report(result: Any) -> list[str]:
-    """A line per solver with its error and its run time."""
+    """A line for a rough surface, one per solver with its error and its run time, then the notes."""
+    from toolkit.interfaces import in_a_line
     from toolkit.results import SoftRecord
 
     lines = [result.title or result.name]
+    if result.interface is not None:
+        lines.append(f"surface {in_a_line(result.interface)}")
     if result.master is not None:
         solved = result.master
         lines.append(
@@ -62,8 +65,11 @@ def report(result: Any) -> list[str]:
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
     if result.master is not None and result.eq is not None:
-        from toolkit.deviation import worst_deviation
+        from toolkit.deviation import why_not_compared, worst_deviation
 
         apart = worst_deviation(result)
-        lines.append(f"eq less master: at most {apart:.1f} standard errors over the path; chance makes about 3")
-    return lines
+        if apart is None:
+            lines.append(f"eq less master: not compared: {why_not_compared(result)}")
+        else:
+            lines.append(f"eq less master: at most {apart:.1f} standard errors over the path; chance makes about 3")
+    return [*lines, *(f"note    {note}" for note in result.notes)]

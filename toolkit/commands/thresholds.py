@@ -8,6 +8,19 @@ if TYPE_CHECKING:
     from toolkit.describing import Description
 
 ALL_RANKS = True
+_SYMBOLS = {
+    "mean": "<x_s>",
+    "onset_power": "m",
+    "kinetic_force": "F_k/(N<k>)",
+    "critical_spring": "K*/(N<k>)",
+    "static_to_kinetic": "F_s/F_k",
+    "decoherence_length": "X*",
+    "mean_stiffness": "<k>",
+    "mean_force_threshold": "<f_s>",
+    "friction_coefficient": "F_k/load",
+    "kinetic_stress": "F_k/area",
+    "plasticity_index": "psi",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,11 +56,12 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 def lines(found: "Description") -> list[str]:
     """The table as lines of text."""
-    width = max(len(name) for name in found.numbers) + 2
+    names = {name: f"{name.replace('_', ' ')} {_SYMBOLS.get(name, '')}".rstrip() for name in found.numbers}
+    width = max(map(len, names.values())) + 2
     out = []
     for name, number in found.numbers.items():
         value = f"{number.value:.8g}"
-        if number.error is not None and number.error < float("inf"):
+        if number.error is not None and 0.0 < number.error < float("inf"):
             value += f" ± {number.error:.0e}"
-        out.append(f"  {name.replace('_', ' '):{width}}{value} {number.unit}".rstrip())
+        out.append(f"  {names[name]:{width}}{value} {number.unit}".rstrip())
     return [*out, *(f"  {note}" for note in found.notes), f"  {'run time':{width}}{found.run_time:.2g} s"]
