@@ -42,12 +42,11 @@ class StretchDistribution:
 
     def _starting(self, x: Array) -> Array:
         """Contacts that hold since X = 0: Q_ini(x_0) S(max(|x_0|, x)) / S(|x_0|), x_0 = x - X."""
-        contacts, law = self._problem.contacts, self._problem.law
+        contacts = self._problem.contacts
         if contacts.start.is_single:
             return np.zeros(x.shape)
         origin = x - self._at
-        held = law.sf(np.abs(origin))
-        kept = np.where(held > 0.0, law.sf(np.maximum(np.abs(origin), x)) / np.where(held > 0.0, held, 1.0), 0.0)
+        kept = survival(self._problem, origin, x)
         return contacts.start.pdf(origin * self._problem.unit) * self._problem.unit * kept / (1.0 - contacts.cut_weight)
 
     def _reborn(self, x: Array) -> Array:
@@ -58,6 +57,18 @@ class StretchDistribution:
         out = np.zeros(x.shape)
         out[inside] = law.sf(x[inside]) * birth_density(self._problem, self._later, birth[inside])
         return out
+
+
+def survival(problem: Problem, origin: Array, x: Array) -> Array:
+    """Fraction of the contacts that stood at `origin` at X = 0 which hold at x; 0 where no threshold is left."""
+    breaking, unit = problem.cycle.breaking, problem.unit
+    thresholds = problem.contacts.thresholds
+    held = thresholds.sf(np.abs(origin) * unit)
+    if breaking is None:
+        left = thresholds.sf(np.maximum(np.abs(origin), x) * unit)
+    else:
+        left = breaking.rows((x * unit).ravel(), (origin * unit).ravel())[1].reshape(x.shape)
+    return np.divide(left, held, out=np.zeros(x.shape), where=held > 0.0)
 
 
 def birth_density(problem: Problem, later: LaterReleased | None, position: Array) -> Array:
@@ -82,7 +93,8 @@ def distribution_at(problem: Problem, later: LaterReleased | None, position: flo
     start = problem.contacts.start
     if start.is_single:
         origin = start.mean() / problem.unit
-        held = law.sf(np.array(max(abs(origin), (origin + at) * (1.0 + _SLACK)))) / law.sf(np.array(abs(origin)))
+        reached = max(abs(origin), (origin + at) * (1.0 + _SLACK)) if origin + at > abs(origin) else origin + at
+        held = survival(problem, np.array([origin]), np.array([reached]))
         positions, weights = np.append(positions, origin + at), np.append(weights, held)
     keep = weights > 0.0
     return StretchDistribution(positions[keep] * problem.unit, weights[keep], problem, later, at)

@@ -5,6 +5,7 @@ import time
 import numpy as np
 import numpy.typing as npt
 
+from master.cycle import Cycle
 from master.law import Law
 from master.problem import Problem
 from master.renewal import LaterReleased, bound
@@ -26,17 +27,20 @@ _MOST_AROUND = 2000
 _FURTHEST = 1e100  # mean thresholds: its square is still a number
 
 
-def solve_forward(contacts: Contacts, path: Array, tolerance: float) -> Solution:
+def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: float = 1.0) -> Solution:
     """Force F(X) on a rigid slider that moves forward from X = 0 (paper Eqs. Q5a-Q6), arguments checked before."""
     began = time.perf_counter()
-    x = path / contacts.mean_threshold
+    cycle = Cycle(contacts, velocity)
+    x = path / cycle.unit
     if x[-1] > _FURTHEST:
         refuse("path[-1]", path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
-    problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance)
+    # errors are stated in mean thresholds, of which a cycle at a temperature is but a part
+    share = cycle.unit / contacts.mean_threshold
+    problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance / share, cycle)
     first = problem.first
     force = first.mean_start + x - first.released(x)
-    released, error, later, message = _refine(problem, x, tolerance)
-    force = (force - released) * problem.unit
+    released, error, later, message = _refine(problem, x, tolerance / share)
+    force, error = (force - released) * problem.unit, error * share
     success = error <= tolerance
     if success:
         message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"

@@ -31,6 +31,8 @@ class StartSum:
         Edges of its panels.
     mean : float
         <x_ini>.
+    widest : float
+        Width of the widest panel with any weight to speak of.
     """
 
     def __init__(self, contacts: Contacts, law: Law) -> None:
@@ -59,7 +61,8 @@ class StartSum:
         self._scale /= mass
         self._nodes, self._shares = nodes, plain / mass * self._held(nodes)
         # where panels of the law are no narrower than these, sums over these alone do
-        inner = law.inner_edges(float(np.diff(self.edges)[plain.sum(axis=1) > _LITTLE * mass].max()))
+        self.widest = float(np.diff(self.edges)[plain.sum(axis=1) > _LITTLE * mass].max())
+        inner = law.inner_edges(self.widest)
         self._law_edges = np.unique(np.concatenate([law.breakpoints, inner]))
 
     def _plain(self, x: Array) -> Array:
@@ -73,6 +76,10 @@ class StartSum:
             return np.ones(x.shape)
         survival = self._law.sf(np.abs(x))
         return np.divide(1.0, survival, out=np.zeros(x.shape), where=survival > _NO_THRESHOLDS)
+
+    def weight(self, x: Array) -> Array:
+        """q(x) = Q_ini(x)/S(|x|)."""
+        return self._plain(x) * self._held(x)
 
     def _both(self, x: Array) -> Array:
         plain = self._plain(x)

@@ -5,8 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from master.cycle import LAWS, Cycle
 from origins import Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
+from origins.errors import positive
 from origins.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
@@ -16,48 +18,57 @@ _ROUND_OFF = 4e-16
 
 @dataclass(frozen=True)
 class SteadyState:
-    """Steady sliding at T = 0, whatever the start.
+    """Steady sliding, whatever the start.
 
     Attributes
     ----------
     force : float
-        F_k/(N_c <k>) = <x_s^2>/(2 <x_s>), a length.
+        F_k/(N_c <k>) = <x_b^2>/(2 <x_b>), a length; x_b is the stretch at which a contact breaks, x_s at T = 0.
     force_error : float
-        Its error in units of the mean threshold: the difference from the integral of x S(x) over that of S(x).
+        Its error in units of the mean threshold: the difference from the integral of x E(x) over that of E(x), E being
+        the fraction of contacts that hold at x after their birth.
     mean_threshold : float
-        C = <x_s>, a length.
+        <x_s>, a length.
+    cycle_length : float
+        C = <x_b>, a length.
     """
 
     force: float
     force_error: float
     mean_threshold: float
-    _thresholds: Thresholds = field(repr=False)
+    cycle_length: float
+    _law: Thresholds = field(repr=False)
 
     def distribution(self, x: npt.ArrayLike) -> Array:
-        """Q_s(x) = S(x)/C per length for x >= 0 (a length), 0 below; same shape as x."""
+        """Q_s(x) = E(x)/C per length for x >= 0 (a length), 0 below; same shape as x."""
         x = np.asarray(x, dtype=float)
-        return np.where(x >= 0.0, self._thresholds.sf(x) / self.mean_threshold, 0.0)[()]
+        return np.where(x >= 0.0, self._law.sf(x) / self.cycle_length, 0.0)[()]
 
 
-def steady_state(contacts: Contacts) -> SteadyState:
-    """Kinetic force and distribution of stretches in steady sliding.
+def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
+    """Kinetic force and distribution of stretches in steady sliding at `velocity` (length per time; only rates tell).
 
     Raises InputError where <x_s^2> is infinite: then the force grows for ever and there is no steady state.
     """
-    check_contacts(contacts, "master.steady_state")
-    thresholds = contacts.thresholds
-    mean, square = contacts.mean_threshold, thresholds.moment(2)
+    check_contacts(contacts, "master.steady_state", LAWS)
+    return steady_of(contacts, Cycle(contacts, positive("velocity", velocity)))
+
+
+def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
+    """The same, of contacts whose cycle is known."""
+    law = cycle.law
+    mean, square = cycle.unit, law.moment(2)
     if not np.isfinite(square):
         raise InputError(
             "thresholds: <x_s^2> is infinite, and with it the kinetic force <x_s^2>/(2 <x_s>): the force grows for "
             "ever; use a law whose tail falls faster than x^-3"
         )
     force = 0.5 * square / mean
-    length, area = _survival_integrals(thresholds)
+    length, area = _survival_integrals(law)
     if not (np.isfinite(length) and np.isfinite(area)):
         raise InputError("thresholds: the distribution's own survival is not a number; use milder parameters")
-    error = abs(force - area / length) / mean + _ROUND_OFF * force / mean
-    return SteadyState(force=force, force_error=error, mean_threshold=mean, _thresholds=thresholds)
+    error = (abs(force - area / length) + _ROUND_OFF * force) / contacts.mean_threshold
+    return SteadyState(force, error, contacts.mean_threshold, mean, law)
 
 
 def _survival_integrals(thresholds: Thresholds) -> tuple[float, float]:
