@@ -2,13 +2,19 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+import numpy.typing as npt
+
+from master.release import PLAIN, Release
 from origins import Contacts, Thresholds
 from origins.errors import refuse
 
 if TYPE_CHECKING:
     from master.thermal_law import ThermalBreaking
 
-LAWS = ("thermal",)
+Array = npt.NDArray[np.float64]
+
+LAWS = ("thermal", "delay", "reforming", "stiffness")
 
 
 class Cycle:
@@ -23,8 +29,13 @@ class Cycle:
     Attributes
     ----------
     law : Thresholds
+        Of the travel from one break to the next.
+    relaxed : Thresholds
+        Of the stretch at a break of contacts that form relaxed.
     unit : float
-        A length: the mean of that law.
+        A length: the mean of `relaxed`.
+    release : Release
+        What breaks and births do to the force, lengths in `unit`s.
     breaking : ThermalBreaking or None
         How contacts break at a temperature.
 
@@ -32,6 +43,7 @@ class Cycle:
     """
 
     def __init__(self, contacts: Contacts, velocity: float = 1.0) -> None:
+        self._thresholds = contacts.thresholds
         self.law: Thresholds = contacts.thresholds
         self.unit = contacts.mean_threshold
         self.breaking: ThermalBreaking | None = None
@@ -42,3 +54,43 @@ class Cycle:
                 refuse("closure", "paper", 'not taken yet; write closure="exact"')
             law = BreakingLaw(contacts, velocity)
             self.law, self.breaking, self.unit = law, law.breaking, law.mean()
+        self.relaxed, self.release = self.law, PLAIN
+        again, linked = contacts.reforming, contacts.stiffness == "linked"
+        if again is not None or contacts.delay is not None or linked:
+            self._release(contacts, velocity)
+
+    def _release(self, contacts: Contacts, velocity: float) -> None:
+        """All that is there but temperature."""
+        from master.births import TravelLaw, born, standing
+
+        again, unit, linked = contacts.reforming, self.unit, contacts.stiffness == "linked"
+        wait = 0.0 if contacts.delay is None else velocity * contacts.delay.time
+        after, force, stiffness, widest = None, 0.0, 1.0, 0.0
+        if again is not None:
+            after = born(contacts, unit, self.breaking, self.law)
+            reborn = Contacts(contacts.thresholds, again.law, stiffness=contacts.stiffness)
+            force, stiffness = standing(reborn, unit)
+            widest = max(abs(end) for end in again.law.span) / unit
+        table = getattr(self.law, "stiffness", None)
+        self.release = Release(
+            delay=wait / unit,
+            birth=0.0 if again is None else again.law.mean() / unit,
+            widest=widest,
+            birth_force=force,
+            birth_stiffness=stiffness,
+            stiffness=unit / contacts.mean_threshold if linked else 0.0,
+            born=after,
+            relaxed=table,
+            unit=unit,
+        )
+        if after is not None or wait > 0.0:
+            self.law = TravelLaw(self.relaxed, after, wait, unit)
+
+    def survived(self, origin: Array, x: Array) -> Array:
+        """Fraction of the contacts that stood at `origin` which hold at x; 0 where no threshold is left. Lengths."""
+        held = self._thresholds.sf(np.abs(origin))
+        if self.breaking is None:
+            left = self._thresholds.sf(np.maximum(np.abs(origin), x))
+        else:
+            left = self.breaking.rows(x.ravel(), origin.ravel())[1].reshape(x.shape)
+        return np.divide(left, held, out=np.zeros(x.shape), where=held > 0.0)

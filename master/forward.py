@@ -37,8 +37,7 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: f
     # errors are stated in mean thresholds, of which a cycle at a temperature is but a part
     share = cycle.unit / contacts.mean_threshold
     problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance / share, cycle)
-    first = problem.first
-    force = first.mean_start + x - first.released(x)
+    force = problem.known(x)
     released, error, later, message = _refine(problem, x, tolerance / share)
     force, error = (force - released) * problem.unit, error * share
     success = error <= tolerance
@@ -50,7 +49,7 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: f
         path=path,
         force=force,
         force_error=error,
-        holding=np.ones(x.size),
+        holding=_holding(problem, later, x),
         run_time=time.perf_counter() - began,
         nodes=0 if later is None else later.lattice.size,
         success=success,
@@ -58,6 +57,19 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: f
         _problem=problem,
         _later=later,
     )
+
+
+def _holding(problem: Problem, later: LaterReleased | None, x: Array) -> Array:
+    """All but those that broke within the last wait."""
+    delay = problem.release.delay
+    if delay == 0.0:
+        return np.ones(x.size)
+
+    def broken(x: Array) -> Array:
+        count = problem.first.count.once(x) + problem.chain.count.once(x)
+        return count if later is None else count + later.count(x)
+
+    return 1.0 - (broken(x) - broken(np.maximum(x - delay, -1e-300)))
 
 
 def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float, LaterReleased | None, str]:

@@ -108,7 +108,7 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
     if problem.law.atomic and problem.first.single:
         at = problem.chain.births
         before = at * (1.0 - _JUST_BESIDE)
-        force = problem.first.mean_start + at - problem.first.released(before) - problem.chain.released(before)
+        force = problem.known(before) + (at - before) - problem.chain.released(before)
         return np.inf, 0.0, float(force.max()), floor
     rough = problem.rough
     step = first_step(problem.law, rough, problem.end, tolerance)
@@ -142,10 +142,10 @@ def _largest(problem: Problem, later: LaterReleased) -> Array:
     first, end = problem.first, problem.end
 
     def fall(x: Array) -> Array:
-        return first.rate(x) + later.rate(x) - 1.0
+        return later.rate(x) - problem.known_rate(x)
 
     def force(x: Array) -> Array:
-        return first.mean_start + x - first.released(x) - later(x)
+        return problem.known(x) - later(x)
 
     nodes = later.lattice.step * np.arange(1, int(end / later.lattice.step))
     jumps = np.concatenate([first.jumps, first.density.edges, problem.chain.births])

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.corners import bends
-from master.first import FirstBreaks, _tabulate_pair
+from master.first import FirstBreaks, tabulate_rows
 from master.law import Law
 from master.starting import StartSum
 from master.thermal_law import ThermalBreaking
@@ -30,7 +30,7 @@ class ThermalFirstBreaks(FirstBreaks):
     def __init__(self, contacts: Contacts, law: Law, breaking: ThermalBreaking, end: float, accuracy: float) -> None:
         self.end, self._accuracy, self._law, self._breaking = end, max(accuracy, 2e-15), law, breaking
         unit = law.unit
-        self._unit = unit
+        self._unit, self._contacts = unit, contacts
         low, high = np.asarray(contacts.start.span) / unit
         self.single = bool(high - low < _NARROW)
         marks = breaking.marks / unit
@@ -44,12 +44,15 @@ class ThermalFirstBreaks(FirstBreaks):
             begin = np.full(self.atoms.size, start * unit)
             left = breaking.held(breaking.atoms[keep], breaking.atoms[keep], begin) * self._shares
             self.atom_weights = breaking.atom_weights[keep] * left
-            self.atom_released = self.atom_weights * breaking.atoms[keep] / unit
+            stiff = contacts.relative_stiffness(breaking.atoms[keep])
+            self.atom_stiffness = self.atom_weights * stiff
+            self.atom_released = self.atom_stiffness * breaking.atoms[keep] / unit
             seeds = np.concatenate([marks - start, [-2.0 * start]])
         else:
             self._sum = StartSum(contacts, Law(contacts, np.inf, unit=unit))
             self.mean_start, low, high = self._sum.mean, self._sum.low, self._sum.high
             self.atoms, self.atom_weights, self.atom_released = np.empty(0), np.empty(0), np.empty(0)
+            self.atom_stiffness = np.empty(0)
             rough = contacts.start.breakpoints / unit
             rough = np.concatenate([rough[(rough >= low) & (rough <= high)], [low, high]])
             seeds = np.concatenate([(marks[:, None] - rough).ravel(), -2.0 * rough, marks - self.mean_start])
@@ -60,7 +63,7 @@ class ThermalFirstBreaks(FirstBreaks):
         top = min(end, breaking.top / unit - low)
         seeds = np.unique(seeds[(seeds > 0.0) & (seeds < top)])
         edges = np.unique(np.concatenate([np.linspace(0.0, top, 9), seeds]))
-        self.density, self._released = _tabulate_pair(self._rows, edges, self._accuracy)
+        self.density, self._released, self.stiffness = tabulate_rows(self._rows, edges, self._accuracy)
         self._find_corners(seeds, law)
         self._order = np.argsort(self.atoms, kind="stable")
         self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
@@ -82,15 +85,15 @@ class ThermalFirstBreaks(FirstBreaks):
         self.has_corners = bool(known[1:].any() or self.bends.size)
 
     def _rows(self, x: Array) -> Array:
-        """b_0 and dJ_0/dX at positions x, shape (2, *x.shape)."""
+        """b_0, dJ_0/dX and, where stiffnesses differ, the stiffness released at positions x, shape (rows, *x.shape)."""
         flat = x.ravel()
         per = max(1, _CHUNK // self._origins.size) if self._sum is None else _CHUNK // 64
         parts = [self._integrals(flat[i : i + per]) for i in range(0, flat.size, per)]
         out = np.concatenate(parts, axis=1)
-        return out[[0, 2]].reshape(2, *x.shape)
+        return out[[0, 2, 3] if self._breaking.linked else [0, 2]].reshape(-1, *x.shape)
 
     def _integrals(self, x: Array) -> Array:
-        """b_0, what holds, and dJ_0/dX; shape (3, n)."""
+        """b_0, what holds, dJ_0/dX and the stiffness released; shape (4, n)."""
         if self._sum is None:
             return self._total(np.arange(x.size), x, self._origins[0], self._shares[0], x.size)
         start = self._sum
@@ -110,14 +113,17 @@ class ThermalFirstBreaks(FirstBreaks):
             at = np.flatnonzero((np.abs(atom - x) < atom) & (atom - x >= start.low) & (atom - x <= start.high))
             threshold = np.full(at.size, atom * unit)
             share = weight * start.weight(atom - x[at]) * breaking.held(threshold, threshold, (atom - x[at]) * unit)
+            stiff = share * self._contacts.relative_stiffness(atom * unit)
             out[0, at] += share
-            out[2, at] += share * atom
+            out[2, at] += stiff * atom
+            out[3, at] += stiff
         return out
 
     def _total(
         self, row: npt.NDArray[np.intp], x: Array, origins: Array | float, weights: Array | float, size: int
     ) -> Array:
         stretch = origins + x
-        breaks, held = self._breaking.rows(stretch * self._unit, np.asarray(origins) * self._unit)[:2]
-        parts = breaks * self._unit * weights, held * weights, breaks * self._unit * weights * stretch
+        rows = self._breaking.rows(stretch * self._unit, np.asarray(origins) * self._unit)
+        breaks, stiff = rows[0] * self._unit * weights, rows[-2] * self._unit * weights
+        parts = breaks, rows[1] * weights, stiff * stretch, stiff
         return np.stack([np.bincount(row, weights=part, minlength=size) for part in parts])

@@ -31,7 +31,9 @@ SOLVERS = {
     "eq_model.simulate": lambda contacts: eq_model.simulate(contacts, PATH, n_contacts=10),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }
-TAKEN = dict.fromkeys(("master.solve", "master.steady_state", "master.propensity"), ("thermal",))
+TAKEN = dict.fromkeys(
+    ("master.solve", "master.steady_state", "master.propensity"), ("thermal", "delay", "reforming", "stiffness")
+)
 
 
 def refused(call, begins: str) -> None:
