@@ -12,7 +12,7 @@ from master.starting import StartSum
 from origins import Contacts, Thresholds
 
 if TYPE_CHECKING:
-    from master.thermal_law import ThermalBreaking
+    from master.thermal_first import Breaking
 
 Array = npt.NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def standing(contacts: Contacts, unit: float) -> tuple[float, float]:
     return float((found * nodes).sum()), float(found.sum())
 
 
-def born(contacts: Contacts, unit: float, breaking: "ThermalBreaking | None", law: Thresholds) -> FirstBreaks:
+def born(contacts: Contacts, unit: float, breaking: "Breaking | None", law: Thresholds) -> FirstBreaks:
     """Breaks after births by `contacts.reforming`, over the travel since the birth in `unit`s."""
     assert contacts.reforming is not None
     law_of = contacts.reforming.law

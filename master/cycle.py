@@ -7,10 +7,10 @@ import numpy.typing as npt
 
 from master.release import PLAIN, Release
 from origins import Contacts, Thresholds
-from origins.errors import refuse
 
 if TYPE_CHECKING:
     from master.thermal_law import ThermalBreaking
+    from master.thermal_paper import PaperBreaking
 
 Array = npt.NDArray[np.float64]
 
@@ -36,22 +36,18 @@ class Cycle:
         A length: the mean of `relaxed`.
     release : Release
         What breaks and births do to the force, lengths in `unit`s.
-    breaking : ThermalBreaking or None
+    breaking : ThermalBreaking, PaperBreaking or None
         How contacts break at a temperature.
-
-    Raises InputError for thermal closure "paper", which is not taken yet.
     """
 
     def __init__(self, contacts: Contacts, velocity: float = 1.0) -> None:
         self._thresholds = contacts.thresholds
         self.law: Thresholds = contacts.thresholds
         self.unit = contacts.mean_threshold
-        self.breaking: ThermalBreaking | None = None
+        self.breaking: ThermalBreaking | PaperBreaking | None = None
         if contacts.thermal is not None:
             from master.thermal_law import BreakingLaw
 
-            if contacts.thermal.closure == "paper":
-                refuse("closure", "paper", 'not taken yet; write closure="exact"')
             law = BreakingLaw(contacts, velocity)
             self.law, self.breaking, self.unit = law, law.breaking, law.mean()
         self.relaxed, self.release = self.law, PLAIN

@@ -69,6 +69,9 @@ class Problem:
                 law = Law(contacts, end, self.cycle.relaxed, self.unit)
             if breaking is None or not self.cycle.release.stiffness:
                 return FirstBreaks(contacts, law, end, accuracy)
+        relaxed = self.law
+        if self.cycle.law is not self.cycle.relaxed:
+            relaxed = Law(contacts, end, self.cycle.relaxed, self.unit)
         from master.thermal_first import ThermalFirstBreaks
 
-        return ThermalFirstBreaks(contacts, self.law, breaking, end, accuracy)
+        return ThermalFirstBreaks(contacts, relaxed, breaking, end, accuracy)

@@ -9,6 +9,7 @@ from master.cycle import LAWS, Cycle
 from master.law import Law
 from master.release import Release
 from master.starting import StartSum
+from master.thermal_law import BreakingLaw
 from origins import Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.errors import positive
@@ -113,6 +114,10 @@ def _cycle_integrals(contacts: Contacts, cycle: Cycle) -> tuple[float, float, fl
             f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever; use a "
             f"law whose tail falls faster than x^-{power + 1}"
         )
+    if isinstance(law, BreakingLaw) and not release.stiffness:
+        nodes, weights = gauss(law.panels[:-1], law.panels[1:])
+        held = weights * law.sf(nodes)
+        return unit, 0.5 * moment, float(held.sum()), float((held * nodes).sum())
     if not release.stiffness:
         return unit, 0.5 * moment, *_survival_integrals(law)
     if cycle.breaking is None:

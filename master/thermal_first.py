@@ -13,10 +13,13 @@ from master.first import FirstBreaks, tabulate_rows
 from master.law import Law
 from master.starting import StartSum
 from master.thermal_law import ThermalBreaking
+from master.thermal_paper import PaperBreaking
 from origins import Contacts
 from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
+
+Breaking = ThermalBreaking | PaperBreaking
 
 _JUMP = 1e-11
 _NARROW = 1e-9
@@ -27,7 +30,7 @@ _NEGLIGIBLE = 1e-19
 class ThermalFirstBreaks(FirstBreaks):
     """Density and atoms of the first breaks over X (in units of `law`), up to X = `end`, the same face as at T = 0."""
 
-    def __init__(self, contacts: Contacts, law: Law, breaking: ThermalBreaking, end: float, accuracy: float) -> None:
+    def __init__(self, contacts: Contacts, law: Law, breaking: Breaking, end: float, accuracy: float) -> None:
         self.end, self._accuracy, self._law, self._breaking = end, max(accuracy, 2e-15), law, breaking
         unit = law.unit
         self._unit, self._contacts = unit, contacts

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.piecewise import Piecewise, tabulate
+from master.thermal_paper import PaperBreaking
 from origins import Contacts, Thresholds
 from origins.quadrature import gauss, panel_edges
 
@@ -164,7 +165,10 @@ class BreakingLaw(Thresholds):
     """
 
     def __init__(self, contacts: Contacts, velocity: float) -> None:
-        self.breaking = breaking = ThermalBreaking(contacts, velocity)
+        assert contacts.thermal is not None
+        paper = contacts.thermal.closure == "paper"
+        breaking = PaperBreaking(contacts, velocity) if paper else ThermalBreaking(contacts, velocity)
+        self.breaking: ThermalBreaking | PaperBreaking = breaking
         self._unit = contacts.mean_threshold
         self.onset_power = 0.0
         # a threshold of exact value: what has not broken before does there
@@ -193,6 +197,12 @@ class BreakingLaw(Thresholds):
         rows = self.breaking.rows(x.ravel())[:3]
         rows[1] /= self._unit
         return rows.reshape(-1, *x.shape)
+
+    @property
+    def panels(self) -> Array:
+        """Edges between which p and E are series, each halved."""
+        edges = self._breaks.edges
+        return np.sort(np.append(edges, 0.5 * (edges[1:] + edges[:-1])))
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._end
