@@ -18,6 +18,7 @@ from origins.quadrature import gauss, panel_edges
 Array = npt.NDArray[np.float64]
 
 _ROUND_OFF = 4e-16
+TABLES = 1e-11  # relative error of what rests on tables of breaks by a rate
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,8 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
     force = area / (length + wait)
     if not np.isfinite(again_area / again_length):
         raise InputError("thresholds: the distribution's own survival is not a number; use milder parameters")
-    off = abs(force - again_area / (again_length + wait)) + _ROUND_OFF * abs(force)
+    rounding = _ROUND_OFF if cycle.breaking is None else TABLES
+    off = abs(force - again_area / (again_length + wait)) + rounding * abs(force)
     return SteadyState(
         force=force,
         force_error=off / contacts.mean_threshold,
