@@ -1,8 +1,18 @@
 """What the distribution of contacts does: the master equation, solved as a renewal equation."""
 
+from master.kinetic import KineticCurve, kinetic_curve
 from master.propensity import Propensity, propensity
 from master.solution import Solution
 from master.solve import solve
 from master.steady import SteadyState, steady_state
 
-__all__ = ["Propensity", "Solution", "SteadyState", "propensity", "solve", "steady_state"]
+__all__ = [
+    "KineticCurve",
+    "Propensity",
+    "Solution",
+    "SteadyState",
+    "kinetic_curve",
+    "propensity",
+    "solve",
+    "steady_state",
+]

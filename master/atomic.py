@@ -7,6 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from master.law import Law
+from master.release import PLAIN, Release
+from master.tally import Tally
 from origins import InputError
 
 Array = npt.NDArray[np.float64]
@@ -27,12 +29,18 @@ class AtomicChain:
     Raises InputError where more than 200,000 positions would be listed.
     """
 
-    def __init__(self, law: Law, first: Array, first_weights: Array, end: float) -> None:
+    def __init__(
+        self, law: Law, first: Array, first_weights: Array, end: float, release: Release = PLAIN
+    ) -> None:
         self.births, self.weights = _merge(first[first <= end], first_weights[first <= end])
         if law.atoms.size:
             self._follow(law, end)
         positions = (self.births[:, None] + law.atoms).ravel()
-        released = (self.weights[:, None] * (law.atom_weights * law.atoms)).ravel()
+        weights = self.weights[:, None] * law.atom_weights
+        released = (weights * release.force_at(law.atoms)).ravel()
+        self._release = release
+        self.count = Tally(None, positions, weights.ravel())
+        self._softened = Tally(None, positions, (weights * release.stiffness_at(law.atoms)).ravel())
         order = np.argsort(positions, kind="stable")
         self._positions = positions[order]
         self._sums = np.concatenate([[0.0], np.cumsum(released[order])])
@@ -62,8 +70,22 @@ class AtomicChain:
             self.births, self.weights = np.concatenate(found_births), np.concatenate(found_weights)
 
     def released(self, x: Array) -> Array:
-        """Stretch released up to X = x by births of this chain at their atoms; a break at x itself counts."""
-        return self._sums[np.searchsorted(self._positions, x * (1.0 + _SAME), side="right")]
+        """What breaks at atoms after births of this chain, and the births that follow, take from the force at X = x; a
+        break at x itself counts."""
+        released = self._sums[np.searchsorted(self._positions, x * (1.0 + _SAME), side="right")]
+        release = self._release
+        if release.plain:
+            return released
+        since = x - release.delay
+        released = released + self._softened.twice(x) - release.birth_stiffness * self.count.twice(since)
+        return released - release.birth_force * self.count.once(since)
+
+    def rate(self, x: Array) -> Array:
+        """Slope of `released` between the atoms."""
+        release = self._release
+        if release.plain:
+            return np.zeros(x.shape)
+        return self._softened.once(x) - release.birth_stiffness * self.count.once(x - release.delay)
 
 
 def _merge(positions: Array, weights: Array) -> tuple[Array, Array]:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.fft import next_fast_len, rfft
 
+from master.cycle import Cycle
 from master.lattice import deposit_atoms, lay
 from master.law import Law
 from origins import Contacts
@@ -23,33 +24,34 @@ _MOST_NODES = 2**18
 _ASTRAY = 3.0  # from a guess: other guesses are nearer to what lies there
 
 
-def decoherence_length(contacts: Contacts) -> tuple[float, float]:
+def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[float, float]:
     """X* (a length) of the slowest term e^{-X/X*}, and its error; inf where nothing decays exponentially.
 
     That is so for a law of exact values alone (periodic, or as close to it as one likes) and for one whose tail falls
     slower than any exponential.
     """
-    law = Law(contacts, np.inf)
+    cycle = Cycle(contacts) if cycle is None else cycle
+    law = Law(contacts, np.inf, cycle.law, cycle.unit)
     if law.atomic:
         return np.inf, 0.0
-    rate, rate_error = _tail_rate(contacts)
+    rate, rate_error = _tail_rate(cycle)
     rate, rate_error = rate * law.unit, rate_error * law.unit
     if rate == 0.0:
         return np.inf, 0.0
-    slowest, error = _slowest_root(law, contacts, rate)
+    slowest, error = _slowest_root(law, cycle, rate)
     if slowest > rate:
         # between 0.9 and 1 of the rate a root could hide from the far tail's round-off
         slowest, error = rate, rate_error + 0.1 * rate
     return law.unit / slowest, law.unit * error / slowest**2
 
 
-def _tail_rate(contacts: Contacts) -> tuple[float, float]:
+def _tail_rate(cycle: Cycle) -> tuple[float, float]:
     """Rate (per length) at which log S falls far out, and its error: inf above, 0 below every exponential."""
-    thresholds = contacts.thresholds
+    thresholds = cycle.law
     if np.isfinite(thresholds.support()[1]):
         return np.inf, 0.0
     # survival is looked at on the way out: far quantiles are beyond many a distribution
-    x = contacts.mean_threshold * 2.0 ** np.arange(0.0, 400.0, 0.25)
+    x = cycle.unit * 2.0 ** np.arange(0.0, 400.0, 0.25)
     log_survival = thresholds.logsf(x)
     known = np.isfinite(log_survival)
     x, log_survival = x[known], log_survival[known]
@@ -69,13 +71,13 @@ def _tail_rate(contacts: Contacts) -> tuple[float, float]:
     return float(rate), float(abs(rate - slopes[1])) * 0.1 + 1e-12 * float(rate)
 
 
-def _slowest_root(law: Law, contacts: Contacts, rate: float) -> tuple[float, float]:
+def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
     """-Re s of the root s != 0 of p^(s) = 1 nearest the imaginary axis, and its error.
 
     Where none lies right of -rate and of -6 (in units of the mean threshold), inf, or the middle of what is left.
     """
     reach = min(0.9 * rate, _REACH)
-    edges = _edges(law, contacts, reach)
+    edges = _edges(law, cycle, reach)
     best = complex(-reach)
     for start in _dips(law) + _slow(law):
         best = _better(best, _newton(law, edges, start, 1))
@@ -96,11 +98,11 @@ def _better(best: complex, root: complex) -> complex:
     return root if counts else best
 
 
-def _edges(law: Law, contacts: Contacts, reach: float) -> Array:
+def _edges(law: Law, cycle: Cycle, reach: float) -> Array:
     """Panels out to where e^{reach x} P_c(x) is nothing: left of the imaginary axis the far tail counts."""
     if np.isfinite(law.support[1]):
         return law.edges
-    far = contacts.thresholds.isf(_FAR) / law.unit
+    far = cycle.law.isf(_FAR) / law.unit
     known = np.isfinite(far) & (far > 0.0)
     far, weight = far[known], np.log(_FAR[known]) + reach * far[known]
     if not far.size:

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from master.problem import Problem
 from master.renewal import LaterReleased
-from origins.errors import finite, refuse
+from origins.errors import InputError, finite, refuse
 
 Array = npt.NDArray[np.float64]
 
@@ -42,21 +42,22 @@ class StretchDistribution:
 
     def _starting(self, x: Array) -> Array:
         """Contacts that hold since X = 0: Q_ini(x_0) S(max(|x_0|, x)) / S(|x_0|), x_0 = x - X."""
-        contacts, law = self._problem.contacts, self._problem.law
+        contacts = self._problem.contacts
         if contacts.start.is_single:
             return np.zeros(x.shape)
         origin = x - self._at
-        held = law.sf(np.abs(origin))
-        kept = np.where(held > 0.0, law.sf(np.maximum(np.abs(origin), x)) / np.where(held > 0.0, held, 1.0), 0.0)
+        kept = self._problem.cycle.survived(origin * self._problem.unit, x * self._problem.unit)
         return contacts.start.pdf(origin * self._problem.unit) * self._problem.unit * kept / (1.0 - contacts.cut_weight)
 
     def _reborn(self, x: Array) -> Array:
-        """Contacts born at X - x: S(x) b(X - x)."""
-        law = self._problem.law
-        birth = self._at - x
-        inside = (x >= 0.0) & (birth >= 0.0)
+        """Contacts born at X - x, what broke a wait before: E(x) b(X - x - d)."""
+        problem, release = self._problem, self._problem.release
+        birth = self._at - (x - release.birth)
+        inside = (x >= release.birth) & (birth >= release.delay)
+        start = np.full(int(inside.sum()), release.birth * problem.unit)
         out = np.zeros(x.shape)
-        out[inside] = law.sf(x[inside]) * birth_density(self._problem, self._later, birth[inside])
+        held = problem.cycle.survived(start, x[inside] * problem.unit)
+        out[inside] = held * birth_density(problem, self._later, birth[inside] - release.delay)
         return out
 
 
@@ -74,15 +75,22 @@ def distribution_at(problem: Problem, later: LaterReleased | None, position: flo
     if not 0.0 <= position <= end * (1.0 + _SLACK):
         refuse("position", position, f"must lie between 0 and the end of the path, {end:g}")
     at = position / problem.unit
-    law, chain = problem.law, problem.chain
-    born = chain.births <= at * (1.0 + _SLACK)
-    positions = np.maximum(at - chain.births[born], 0.0)
+    chain, release, unit = problem.chain, problem.release, problem.unit
+    again = problem.contacts.reforming
+    if again is not None and not again.law.is_single:
+        raise InputError("contacts.reforming: Q(x;X) is not known yet where contacts form again at many stretches")
+    births = chain.births + release.delay
+    born = births <= at * (1.0 + _SLACK)
+    positions = np.maximum(at - births[born], 0.0) + release.birth
     # a contact whose stretch has reached its threshold is broken: survival past rounding of the sum
-    weights = chain.weights[born] * law.sf(positions * (1.0 + _SLACK))
+    reached = positions + _SLACK * np.abs(positions)
+    held = problem.cycle.survived(np.full(positions.size, release.birth * unit), reached * unit)
+    weights = chain.weights[born] * held
     start = problem.contacts.start
     if start.is_single:
-        origin = start.mean() / problem.unit
-        held = law.sf(np.array(max(abs(origin), (origin + at) * (1.0 + _SLACK)))) / law.sf(np.array(abs(origin)))
+        origin = float(start.mean() / problem.unit)
+        furthest = origin + at + _SLACK * abs(origin + at)
+        held = problem.cycle.survived(np.array([origin]) * problem.unit, np.array([furthest]) * problem.unit)
         positions, weights = np.append(positions, origin + at), np.append(weights, held)
     keep = weights > 0.0
     return StretchDistribution(positions[keep] * problem.unit, weights[keep], problem, later, at)

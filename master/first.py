@@ -7,6 +7,7 @@ the stretch xi. With q(x) = Q_ini(x) / S(|x|):
 """
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ from master.corners import bends
 from master.law import Law
 from master.piecewise import Piecewise, tabulate
 from master.starting import StartSum
+from master.tally import Tally
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
@@ -45,15 +47,20 @@ class FirstBreaks:
         Whether all contacts start from one stretch, or as good as.
     has_corners : bool
         Whether b_0 may jump or bend above X = 0 where the law does not.
+    stiffness : Piecewise or None
+        Stiffness that breaks release, where contacts are not equally stiff; `atom_stiffness` that of the atoms.
     mean_start : float
         <x_ini>.
     """
+
+    stiffness: Piecewise | None = None
 
     def __init__(self, contacts: Contacts, law: Law, end: float, accuracy: float) -> None:
         self.end = end
         self._accuracy = max(accuracy, 2e-15)
         self._defect = 0.0
         self._law = law
+        self._factor = law.unit / contacts.mean_threshold if contacts.stiffness == "linked" else 0.0
         self.bends, self.bend_sizes = np.empty(0), np.empty(0)
         self.onsets, self.onset_heights = np.empty(0), np.empty(0)
         span = np.asarray(contacts.start.span) / law.unit
@@ -65,6 +72,16 @@ class FirstBreaks:
             self._from_distribution(contacts)
         self._order = np.argsort(self.atoms, kind="stable")
         self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
+
+    @cached_property
+    def count(self) -> Tally:
+        """How many break."""
+        return Tally(self.density, self.atoms, self.atom_weights)
+
+    @cached_property
+    def softened(self) -> Tally:
+        """Stiffness that breaks release; as `count` where all are equally stiff."""
+        return self.count if self.stiffness is None else Tally(self.stiffness, self.atoms, self.atom_stiffness)
 
     @property
     def error(self) -> float:
@@ -98,7 +115,8 @@ class FirstBreaks:
         keep = law.atoms > least
         self.atoms = law.atoms[keep] - start
         self.atom_weights = law.atom_weights[keep] / survival
-        self.atom_released = self.atom_weights * law.atoms[keep]
+        self.atom_stiffness = self.atom_weights * (law.atoms[keep] * self._factor if self._factor else 1.0)
+        self.atom_released = self.atom_stiffness * law.atoms[keep]
         onset = max(0.0, least - start)
         edges = _clip(law.edges - start, onset, self.end)
         at_onset = float(law.pdf(np.array([max(least, 1.0) * 1e-12 + least]))[0])
@@ -115,9 +133,12 @@ class FirstBreaks:
 
         def rows(x: Array) -> Array:
             density = law.pdf(x + start) / survival
+            if self._factor:
+                stiff = density * (self._factor * (x + start))
+                return np.stack([density, stiff * (x + start), stiff])
             return np.stack([density, density * (x + start)])
 
-        self.density, self._released = _tabulate_pair(rows, edges, self._accuracy)
+        self.density, self._released, self.stiffness = tabulate_rows(rows, edges, self._accuracy)
         if edges.size > 1:
             last = start + edges[-1]
             if law.atoms.size:  # just short of it: rounding must not put an atom there on either side at once
@@ -131,6 +152,7 @@ class FirstBreaks:
         low, high = start.low, start.high
         self.mean_start = start.mean
         self.atoms, self.atom_weights, self.atom_released = np.empty(0), np.empty(0), np.empty(0)
+        self.atom_stiffness = np.empty(0)
         marks = np.sort(np.concatenate([law.edges, law.atoms]))
         if not marks.size:  # all thresholds lie beyond the path
             marks = np.array([self.end + high])
@@ -152,7 +174,7 @@ class FirstBreaks:
         seeds = np.concatenate([*around, *corners, *stepped, both_ways, -2.0 * rough, -2.0 * held, [0.0, -2.0 * low]])
         begins = law.begins if not law.atoms.size else min(law.begins, float(law.atoms.min()))
         edges = _clip(_distinct(seeds), max(begins - high, 0.0), min(self.end, marks.max() - low))
-        self.density, self._released = _tabulate_pair(start.rows, edges, self._accuracy)
+        self.density, self._released, self.stiffness = tabulate_rows(start.rows, edges, self._accuracy)
         self.has_corners = rough.size + held.size > 0
         self.jumps, self.jump_sizes = self._find_jumps(np.concatenate(stepped))
         if law.atoms.size and edges.size:
@@ -174,12 +196,13 @@ class FirstBreaks:
         return np.append(0.0, at[sharp]), np.append(self.density(np.zeros(1)), (above - below)[sharp])
 
 
-def _tabulate_pair(rows: Function, edges: Array, accuracy: float) -> tuple[Piecewise, Piecewise]:
+def tabulate_rows(rows: Function, edges: Array, accuracy: float) -> tuple[Piecewise, Piecewise, Piecewise | None]:
+    """Tables of two rows, or three."""
     if edges.size < 2:
         nothing = Piecewise(np.zeros(1), np.empty((16, 0)))
-        return nothing, nothing
-    density, released = tabulate(rows, edges, accuracy)
-    return density, released
+        return nothing, nothing, None
+    density, released, *rest = tabulate(rows, edges, accuracy)
+    return density, released, rest[0] if rest else None
 
 
 def _thin(points: Array, spacing: float) -> Array:

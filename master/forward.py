@@ -5,6 +5,7 @@ import time
 import numpy as np
 import numpy.typing as npt
 
+from master.cycle import Cycle
 from master.law import Law
 from master.problem import Problem
 from master.renewal import LaterReleased, bound
@@ -27,17 +28,19 @@ _MOST_AROUND = 2000
 _FURTHEST = 1e100  # mean thresholds: its square is still a number
 
 
-def solve_forward(contacts: Contacts, path: Array, tolerance: float) -> Solution:
+def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: float = 1.0) -> Solution:
     """Force F(X) on a rigid slider that moves forward from X = 0 (paper Eqs. Q5a-Q6), arguments checked before."""
     began = time.perf_counter()
-    x = path / contacts.mean_threshold
+    cycle = Cycle(contacts, velocity)
+    x = path / cycle.unit
     if x[-1] > _FURTHEST:
         refuse("path[-1]", path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
-    problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance)
-    first = problem.first
-    force = first.mean_start + x - first.released(x)
-    released, error, later, message = _refine(problem, x, tolerance)
-    force = (force - released) * problem.unit
+    # errors are stated in mean thresholds, of which a cycle at a temperature is but a part
+    share = cycle.unit / contacts.mean_threshold
+    problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance / share, cycle)
+    force = problem.known(x)
+    released, error, later, message = _refine(problem, x, tolerance / share)
+    force, error = (force - released) * problem.unit, error * share
     success = error <= tolerance
     if success:
         message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
@@ -47,7 +50,7 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float) -> Solution
         path=path,
         force=force,
         force_error=error,
-        holding=np.ones(x.size),
+        holding=_holding(problem, later, x),
         run_time=time.perf_counter() - began,
         nodes=0 if later is None else later.lattice.size,
         success=success,
@@ -55,6 +58,19 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float) -> Solution
         _problem=problem,
         _later=later,
     )
+
+
+def _holding(problem: Problem, later: LaterReleased | None, x: Array) -> Array:
+    """All but those that broke within the last wait."""
+    delay = problem.release.delay
+    if delay == 0.0:
+        return np.ones(x.size)
+
+    def broken(x: Array) -> Array:
+        count = problem.first.count.once(x) + problem.chain.count.once(x)
+        return count if later is None else count + later.count(x)
+
+    return 1.0 - (broken(x) - broken(np.maximum(x - delay, -1e-300)))
 
 
 def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float, LaterReleased | None, str]:

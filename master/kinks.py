@@ -27,6 +27,7 @@ class Kinks:
 
     def __init__(self, problem: Problem, step: float, end: float, tiny: float) -> None:
         law, first = problem.law, problem.first
+        force_at, self._force_at = problem.release.force_at, problem.release.force_at
         self._step, self._tiny = step, tiny
         self._end = end / step
         self._atoms, self._weights = law.atoms / step, law.atom_weights
@@ -38,15 +39,15 @@ class Kinks:
         bends, slopes = units(2.0, law.bends / step), law.bend_sizes * step**2
         begun = units(1.0, first.jumps / step).times(first.jump_sizes * step)
         born = self._after_chain(jumps.times(heights))
-        self._released.append(self._after_chain(jumps.times(heights * law.jumps)))
+        self._released.append(self._after_chain(jumps.times(heights * force_at(law.jumps))))
         steps = self._follow([begun], [born])
         begun = units(2.0, first.bends / step).times(first.bend_sizes * step**2)
         born = self._after_chain(bends.times(slopes))
         self._follow([begun], [born, self._fold(steps, jumps, heights)])
         # what steps by j at z in P_c bends by j in x P_c
-        more = units(2.0, law.jumps / step).times(heights * step)
-        self._released += [self._after_chain(part) for part in (bends.times(slopes * law.bends), more)]
-        self._released.append(self._fold(steps, jumps, heights * law.jumps))
+        more = units(2.0, law.jumps / step).times(heights * step * problem.release.slope_at(law.jumps))
+        self._released += [self._after_chain(part) for part in (bends.times(slopes * force_at(law.bends)), more)]
+        self._released.append(self._fold(steps, jumps, heights * force_at(law.jumps)))
         self._follow_onset(problem)
 
     def _follow_onset(self, problem: Problem) -> None:
@@ -59,10 +60,12 @@ class Kinks:
         begun = units(order, problem.first.onsets / self._step)
         begun = begun.times(problem.first.onset_heights * self._step**order)
         self._follow([begun], [self._after_chain(at_end)])
-        if lowest > 0.0:
-            self._released.append(self._after_chain(at_end.times(lowest * self._step)))
+        begins = np.array([lowest * self._step])
+        if float(self._force_at(begins)[0]) > 0.0:
+            self._released.append(self._after_chain(at_end.times(self._force_at(begins))))
         else:
-            more = units(order + 1.0, np.zeros(1)).times(height * self._step ** (order + 1.0))
+            slope = problem.release.slope_at(begins)
+            more = units(order + 1.0, np.array([lowest])).times(height * slope * self._step ** (order + 1.0))
             self._released.append(self._after_chain(more))
 
     def released(self, x: Array) -> Array:
@@ -72,6 +75,10 @@ class Kinks:
     def rate(self, x: Array) -> Array:
         """What dJ_1/dX as read from the lattice lacks at x."""
         return self._sum(x, self._released, False) / self._step
+
+    def count(self, x: Array) -> Array:
+        """What the number of later breaks as read from the lattice lacks at x."""
+        return self._sum(x, self._later, True)
 
     def births(self, x: Array) -> Array:
         """What the density of later breaks as read from the lattice lacks at x."""
@@ -118,7 +125,7 @@ class Kinks:
             more, atom = more[felt], atom[felt]
             more = more.after(self._atoms[atom])
             carried.append(more)
-            released.append(more.times(self._atoms[atom] * self._step))
+            released.append(more.times(self._force_at(self._atoms[atom] * self._step)))
             pending = self._kept(merge(join(order, [pending[~now], more])))
         self._later.append(join(order, carried))
         self._released.append(join(order, released))

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.corners import bends, onset
-from origins import Contacts, InputError
+from origins import Contacts, InputError, Thresholds
 from origins.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
@@ -17,6 +17,9 @@ _DECILES = np.linspace(0.05, 0.95, 10)
 class Law:
     """P_c(x) for x in units of <x_s>, up to stretch `top`: density, survival, panels, atoms.
 
+    Or another law of `thresholds`, in units of `unit` (a length), such as that of the stretches at which contacts break
+    at a temperature.
+
     `held` is the survival at the far end of the start; panels reach to 1e-18 of that, and `begins` is below all weight
     but 1e-19. `narrowest` is the width of a Gaussian as sharp as the sharpest tenth of the weight; `jumps` and
     `jump_sizes` say where the density jumps and by how much, `diverges` whether it does at any point above 0.
@@ -24,17 +27,20 @@ class Law:
     Raises InputError where the law has weight so near to 0 that floating point cannot hold its density.
     """
 
-    def __init__(self, contacts: Contacts, top: float) -> None:
-        self.unit = contacts.mean_threshold
-        self._thresholds = contacts.thresholds
-        self.knows_breakpoints = contacts.thresholds.knows_breakpoints
-        lower, upper = contacts.thresholds.support()
+    def __init__(
+        self, contacts: Contacts, top: float, thresholds: Thresholds | None = None, unit: float | None = None
+    ) -> None:
+        self.unit = contacts.mean_threshold if unit is None else unit
+        own = thresholds is None or thresholds is contacts.thresholds
+        self._thresholds = thresholds = contacts.thresholds if thresholds is None else thresholds
+        self.knows_breakpoints = thresholds.knows_breakpoints
+        lower, upper = thresholds.support()
         self.support = (lower / self.unit, upper / self.unit)
         furthest = max(-contacts.start.span[0], contacts.start.span[1])
-        self.held = float(contacts.thresholds.sf(furthest)) if furthest > lower else 1.0
+        self.held = float(thresholds.sf(furthest)) if own and furthest > lower else 1.0
         self.top = min(top, self.support[1])
-        self.breakpoints = contacts.thresholds.breakpoints / self.unit
-        positions, self.atom_weights = contacts.thresholds.atoms
+        self.breakpoints = thresholds.breakpoints / self.unit
+        positions, self.atom_weights = thresholds.atoms
         self.atoms = positions / self.unit
         self.atomic = float(self.atom_weights.sum()) > 1.0 - 1e-14
         lost = float(self.cdf(np.array([_LEAST]))[0])
@@ -52,7 +58,7 @@ class Law:
         self.begins, self._below = self.support[0], np.zeros(1)
         if not self.atomic:
             tail = max(1e-18 * (self.held or 1.0), 1e-300)
-            self.edges = panel_edges(contacts.thresholds, self.top * self.unit, tail=tail) / self.unit
+            self.edges = panel_edges(thresholds, self.top * self.unit, tail=tail) / self.unit
         if self.edges.size > 1:
             self._look_closely()
             points = self._points()

@@ -1,23 +1,77 @@
-"""One scene in units of its mean threshold: the law, the first breaks, the atomic chain."""
+"""One scene in units of its mean stretch at a break: the law, the first breaks, the atomic chain."""
+
+import numpy as np
+import numpy.typing as npt
 
 from master.atomic import AtomicChain
+from master.births import standing
+from master.cycle import Cycle
 from master.first import FirstBreaks
 from master.law import Law
+from master.release import PLAIN, Release
 from origins import Contacts
+
+Array = npt.NDArray[np.float64]
 
 _BEYOND = 1.7  # lattices reach past the last position, at most by 24 of the coarsest steps
 
 
 class Problem:
     """What does not depend on the lattice, up to X = `end` and for errors well below `tolerance` (both in
-    units of the mean threshold)."""
+    units of the cycle's length)."""
 
-    def __init__(self, contacts: Contacts, end: float, tolerance: float) -> None:
+    release: Release = PLAIN
+
+    def __init__(self, contacts: Contacts, end: float, tolerance: float, cycle: Cycle | None = None) -> None:
         self.contacts = contacts
-        self.unit = contacts.mean_threshold
+        self.cycle = cycle = Cycle(contacts) if cycle is None else cycle
+        self.unit = cycle.unit
         self.end = end
-        self.law = Law(contacts, _BEYOND * end + max(contacts.start.span[1], 0.0) / self.unit)
-        self.first = FirstBreaks(contacts, self.law, _BEYOND * end, 1e-4 * tolerance)
+        furthest = _BEYOND * end
+        self.law = Law(contacts, furthest + max(contacts.start.span[1], 0.0) / self.unit, cycle.law, self.unit)
+        self.first = self._first(furthest, 1e-4 * tolerance)
         # corners of the law or of the first breaks above X = 0 make errors uneven
         self.rough = self.law.rough or self.first.has_corners
-        self.chain = AtomicChain(self.law, self.first.atoms, self.first.atom_weights, end)
+        self.release = cycle.release
+        self.chain = AtomicChain(self.law, self.first.atoms, self.first.atom_weights, end, self.release)
+        self._standing = (self.first.mean_start, 1.0)
+        if self.release.stiffness:
+            self._standing = standing(contacts, self.unit)
+
+    def known(self, x: Array) -> Array:
+        """F at x as the starting contacts and the births after their breaks, as if these never broke, make it."""
+        first, release = self.first, self.release
+        force, stiffness = self._standing
+        total = force + stiffness * x - first.released(x)
+        if release.plain:
+            return total
+        since = x - release.delay
+        total += release.birth_stiffness * first.count.twice(since) - first.softened.twice(x)
+        return total + release.birth_force * first.count.once(since)
+
+    def known_rate(self, x: Array) -> Array:
+        """Slope of `known`, atoms left out."""
+        first, release = self.first, self.release
+        total = self._standing[1] - first.rate(x)
+        if release.plain:
+            return total
+        since = x - release.delay
+        total += release.birth_stiffness * first.count.once(since) - first.softened.once(x)
+        return total + release.birth_force * first.density(since)
+
+    def _first(self, end: float, accuracy: float) -> FirstBreaks:
+        contacts, breaking = self.contacts, self.cycle.breaking
+        if breaking is None or contacts.start.span == (0.0, 0.0):
+            law = self.law
+            if breaking is None and self.cycle.law is not contacts.thresholds:
+                law = Law(contacts, end + max(contacts.start.span[1], 0.0) / self.unit)
+            elif breaking is not None and not self.cycle.release.plain:
+                law = Law(contacts, end, self.cycle.relaxed, self.unit)
+            if breaking is None or not self.cycle.release.stiffness:
+                return FirstBreaks(contacts, law, end, accuracy)
+        relaxed = self.law
+        if self.cycle.law is not self.cycle.relaxed:
+            relaxed = Law(contacts, end, self.cycle.relaxed, self.unit)
+        from master.thermal_first import ThermalFirstBreaks
+
+        return ThermalFirstBreaks(contacts, relaxed, breaking, end, accuracy)

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from master.cycle import LAWS, Cycle
 from master.decoherence import decoherence_length
 from master.forward import MOST_NODES, SMOOTH, estimate, first_step, round_off
 from master.problem import Problem
 from master.renewal import LaterReleased
-from master.steady import steady_state
+from master.steady import steady_of
 from origins import Contacts
 from origins.contacts import check_contacts
 from origins.errors import positive
@@ -26,7 +27,7 @@ _FURTHEST = 1000.0
 
 @dataclass(frozen=True)
 class Propensity:
-    """Measures of stick-slip propensity for a start and a law of thresholds, at T = 0.
+    """Measures of stick-slip propensity for a start, a law of thresholds and the laws of single contacts.
 
     Attributes
     ----------
@@ -54,31 +55,33 @@ class Propensity:
     run_time: float
 
 
-def propensity(contacts: Contacts, tolerance: float = 1e-8) -> Propensity:
-    """Stick-slip propensity of `contacts` on a slider that moves forward from their start.
+def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float = 1.0) -> Propensity:
+    """Stick-slip propensity of `contacts` on a slider that moves forward from their start, at `velocity` (length per
+    time; only rates tell).
 
-    F(X) is followed for ten mean thresholds, and beyond the threshold that one in a million exceeds (at most 1,000
-    means), on lattices refined until K* (relative to 1 + K*) and F_s/F_k change by less than `tolerance`, or as far as
-    a million nodes allow; the errors say how far.
+    F(X) is followed for ten mean thresholds (of the stretches at which contacts break, where that is by a rate), and
+    beyond the one that one in a million exceeds (at most 1,000 means), on lattices refined until K* (relative to
+    1 + K*) and F_s/F_k change by less than `tolerance`, or as far as a million nodes allow; the errors say how far.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with.
     """
     began = time.perf_counter()
     tolerance = positive("tolerance", tolerance)
-    check_contacts(contacts, "master.propensity")
-    steady = steady_state(contacts)
-    unit = contacts.mean_threshold
+    check_contacts(contacts, "master.propensity", LAWS)
+    cycle = Cycle(contacts, positive("velocity", velocity))
+    steady = steady_of(contacts, cycle)
+    unit = cycle.unit
     kinetic = steady.force / unit
     lowest = min(contacts.start.span[0] / unit, 0.0)
-    problem = Problem(contacts, _horizon(contacts) - lowest, tolerance)
+    problem = Problem(contacts, _horizon(contacts, cycle) - lowest, tolerance, cycle)
     spring, spring_error, static, static_error = _extremes(problem, tolerance)
-    length, length_error = decoherence_length(contacts)
+    length, length_error = decoherence_length(contacts, cycle)
     ratio = max(static / kinetic, 1.0)
     return Propensity(
         critical_spring=spring,
         critical_spring_error=spring_error,
         static_to_kinetic=ratio,
-        static_to_kinetic_error=(static_error + ratio * steady.force_error) / kinetic,
+        static_to_kinetic_error=(static_error + ratio * steady.force_error * contacts.mean_threshold / unit) / kinetic,
         decoherence_length=length,
         decoherence_length_error=length_error,
         onset_power=contacts.thresholds.onset_power,
@@ -87,16 +90,15 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8) -> Propensity:
     )
 
 
-def _horizon(contacts: Contacts) -> float:
-    """How far to follow F, in mean thresholds: ten and beyond one in a million; where generations come one after the
-    other, clearly apart, only the first, which is the sharpest."""
-    unit = contacts.mean_threshold
-    shortest = float(contacts.thresholds.ppf(1e-17)) / unit
-    longest = float(contacts.thresholds.isf(1e-17)) / unit
+def _horizon(contacts: Contacts, cycle: Cycle) -> float:
+    """How far to follow F, in units of the cycle's mean: ten and beyond one in a million; where generations come one
+    after the other, clearly apart, only the first, which is the sharpest."""
+    unit, law = cycle.unit, cycle.law
+    shortest, longest = float(law.ppf(1e-17)) / unit, float(law.isf(1e-17)) / unit
     low, high = (float(end) / unit for end in contacts.start.span)
     if longest - low < 2.0 * shortest - high:
         return longest - max(low, 0.0)
-    return max(10.0, min(float(contacts.thresholds.isf(1e-6)) / unit, _FURTHEST) + 1.0)
+    return max(10.0, min(float(law.isf(1e-6)) / unit, _FURTHEST) + 1.0)
 
 
 def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, float]:
@@ -106,7 +108,7 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
     if problem.law.atomic and problem.first.single:
         at = problem.chain.births
         before = at * (1.0 - _JUST_BESIDE)
-        force = problem.first.mean_start + at - problem.first.released(before) - problem.chain.released(before)
+        force = problem.known(before) + (at - before) - problem.chain.released(before)
         return np.inf, 0.0, float(force.max()), floor
     rough = problem.rough
     step = first_step(problem.law, rough, problem.end, tolerance)
@@ -140,10 +142,10 @@ def _largest(problem: Problem, later: LaterReleased) -> Array:
     first, end = problem.first, problem.end
 
     def fall(x: Array) -> Array:
-        return first.rate(x) + later.rate(x) - 1.0
+        return later.rate(x) - problem.known_rate(x)
 
     def force(x: Array) -> Array:
-        return first.mean_start + x - first.released(x) - later(x)
+        return problem.known(x) - later(x)
 
     nodes = later.lattice.step * np.arange(1, int(end / later.lattice.step))
     jumps = np.concatenate([first.jumps, first.density.edges, problem.chain.births])

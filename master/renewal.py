@@ -49,7 +49,9 @@ class Renewal:
 
         smooth, smooth_released, source = self._lay(problem)
         kernel = smooth + deposit_atoms(law.atoms, law.atom_weights, step, size)
-        release = smooth_released + deposit_atoms(law.atoms, law.atom_weights * law.atoms, step, size)
+        does = problem.release
+        at_atoms = law.atom_weights * does.force_at(law.atoms)
+        release = smooth_released[0] + deposit_atoms(law.atoms, at_atoms, step, size)
         self.defect = 0.0
         highest = max(law.edges[-1:].max(initial=0.0), law.atoms.max(initial=0.0))
         if 0.0 < highest < step * (size - 1):
@@ -63,9 +65,11 @@ class Renewal:
             births = deposit_atoms(chain.births, chain.weights, step, size)
             self._from_chain = convolve(smooth, births, size)
             source = source + self._from_chain
-            flux += convolve(smooth_released, births, size)
+            flux += convolve(smooth_released[0], births, size)
         breaks, released = renew(source, kernel, release)
         flux += released
+        if not does.plain:
+            flux += self._beside(problem, smooth_released, kernel, breaks)
         self.released = integrate(flux)
         self._flux = flux
         self._kinks: Kinks | None = None
@@ -73,31 +77,57 @@ class Renewal:
             self._kinks = Kinks(problem, step, end, tiny)
         self._kernel, self._breaks = kernel, breaks
 
-    def _lay(self, problem: Problem) -> tuple[Array, Array, Array]:
-        """P_c, x P_c and b_0 on the nodes, atoms left out."""
+    def _beside(self, problem: Problem, smooth: list[Array], kernel: Array, breaks: Array) -> Array:
+        """What else lets the force fall: stiffness that later breaks took away, less what their births bring."""
+        law, chain, release, step, size = problem.law, problem.chain, problem.release, self.step, self.size
+        later = self._from_chain + convolve(kernel, breaks, size)
+        softer = later
+        if release.stiffness:
+            at_atoms = law.atom_weights * release.stiffness_at(law.atoms)
+            softer = convolve(smooth[1] + deposit_atoms(law.atoms, at_atoms, step, size), breaks, size)
+            if chain.births.size:
+                births = deposit_atoms(chain.births, chain.weights, step, size)
+                softer = softer + convolve(smooth[1], births, size)
+        if release.delay > 0.0:
+            later = convolve(later, deposit_atoms(np.array([release.delay]), np.ones(1), step, size), size)
+        return step * integrate(softer - release.birth_stiffness * later) - release.birth_force * later
+
+    def _lay(self, problem: Problem) -> tuple[Array, list[Array], Array]:
+        """P_c, what its breaks release, and b_0 on the nodes, atoms left out."""
         law, first, step, size = problem.law, problem.first, self.step, self.size
 
         def thresholds(x: Array) -> list[Array]:
             density = law.pdf(x)
-            return [density, density * x]
+            return [density, *problem.release.densities(x, density)]
 
         def breaks(x: Array) -> list[Array]:
             return [first.density(x)]
 
+        rows = 3 if problem.release.stiffness else 2
         ends, others = law.edges_for(step), first.edges_for(step)
         if problem.rough:
             # beside a point where P_c diverges its weight is right on its own panels alone
-            smooth, released = lay(thresholds, 2, ends, step, size)
+            smooth, *released = lay(thresholds, rows, ends, step, size)
             (source,) = lay(breaks, 1, others, step, size)
         else:
             every = np.concatenate([ends, others])
-            smooth, released, source = lay(lambda x: thresholds(x) + breaks(x), 3, every, step, size)
+            smooth, *released, source = lay(lambda x: thresholds(x) + breaks(x), rows + 1, every, step, size)
         return smooth, released, source
 
     @cached_property
     def births(self) -> Array:
         """Density of later breaks p * b at the nodes, chains of atoms left out."""
         return (self._from_chain + convolve(self._kernel, self._breaks, self.size)) / self.step
+
+    @cached_property
+    def counted(self) -> Array:
+        """Later breaks up to the nodes, chains of atoms left out."""
+        return integrate(self._from_chain + convolve(self._kernel, self._breaks, self.size))
+
+    def count_at(self, x: Array) -> Array:
+        """Later breaks up to positions x, those of the chain at its atoms left out."""
+        count = self.read(self.counted, x)
+        return count if self._kinks is None else count + self._kinks.count(x)
 
     def births_at(self, x: Array) -> Array:
         """Density of later breaks at positions x; its kinks put right."""
@@ -167,7 +197,11 @@ class LaterReleased:
 
     def rate(self, x: Array) -> Array:
         """dJ_1/dX at positions x, atoms of the chain left out."""
-        return self._collect(Renewal.rate_at, x)
+        return self._problem.chain.rate(x) + self._collect(Renewal.rate_at, x)
+
+    def count(self, x: Array) -> Array:
+        """Later breaks up to positions x, those of the chain left out."""
+        return self._collect(Renewal.count_at, x)
 
     def births(self, x: Array, least: float = 0.0) -> Array:
         """Density of later breaks p * b at positions x, chains of atoms left out; near X = 0, where all that is born
@@ -211,7 +245,13 @@ def bound(problem: Problem, x: float, tiny: float) -> float:
     """What J_1(x) cannot exceed: every contact broken once breaks again before x, releasing at most x in all, however
     often it breaks. Where that is below `tiny`, a rougher bound."""
     again = problem.law.weight_below(x, tiny / (x + 1.0))
-    return x * _broken(problem, x) * (again / (1.0 - again) if again < 0.5 else 1.0)
+    release = problem.release
+    each = (x + release.widest) * max(1.0, release.stiffness * (x + release.widest))
+    if again < 0.5:
+        often = again / (1.0 - again)
+    else:  # what is released in all is what was stretched in all; otherwise nothing is known so simply
+        often = 1.0 if release.plain else np.inf
+    return each * _broken(problem, x) * often
 
 
 def _broken(problem: Problem, x: float) -> float:

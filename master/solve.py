@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, overload
 
 import numpy.typing as npt
 
+from master.cycle import LAWS
 from master.forward import solve_forward
 from master.solution import Solution
 from origins import Contacts, Drive
@@ -88,14 +89,22 @@ def solve(
         For a path that is not finite, and for keywords that are not as said above.
     """
     tolerance = positive("tolerance", tolerance)
-    check_contacts(contacts, "master.solve")
     drive = Drive(path, velocity, time, spring, slip)
+    steady = drive.spring is None and drive.forward and drive.time is None
+    check_contacts(contacts, "master.solve" if steady else f"master.solve {_why(drive)}", LAWS if steady else ())
     if drive.spring is not None:
         from master.soft import solve_soft
 
         return solve_soft(contacts, drive.path, drive.spring, drive.slip, tolerance)
     if drive.forward:
-        return solve_forward(contacts, drive.path, tolerance)
+        return solve_forward(contacts, drive.path, tolerance, drive.velocity)
     from master.cohorts import solve_cohorts
 
     return solve_cohorts(contacts, drive.path, tolerance)
+
+
+def _why(drive: Drive) -> str:
+    """What of the drive the laws of single contacts do not go with yet."""
+    if drive.spring is not None:
+        return "with a spring"
+    return "with time along the path" if drive.forward else "on a path that turns round"

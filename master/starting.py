@@ -31,6 +31,8 @@ class StartSum:
         Edges of its panels.
     mean : float
         <x_ini>.
+    widest : float
+        Width of the widest panel with any weight to speak of.
     """
 
     def __init__(self, contacts: Contacts, law: Law) -> None:
@@ -41,6 +43,8 @@ class StartSum:
         self.low = max(contacts.start.span[0] / unit, -reach)
         self.high = min(contacts.start.span[1] / unit, reach)
         self._scale = unit / (1.0 - contacts.cut_weight)
+        # where stiffnesses differ, k per length of the threshold
+        self._stiffness = unit / contacts.mean_threshold if contacts.stiffness == "linked" else 0.0
         inner = contacts.start.breakpoints / unit
         self._conditional = law.held < 1.0
         seeds = np.concatenate([np.linspace(self.low, self.high, 9), inner])
@@ -59,7 +63,8 @@ class StartSum:
         self._scale /= mass
         self._nodes, self._shares = nodes, plain / mass * self._held(nodes)
         # where panels of the law are no narrower than these, sums over these alone do
-        inner = law.inner_edges(float(np.diff(self.edges)[plain.sum(axis=1) > _LITTLE * mass].max()))
+        self.widest = float(np.diff(self.edges)[plain.sum(axis=1) > _LITTLE * mass].max())
+        inner = law.inner_edges(self.widest)
         self._law_edges = np.unique(np.concatenate([law.breakpoints, inner]))
 
     def _plain(self, x: Array) -> Array:
@@ -74,12 +79,25 @@ class StartSum:
         survival = self._law.sf(np.abs(x))
         return np.divide(1.0, survival, out=np.zeros(x.shape), where=survival > _NO_THRESHOLDS)
 
+    @property
+    def sample(self) -> tuple[Array, Array]:
+        """Nodes over the start and Q_ini/S times their weights: sums of what is smooth on its panels."""
+        return self._nodes, self._shares
+
+    def density(self, x: Array) -> Array:
+        """Q_ini(x)."""
+        return self._plain(x)
+
+    def weight(self, x: Array) -> Array:
+        """q(x) = Q_ini(x)/S(|x|)."""
+        return self._plain(x) * self._held(x)
+
     def _both(self, x: Array) -> Array:
         plain = self._plain(x)
         return np.stack([plain, plain * self._held(x)] if self._conditional else [plain])
 
     def rows(self, x: Array) -> Array:
-        """b_0 and dJ_0/dX at positions x, shape (2, *x.shape)."""
+        """b_0, dJ_0/dX and, where stiffnesses differ, the stiffness released at positions x, shape (rows, *x.shape)."""
         flat, edges = x.ravel(), self._law_edges
         cut = np.searchsorted(edges, flat + self.high) - np.searchsorted(edges, flat + self.low, side="right")
         nodes = GAUSS_NODES.size * np.cumsum(self.edges.size + cut)
@@ -88,13 +106,13 @@ class StartSum:
             self._sum(positions, cut_here)
             for positions, cut_here in zip(np.split(flat, chunks), np.split(cut, chunks), strict=True)
         ]
-        return np.concatenate(parts, axis=1).reshape(2, *x.shape)
+        return np.concatenate(parts, axis=1).reshape(-1, *x.shape)
 
     def _sum(self, x: Array, cut: npt.NDArray[np.intp]) -> Array:
         law = self._law
-        apart = (x >= -2.0 * self.low) & (cut == 0)
+        apart = (x >= -2.0 * self.low) & (cut == 0) & (self._stiffness == 0.0)
         reached = x + self.high > law.begins
-        out = np.zeros((2, x.size))
+        out = np.zeros((3 if self._stiffness else 2, x.size))
         whole = np.flatnonzero(apart & reached)
         if whole.size:
             nodes, shares = self._nodes.ravel(), self._shares.ravel()
@@ -109,7 +127,8 @@ class StartSum:
             at = atom - x
             inside = (np.abs(at) < atom) & (at >= self.low) & (at <= self.high)
             share = np.where(inside, weight * self._plain(at) * self._held(at), 0.0)
-            out += np.stack([share, atom * share])
+            stiff = share * (self._stiffness * atom)
+            out += np.stack([share, atom * stiff, stiff] if self._stiffness else [share, atom * share])
         return out
 
     def _split(self, x: Array) -> Array:
@@ -121,7 +140,7 @@ class StartSum:
         left, right = edges[:, :-1], edges[:, 1:]
         row, piece = np.nonzero(right - left > 1e-15 * (self.high - self.low))
         if not row.size:
-            return np.zeros((2, x.size))
+            return np.zeros((3 if self._stiffness else 2, x.size))
         left, right = left[row, piece], right[row, piece]
         panel = np.searchsorted(self.edges, 0.5 * (left + right)) - 1
         # most panels are whole, and their sums over the start known
@@ -132,6 +151,10 @@ class StartSum:
             weights[cut] *= self._plain(nodes[cut]) * self._held(nodes[cut])
         nodes += x[row, None]
         weights *= self._law.pdf(nodes)
+        if self._stiffness:
+            stiff = weights * (self._stiffness * nodes)
+            parts = [weights, stiff * nodes, stiff]
+            return np.stack([np.bincount(row, weights=part.sum(-1), minlength=x.size) for part in parts])
         return np.stack(
             [
                 np.bincount(row, weights=weights.sum(-1), minlength=x.size),

@@ -7,59 +7,157 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from master.cycle import LAWS, Cycle
+from master.law import Law
+from master.release import Release
+from master.starting import StartSum
+from master.thermal_law import BreakingLaw
 from origins import Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
+from origins.errors import positive
 from origins.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 
 _ROUND_OFF = 4e-16
+TABLES = 1e-11  # relative error of what rests on tables of breaks by a rate
 
 
 @dataclass(frozen=True)
 class SteadyState:
-    """Steady sliding at T = 0, whatever the start.
+    """Steady sliding, whatever the start.
 
     Attributes
     ----------
     force : float
-        F_k/(N_c <k>) = <x_s^2>/(2 <x_s>), a length.
+        F_k/(N_c <k>), a length. Where contacts form again at once and relaxed, and all are equally stiff, it is
+        <x_b^2>/(2 <x_b>); x_b is the stretch at which a contact breaks, x_s at T = 0.
     force_error : float
-        Its error in units of the mean threshold: the difference from the integral of x S(x) over that of S(x).
+        Its error in units of the mean threshold: the difference from the same by integrals over what holds.
+    holding : float
+        Fraction of the contacts that hold, C/(C + v tau).
     mean_threshold : float
-        C = <x_s>, a length.
+        <x_s>, a length.
+    cycle_length : float
+        C, how far the slider moves between a contact's birth and its break on the average: <x_b - r>.
     """
 
     force: float
     force_error: float
+    holding: float
     mean_threshold: float
-    _thresholds: Thresholds = field(repr=False)
+    cycle_length: float
+    _contacts: Contacts = field(repr=False)
+    _cycle: Cycle = field(repr=False)
 
     def distribution(self, x: npt.ArrayLike) -> Array:
-        """Q_s(x) = S(x)/C per length for x >= 0 (a length), 0 below; same shape as x."""
+        """Q_s(x) per length at stretches x (lengths), of all contacts; same shape as x."""
         x = np.asarray(x, dtype=float)
-        return np.where(x >= 0.0, self._thresholds.sf(x) / self.mean_threshold, 0.0)[()]
+        born, survived = self._contacts.reforming, self._cycle.survived
+        each = self.holding / self.cycle_length
+        if born is None:
+            return np.where(x >= 0.0, self._cycle.relaxed.sf(x) * each, 0.0)[()]
+        if born.law.is_single:
+            start = born.law.mean()
+            held = survived(np.full(x.shape, start), np.maximum(x, start))
+            return np.where(x >= start, held * each, 0.0)[()]
+        reborn = Contacts(self._contacts.thresholds, born.law)
+        spread = StartSum(reborn, Law(reborn, np.inf))
+        unit = self.mean_threshold
+        out = np.zeros(x.size)
+        for i, at in enumerate(x.ravel() / unit):
+            edges = np.append(spread.edges, [-abs(at), min(at, spread.high)])
+            edges = np.unique(edges[(edges <= at) & (edges >= spread.low)])
+            if edges.size > 1:
+                nodes, weights = gauss(edges[:-1], edges[1:])
+                held = survived(nodes * unit, np.full(nodes.shape, at * unit))
+                out[i] = float((weights * spread.density(nodes) * held).sum()) * each
+        return out.reshape(x.shape)[()]
 
 
-def steady_state(contacts: Contacts) -> SteadyState:
-    """Kinetic force and distribution of stretches in steady sliding.
+def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
+    """Kinetic force and distribution of stretches in steady sliding at `velocity` (length per time; only rates and
+    delay tell).
 
-    Raises InputError where <x_s^2> is infinite: then the force grows for ever and there is no steady state.
+    Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force grows for ever and there
+    is no steady state.
     """
-    check_contacts(contacts, "master.steady_state")
-    thresholds = contacts.thresholds
-    mean, square = contacts.mean_threshold, thresholds.moment(2)
-    if not np.isfinite(square):
-        raise InputError(
-            "thresholds: <x_s^2> is infinite, and with it the kinetic force <x_s^2>/(2 <x_s>): the force grows for "
-            "ever; use a law whose tail falls faster than x^-3"
-        )
-    force = 0.5 * square / mean
-    length, area = _survival_integrals(thresholds)
-    if not (np.isfinite(length) and np.isfinite(area)):
+    check_contacts(contacts, "master.steady_state", LAWS)
+    return steady_of(contacts, Cycle(contacts, positive("velocity", velocity)))
+
+
+def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
+    """The same, of contacts whose cycle is known."""
+    length, area, again_length, again_area = _cycle_integrals(contacts, cycle)
+    wait = cycle.release.delay * cycle.unit
+    force = area / (length + wait)
+    if not np.isfinite(again_area / again_length):
         raise InputError("thresholds: the distribution's own survival is not a number; use milder parameters")
-    error = abs(force - area / length) / mean + _ROUND_OFF * force / mean
-    return SteadyState(force=force, force_error=error, mean_threshold=mean, _thresholds=thresholds)
+    rounding = _ROUND_OFF if cycle.breaking is None else TABLES
+    off = abs(force - again_area / (again_length + wait)) + rounding * abs(force)
+    return SteadyState(
+        force=force,
+        force_error=off / contacts.mean_threshold,
+        holding=length / (length + wait),
+        mean_threshold=contacts.mean_threshold,
+        cycle_length=length,
+        _contacts=contacts,
+        _cycle=cycle,
+    )
+
+
+def _cycle_integrals(contacts: Contacts, cycle: Cycle) -> tuple[float, float, float, float]:
+    """C and the force integrated from a birth to its break: from what breaks release, and from what holds."""
+    law, release, unit = cycle.relaxed, cycle.release, cycle.unit
+    if release.born is not None:
+        return _born_integrals(release, unit)
+    power = 3 if release.stiffness and cycle.breaking is None else 2
+    moment = law.moment(power)
+    if not np.isfinite(moment):
+        raise InputError(
+            f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever; use a "
+            f"law whose tail falls faster than x^-{power + 1}"
+        )
+    if isinstance(law, BreakingLaw) and not release.stiffness:
+        nodes, weights = gauss(law.panels[:-1], law.panels[1:])
+        held = weights * law.sf(nodes)
+        return unit, 0.5 * moment, float(held.sum()), float((held * nodes).sum())
+    if not release.stiffness:
+        return unit, 0.5 * moment, *_survival_integrals(law)
+    if cycle.breaking is None:
+        edges = panel_edges(law)
+        nodes, weights = gauss(edges[:-1], edges[1:])
+        positions, shares = law.atoms
+        again = float((weights * law.pdf(nodes) * nodes**3).sum()) + float(shares @ positions**3)
+        return unit, 0.5 * moment / unit, unit, 0.5 * again / unit
+    assert release.relaxed is not None
+    edges = release.relaxed.edges
+    edges = np.sort(np.append(edges, 0.5 * (edges[1:] + edges[:-1])))
+    nodes, weights = gauss(edges[:-1], edges[1:])
+    positions, shares = law.atoms
+    area = float((weights * release.relaxed(nodes) * nodes**2).sum())
+    area += float((shares * contacts.relative_stiffness(positions)) @ positions**2)
+    rows = cycle.breaking.rows(nodes.ravel())
+    held = weights.ravel() * nodes.ravel() * rows[3]
+    return unit, 0.5 * area, float((weights.ravel() * rows[1]).sum()), float(held.sum())
+
+
+def _born_integrals(release: Release, unit: float) -> tuple[float, float, float, float]:
+    """The same after births at other stretches than 0, from the tables of their breaks."""
+    born = release.born
+    assert born is not None
+    edges = np.unique(np.concatenate([[0.0], born.density.edges, born.atoms]))
+    edges = np.sort(np.append(edges, 0.5 * (edges[1:] + edges[:-1])))
+    s, weights = gauss(edges[:-1], edges[1:])
+    breaks, force = weights * born.density(s), weights * born.rate(s)
+    stiff = breaks if born.stiffness is None else weights * born.stiffness(s)
+    at = born.atoms
+    length = float((breaks * s).sum()) + float(born.atom_weights @ at)
+    area = float((force * s).sum()) + float(born.atom_released @ at)
+    area -= 0.5 * (float((stiff * s * s).sum()) + float(born.atom_stiffness @ at**2))
+    held = release.birth_force + release.birth_stiffness * s - born.released(s) - born.softened.twice(s)
+    again = float((weights * (1.0 - born.count.once(s))).sum()), float((weights * held).sum())
+    return length * unit, area * unit**2, again[0] * unit, again[1] * unit**2
 
 
 def _survival_integrals(thresholds: Thresholds) -> tuple[float, float]:

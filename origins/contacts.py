@@ -134,12 +134,13 @@ class Contacts:
             self.ageing.check_fresh(self.thresholds)
 
 
-def check_contacts(contacts: object, solver: str) -> None:
-    """Raise InputError for anything but Contacts, such as thresholds alone, and for what `solver` does not take."""
+def check_contacts(contacts: object, solver: str, takes: tuple[str, ...] = ()) -> None:
+    """Raise InputError for anything but Contacts, such as thresholds alone, and for what `solver` does not take: of
+    "thermal", "ageing", "delay", "reforming" and "stiffness", all that is not in `takes`."""
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts, such as origins.Contacts(origins.gaussian(mean=1.0, std=0.05))")
     for name in ("thermal", "ageing", "delay", "reforming"):
-        if getattr(contacts, name) is not None:
+        if name not in takes and getattr(contacts, name) is not None:
             raise InputError(f"contacts.{name}: {solver} does not take it yet; leave {name} out of the contacts")
-    if contacts.stiffness != "independent":
+    if contacts.stiffness != "independent" and "stiffness" not in takes:
         refuse("contacts.stiffness", contacts.stiffness, f'{solver} does not take it yet; leave it "independent"')

@@ -1,0 +1,123 @@
+"""Contacts that stand at stretches of a given law: how stiff they are, and when those that form again so break."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from master.first import FirstBreaks
+from master.law import Law
+from master.piecewise import tabulate
+from master.starting import StartSum
+from origins import Contacts, Thresholds
+
+if TYPE_CHECKING:
+    from master.thermal_first import Breaking
+
+Array = npt.NDArray[np.float64]
+
+_ACCURACY = 1e-14
+_FELT = 1e-13
+
+
+def standing(contacts: Contacts, unit: float) -> tuple[float, float]:
+    """Means of k x and of k over the start of `contacts`, x in `unit`s."""
+    law = Law(contacts, np.inf, unit=unit)
+    single = contacts.start.is_single
+    if contacts.stiffness == "independent":
+        return (contacts.start.mean() / unit if single else StartSum(contacts, law).mean), 1.0
+    beyond = tabulate(lambda x: (x * law.pdf(x))[None], law.edges, _ACCURACY)[0] if law.edges.size > 1 else None
+
+    def stiffness(x: Array) -> Array:
+        """Integral of k P_c beyond |x|."""
+        least = np.abs(x)
+        total = np.zeros(x.shape) if beyond is None else beyond.total - beyond.integral(least)
+        for atom, weight in zip(law.atoms, law.atom_weights, strict=True):
+            total = total + np.where(atom > least, weight * atom, 0.0)
+        return total * unit / contacts.mean_threshold
+
+    if single:
+        x = np.array([contacts.start.mean() / unit])
+        mean = float((stiffness(x) / law.sf(np.abs(x)))[0])
+        return float(x[0]) * mean, mean
+    nodes, shares = StartSum(contacts, law).sample
+    found = shares * stiffness(nodes)
+    return float((found * nodes).sum()), float(found.sum())
+
+
+def born(contacts: Contacts, unit: float, breaking: "Breaking | None", law: Thresholds) -> FirstBreaks:
+    """Breaks after births by `contacts.reforming`, over the travel since the birth in `unit`s."""
+    assert contacts.reforming is not None
+    law_of = contacts.reforming.law
+    again = Contacts(contacts.thresholds, law_of, thermal=contacts.thermal, stiffness=contacts.stiffness)
+    if breaking is None:
+        far = Law(again, np.inf)
+        end = float(np.concatenate([far.edges, far.atoms]).max()) - min(law_of.span[0] / unit, 0.0)
+        return FirstBreaks(again, far, end, _ACCURACY)
+    from master.thermal_first import ThermalFirstBreaks
+
+    end = (breaking.top - law_of.span[0]) / unit
+    return ThermalFirstBreaks(again, Law(again, np.inf, law, unit), breaking, end, _ACCURACY)
+
+
+class TravelLaw(Thresholds):
+    """The law p of the travel from one break to the next: a wait, then a stretch from r to the break.
+
+    Parameters
+    ----------
+    relaxed : Thresholds
+        Stretches at which relaxed births break.
+    after : FirstBreaks or None
+        Breaks after births at other stretches, in `unit`s; None: births are relaxed.
+    delay, unit : float
+        Lengths.
+    """
+
+    def __init__(self, relaxed: Thresholds, after: FirstBreaks | None, delay: float, unit: float) -> None:
+        self._relaxed, self._after, self._delay, self._unit = relaxed, after, delay, unit
+        self.onset_power = relaxed.onset_power
+        self.knows_breakpoints = relaxed.knows_breakpoints
+        if after is None:
+            lower, upper = relaxed.support()
+            marks = relaxed.breakpoints
+            positions, self._weights = relaxed.atoms
+            begins = float(relaxed.pdf(lower)) if positions.size == 0 or (positions > lower).all() else 0.0
+        else:
+            table = after.density
+            positions, self._weights = after.atoms * unit, after.atom_weights
+            ends = np.append(table.edges[[0, -1]] * unit, positions)
+            lower, upper = float(ends.min()), float(ends.max()) * 1.001
+            marks = np.append(after.jumps[np.abs(after.jump_sizes) > _FELT], after.bends) * unit
+            begins = float(table(table.edges[:1])[0]) / unit if table.edges.size > 1 else 0.0
+            # births all around 0: what breaks at once is little, but begins at the wait's end
+            self.onset_power = 0.0
+            self.knows_breakpoints = True
+        self._positions = positions + delay
+        self._support = lower + delay, upper + delay
+        inner = marks[marks > lower] + delay
+        felt = begins * unit > _FELT or self._support[0] == 0.0
+        self._marks = np.unique(np.append(inner, self._support[0])) if felt else np.unique(inner)
+
+    def support(self) -> tuple[float, float]:
+        return self._support
+
+    @property
+    def breakpoints(self) -> Array:
+        return self._marks
+
+    @property
+    def atoms(self) -> tuple[Array, Array]:
+        return self._positions, self._weights
+
+    def _pdf(self, x: Array) -> Array:
+        if self._after is None:
+            return self._relaxed.pdf(x - self._delay)
+        return np.maximum(self._after.density((x - self._delay) / self._unit) / self._unit, 0.0)
+
+    def _sf(self, x: Array) -> Array:
+        return self._relaxed.sf(x - self._delay) if self._after is None else np.maximum(1.0 - self._cdf(x), 0.0)
+
+    def _cdf(self, x: Array) -> Array:
+        if self._after is None:
+            return self._relaxed.cdf(x - self._delay)
+        return np.minimum(self._after.count.once((x - self._delay) / self._unit), 1.0)

@@ -1,0 +1,132 @@
+"""First breaks at a temperature, of contacts that hold at X = 0 with stretches on either side of 0.
+
+With p(x; x_0) of thermal_law and q(x_0) = Q_ini(x_0)/S(|x_0|),
+
+    b_0(X) = integral of q(x_0) p(x_0 + X; x_0),       dJ_0/dX = the same, times (x_0 + X).
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from master.corners import bends
+from master.first import FirstBreaks, tabulate_rows
+from master.law import Law
+from master.starting import StartSum
+from master.thermal_law import ThermalBreaking
+from master.thermal_paper import PaperBreaking
+from origins import Contacts
+from origins.quadrature import gauss
+
+Array = npt.NDArray[np.float64]
+
+Breaking = ThermalBreaking | PaperBreaking
+
+_JUMP = 1e-11
+_NARROW = 1e-9
+_CHUNK = 8_000
+_NEGLIGIBLE = 1e-19
+
+
+class ThermalFirstBreaks(FirstBreaks):
+    """Density and atoms of the first breaks over X (in units of `law`), up to X = `end`, the same face as at T = 0."""
+
+    def __init__(self, contacts: Contacts, law: Law, breaking: Breaking, end: float, accuracy: float) -> None:
+        self.end, self._accuracy, self._law, self._breaking = end, max(accuracy, 2e-15), law, breaking
+        unit = law.unit
+        self._unit, self._contacts = unit, contacts
+        low, high = np.asarray(contacts.start.span) / unit
+        self.single = bool(high - low < _NARROW)
+        marks = breaking.marks / unit
+        if self.single:
+            start = contacts.start.mean() / unit
+            self._origins, self._shares = np.array([start]), 1.0 / breaking.law.sf(np.array([abs(start * unit)]))
+            self._sum: StartSum | None = None
+            self.mean_start, low, high = start, start, start
+            keep = breaking.atoms / unit > abs(start)
+            self.atoms = breaking.atoms[keep] / unit - start
+            begin = np.full(self.atoms.size, start * unit)
+            left = breaking.held(breaking.atoms[keep], breaking.atoms[keep], begin) * self._shares
+            self.atom_weights = breaking.atom_weights[keep] * left
+            stiff = contacts.relative_stiffness(breaking.atoms[keep])
+            self.atom_stiffness = self.atom_weights * stiff
+            self.atom_released = self.atom_stiffness * breaking.atoms[keep] / unit
+            seeds = np.concatenate([marks - start, [-2.0 * start]])
+        else:
+            self._sum = StartSum(contacts, Law(contacts, np.inf, unit=unit))
+            self.mean_start, low, high = self._sum.mean, self._sum.low, self._sum.high
+            self.atoms, self.atom_weights, self.atom_released = np.empty(0), np.empty(0), np.empty(0)
+            self.atom_stiffness = np.empty(0)
+            rough = contacts.start.breakpoints / unit
+            rough = np.concatenate([rough[(rough >= low) & (rough <= high)], [low, high]])
+            seeds = np.concatenate([(marks[:, None] - rough).ravel(), -2.0 * rough, marks - self.mean_start])
+            self._cuts = np.unique(np.concatenate([law.inner_edges(self._sum.widest), marks]))
+        peak = float(law.edges[law.cdf(law.edges).searchsorted(0.5)]) if law.edges.size else 1.0
+        across = max(high - low, law.narrowest)
+        seeds = np.concatenate([seeds, peak - self.mean_start + across * np.linspace(-2.0, 2.0, 9)])
+        top = min(end, breaking.top / unit - low)
+        seeds = np.unique(seeds[(seeds > 0.0) & (seeds < top)])
+        edges = np.unique(np.concatenate([np.linspace(0.0, top, 9), seeds]))
+        self.density, self._released, self.stiffness = tabulate_rows(self._rows, edges, self._accuracy)
+        self._find_corners(seeds, law)
+        self._order = np.argsort(self.atoms, kind="stable")
+        self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
+        rest = float(self._integrals(np.array([top]))[1, 0]) if top < breaking.top / unit - low else 0.0
+        broken = self.density.total + float(self.atom_weights[self.atoms <= top].sum())
+        self._defect = abs(1.0 - rest - broken)
+
+    def _find_corners(self, seeds: Array, law: Law) -> None:
+        """Jumps of b_0 between panels, and bends where the law has atoms."""
+        table = self.density
+        signs = np.where(np.arange(table.coefficients.shape[0]) % 2, -1.0, 1.0)[:, None]
+        begins = (signs * table.coefficients).sum(axis=0)
+        size = begins - np.append(0.0, table.coefficients.sum(axis=0)[:-1])
+        known = np.isin(table.edges[:-1], seeds) & (np.abs(size) > _JUMP)
+        known[0] = True
+        self.jumps, self.jump_sizes = table.edges[:-1][known], size[known]
+        self.bends, self.bend_sizes = bends(table, seeds, law.narrowest) if seeds.size else (np.empty(0), np.empty(0))
+        self.onsets, self.onset_heights = np.empty(0), np.empty(0)
+        self.has_corners = bool(known[1:].any() or self.bends.size)
+
+    def _rows(self, x: Array) -> Array:
+        """b_0, dJ_0/dX and, where stiffnesses differ, the stiffness released at positions x, shape (rows, *x.shape)."""
+        flat = x.ravel()
+        per = max(1, _CHUNK // self._origins.size) if self._sum is None else _CHUNK // 64
+        parts = [self._integrals(flat[i : i + per]) for i in range(0, flat.size, per)]
+        out = np.concatenate(parts, axis=1)
+        return out[[0, 2, 3] if self._breaking.linked else [0, 2]].reshape(-1, *x.shape)
+
+    def _integrals(self, x: Array) -> Array:
+        """b_0, what holds, dJ_0/dX and the stiffness released; shape (4, n)."""
+        if self._sum is None:
+            return self._total(np.arange(x.size), x, self._origins[0], self._shares[0], x.size)
+        start = self._sum
+        cuts = self._cuts
+        own = np.broadcast_to(start.edges, (x.size, start.edges.size))
+        edges = np.concatenate([own, cuts - x[:, None], -0.5 * x[:, None]], axis=1)
+        edges = np.sort(np.clip(edges, start.low, start.high), axis=1)
+        left, right = edges[:, :-1], edges[:, 1:]
+        row, piece = np.nonzero(right - left > 1e-15 * (start.high - start.low))
+        origins, weights = gauss(left[row, piece], right[row, piece])
+        weights = (weights * start.weight(origins)).ravel()
+        felt = weights > _NEGLIGIBLE
+        row = np.repeat(row, origins.shape[1])[felt]
+        out = self._total(row, x[row], origins.ravel()[felt], weights[felt], x.size)
+        breaking, unit = self._breaking, self._unit
+        for atom, weight in zip(breaking.atoms / unit, breaking.atom_weights, strict=True):
+            at = np.flatnonzero((np.abs(atom - x) < atom) & (atom - x >= start.low) & (atom - x <= start.high))
+            threshold = np.full(at.size, atom * unit)
+            share = weight * start.weight(atom - x[at]) * breaking.held(threshold, threshold, (atom - x[at]) * unit)
+            stiff = share * self._contacts.relative_stiffness(atom * unit)
+            out[0, at] += share
+            out[2, at] += stiff * atom
+            out[3, at] += stiff
+        return out
+
+    def _total(
+        self, row: npt.NDArray[np.intp], x: Array, origins: Array | float, weights: Array | float, size: int
+    ) -> Array:
+        stretch = origins + x
+        rows = self._breaking.rows(stretch * self._unit, np.asarray(origins) * self._unit)
+        breaks, stiff = rows[0] * self._unit * weights, rows[-2] * self._unit * weights
+        parts = breaks, rows[1] * weights, stiff * stretch, stiff
+        return np.stack([np.bincount(row, weights=part, minlength=size) for part in parts])

@@ -1,0 +1,254 @@
+"""Breaks at a steady speed and temperature, with closure "exact": of all contacts that stood at one stretch.
+
+A contact that stood at x_0, |x_0| < ξ its threshold, still holds at x < ξ with the probability
+exp{-[A(x; ξ) - A(x_0; ξ)]/v}, A the integral of the breaking rate h. Over thresholds,
+
+    E(x; x_0) = integral over ξ > max(|x_0|, x) of P_c(ξ) exp{-[A(x; ξ) - A(x_0; ξ)]/v},
+    p(x; x_0) = P_c(x) exp{-[A(x; x) - A(x_0; x)]/v}, where x > |x_0|,
+                + the integral of E with h(x; ξ)/v beside the exponential,
+
+both to be divided by S(|x_0|). Of relaxed births, x_0 = 0, p is a law of the stretches at which they break.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from master.piecewise import Piecewise, tabulate
+from master.thermal_paper import PaperBreaking
+from origins import Contacts, Thresholds
+from origins.quadrature import gauss, panel_edges
+
+Array = npt.NDArray[np.float64]
+Function = Callable[[Array], Array]
+
+_ACCURACY = 1e-13
+_TAIL = 1e-20
+# panels around the threshold at which A/v = 1, as ln(A/v): e^(-A/v) falls from 1 to 0 in between
+_AROUND = np.array([3.9, 3.3, 2.7, 2.1, 1.5, 0.9, 0.3, -0.4, -1.2, -2.1, -3.2, -4.6, -6.5, -9.0, -13.0, -20.0, -38.0])
+_SMOOTH = 0.6  # change of ln(A/v) that eight nodes see through
+_CUTS = 10
+_STEPS = 12
+_CHUNK = 24_000  # so that what is made on the way stays in the cache
+_GONE = 7.0  # e^(-e^7) is nothing
+
+
+class ThermalBreaking:
+    """p and E of contacts with `thermal` at the speed v > 0 (length per time); lengths as given."""
+
+    def __init__(self, contacts: Contacts, velocity: float) -> None:
+        if contacts.thermal is None:
+            raise ValueError("contacts without temperature break at their thresholds")
+        self.law, self._thermal, self._log_velocity = contacts.thresholds, contacts.thermal, float(np.log(velocity))
+        self._contacts, self.linked = contacts, contacts.stiffness == "linked"
+        self.atoms, self.atom_weights = self.law.atoms
+        lower, upper = self.law.support()
+        far = upper if np.isfinite(upper) else float(self.law.isf(1e-300))
+        inner = panel_edges(self.law, tail=1e-30) if float(self.atom_weights.sum()) < 1.0 - 1e-14 else np.empty(0)
+        self._panels = np.unique(np.concatenate([[lower], inner, [min(far, upper)]]))
+        self.top = float(self._panels[-1])
+        self._heavy = np.abs(np.diff(self.law.cdf(self._panels))) > 1e-13
+        marks = np.concatenate([self.law.breakpoints, self.atoms])
+        self.marks = np.unique(marks[marks > 0.0])
+
+    def rows(self, x: Array, origin: Array | float = 0.0) -> Array:
+        """p and E at stretches x > `origin`, where stiffnesses differ then both with these under the integral; shape
+        (2, n) or (4, n) for x of shape (n,)."""
+        origin = np.broadcast_to(origin, x.shape)
+        out = np.zeros((4 if self.linked else 2, x.size))
+        live = np.flatnonzero(np.maximum(x, np.abs(origin)) <= self.top)
+        x, origin = x[live], origin[live]
+        chunk = max(1, _CHUNK // (8 * (self._panels.size + _AROUND.size)))
+        parts = [self._integrals(x[i : i + chunk], origin[i : i + chunk]) for i in range(0, x.size, chunk)]
+        if parts:
+            out[:, live] = np.concatenate(parts, axis=1)
+        return out
+
+    def held(self, x: Array, threshold: Array, origin: Array) -> Array:
+        """exp{-[A(x; ξ) - A(x_0; ξ)]/v}, for x >= x_0."""
+        spent = self._log_spent(x, threshold, origin)
+        return np.exp(-np.exp(np.minimum(spent, _GONE)))
+
+    def _log_spent(self, x: Array, threshold: Array, origin: Array) -> Array:
+        stiffness = self._contacts.relative_stiffness(threshold)
+        return self._thermal.log_cumulative(x, threshold, origin, stiffness) - self._log_velocity
+
+    def _hazard(self, x: Array, threshold: Array) -> Array:
+        """h/v."""
+        stiffness = self._contacts.relative_stiffness(threshold)
+        return np.exp(self._thermal.log_rate(x, threshold, stiffness) - self._log_velocity)
+
+    def _integrals(self, x: Array, origin: Array) -> Array:
+        least = np.maximum(x, np.abs(origin))
+        out = np.zeros((4 if self.linked else 2, x.size))
+        if self._panels.size > 1:
+            edges = np.clip(self._panels, np.maximum(least, self._panels[0])[:, None], self.top)
+            level = self._log_spent(np.broadcast_to(x[:, None], edges.shape), edges, origin[:, None])
+            level = np.clip(level, _AROUND[-1], _AROUND[0]) + 1.0
+            # below, e^(-A/v) changes by little
+            across = np.abs(np.diff(np.where(level < 0.0, 0.25 * level, level), axis=1))
+            sharp = ((across > _SMOOTH) & self._heavy).any(axis=1)
+            self._spread(out, np.flatnonzero(~sharp), edges[~sharp], x, origin, least)
+            if sharp.any():
+                centre, width = self._half_way(x[sharp], origin[sharp], least[sharp])
+                edges = np.concatenate([edges[sharp], centre[:, None] + width[:, None] * -_AROUND], axis=1)
+                edges = np.sort(np.clip(edges, edges[:, :1], self.top), axis=1)
+                self._spread(out, np.flatnonzero(sharp), edges, x, origin, least)
+        for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
+            row = np.flatnonzero(least < atom)
+            if row.size:
+                threshold = np.full(row.size, atom)
+                held = weight * self.held(x[row], threshold, origin[row])
+                self._add(out, row, held[:, None], x[row, None], threshold[:, None])
+        at_threshold = self.law.pdf(x)
+        inside = (at_threshold > 0.0) & (x > np.abs(origin))
+        if inside.any():
+            own = x[inside]
+            breaks = at_threshold[inside] * self.held(own, own, origin[inside])
+            out[0, inside] += breaks
+            if self.linked:
+                out[2, inside] += breaks * self._contacts.relative_stiffness(own)
+        return out
+
+    def _spread(
+        self, out: Array, rows: npt.NDArray[np.intp], edges: Array, x: Array, origin: Array, least: Array
+    ) -> None:
+        """Add the integrals over thresholds on panels between `edges`, one row of them for each of `rows`."""
+        # a stiff contact's rate has a root at its threshold: in the root of ξ - x all is smooth
+        roots = np.sqrt(np.maximum(edges - least[rows, None], 0.0))
+        left, right = roots[:, :-1], roots[:, 1:]
+        wide = right > left
+        row = rows[np.nonzero(wide)[0]]
+        if not row.size:
+            return
+        nodes, weights = gauss(left[wide], right[wide])
+        at, begin = (np.broadcast_to(some[row, None], nodes.shape) for some in (x, origin))
+        nodes, weights = least[row, None] + nodes * nodes, 2.0 * nodes * weights
+        self._add(out, row, weights * self.law.pdf(nodes) * self.held(at, nodes, begin), at, nodes)
+
+    def _add(self, out: Array, row: npt.NDArray[np.intp], held: Array, x: Array, threshold: Array) -> None:
+        breaks = held * self._hazard(x, threshold)
+        parts = [breaks, held]
+        if out.shape[0] > 2:
+            stiffness = self._contacts.relative_stiffness(threshold)
+            parts += [breaks * stiffness, held * stiffness]
+        for k, part in enumerate(parts):
+            out[k] += np.bincount(row, weights=part.sum(-1), minlength=out.shape[1])
+
+    def _half_way(self, x: Array, origin: Array, least: Array) -> tuple[Array, Array]:
+        """Threshold at which A/v = 1, the lowest there is where it is less there, and the width of a factor e in A."""
+
+        def level(threshold: Array) -> Array:
+            return self._log_spent(x, np.maximum(threshold, 1e-300), origin)
+
+        low = np.maximum(least, self._panels[0])
+        high = np.maximum(np.full(x.shape, self.top), low)
+        centre = _falling_root(level, low, high, 0.0)
+        further = _falling_root(level, centre, np.maximum(2.0 * centre, high), level(centre) - 1.0)
+        return centre, further - centre
+
+
+class BreakingLaw(Thresholds):
+    """The stretches at which contacts born relaxed break, as a law.
+
+    Parameters
+    ----------
+    contacts : Contacts with `thermal`
+    velocity : float
+        v > 0, length per time.
+
+    Attributes
+    ----------
+    stiffness : Piecewise or None
+        The same with the relative stiffness beside each contact, where that depends on the threshold; atoms left out.
+    """
+
+    def __init__(self, contacts: Contacts, velocity: float) -> None:
+        assert contacts.thermal is not None
+        paper = contacts.thermal.closure == "paper"
+        breaking = PaperBreaking(contacts, velocity) if paper else ThermalBreaking(contacts, velocity)
+        self.breaking: ThermalBreaking | PaperBreaking = breaking
+        self._unit = contacts.mean_threshold
+        self.onset_power = 0.0
+        # a threshold of exact value: what has not broken before does there
+        self._atoms = breaking.atoms
+        left = breaking.held(breaking.atoms, breaking.atoms, np.zeros(breaking.atoms.size))
+        self._atom_weights = breaking.atom_weights * left
+        self._end = self._reach()
+        marks = breaking.marks
+        inner = np.append(np.linspace(0.0, self._end, 9), marks[marks < self._end])
+        tables = tabulate(self._rows, np.unique(inner), _ACCURACY)
+        self._breaks, self._held = tables[:2]
+        self.stiffness: Piecewise | None = tables[2] if breaking.linked else None
+
+    def _reach(self) -> float:
+        """Stretch that fewer than 1e-20 pass."""
+        low, high = 0.0, self.breaking.top
+        for _ in range(_CUTS):
+            at = np.linspace(low, high, 34)[1:-1]
+            passed = int((self.breaking.rows(at)[1] > _TAIL).sum())
+            low, high = (at[passed - 1] if passed else low), (at[passed] if passed < at.size else high)
+        # an exact value at the very end is told from what comes before by what comes after
+        return float(high) * 1.001 if high in self._atoms else float(high)
+
+    def _rows(self, x: Array) -> Array:
+        """p, E in units of the mean threshold, and p with stiffnesses where they differ, shape (rows, *x.shape)."""
+        rows = self.breaking.rows(x.ravel())[:3]
+        rows[1] /= self._unit
+        return rows.reshape(-1, *x.shape)
+
+    @property
+    def panels(self) -> Array:
+        """Edges between which p and E are series, each halved."""
+        edges = self._breaks.edges
+        return np.sort(np.append(edges, 0.5 * (edges[1:] + edges[:-1])))
+
+    def support(self) -> tuple[float, float]:
+        return 0.0, self._end
+
+    @property
+    def breakpoints(self) -> Array:
+        marks = self.breaking.marks
+        return np.append(0.0, marks[marks <= self._end])
+
+    @property
+    def atoms(self) -> tuple[Array, Array]:
+        felt = self._atom_weights > _TAIL
+        return self._atoms[felt], self._atom_weights[felt]
+
+    def _pdf(self, x: Array) -> Array:
+        return np.maximum(self._breaks(x), 0.0)
+
+    def _sf(self, x: Array) -> Array:
+        return np.clip(self._held(x) * self._unit, 0.0, 1.0)
+
+    def _cdf(self, x: Array) -> Array:
+        return np.clip(self._breaks.integral(x) + self._atoms_below(x), 0.0, 1.0)
+
+    def _atoms_below(self, x: Array) -> Array:
+        total = np.zeros(x.shape)
+        for atom, weight in zip(*self.atoms, strict=True):
+            total += np.where(x >= atom, weight, 0.0)
+        return total
+
+
+def _falling_root(level: Function, low: Array, high: Array, goal: Array | float) -> Array:
+    """Where a function that falls with ξ reaches `goal`, or the nearer end: false position in ξ² (Illinois)."""
+    left, right = low * low, high * high
+    above, below = level(low) - goal, level(high) - goal
+    out = np.where(above <= 0.0, low, high)
+    inside = (above > 0.0) & (below < 0.0)
+    above, below = np.where(inside, above, 1.0), np.where(inside, below, -1.0)
+    side = np.zeros(low.shape)
+    for _ in range(_STEPS):
+        share = np.clip(above / (above - below), 1e-3, 1.0 - 1e-3)
+        middle = left + share * (right - left)
+        value = level(np.sqrt(middle)) - goal
+        up = value > 0.0
+        below = np.where(up & (side > 0.0), 0.5 * below, below)
+        above = np.where(~up & (side < 0.0), 0.5 * above, above)
+        left, above = np.where(up, middle, left), np.where(up, value, above)
+        right, below = np.where(up, right, middle), np.where(up, below, value)
+        side = np.where(up, 1.0, -1.0)
+    return np.where(inside, np.sqrt(middle), out)

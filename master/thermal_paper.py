@@ -1,0 +1,154 @@
+"""Breaks at a steady speed and temperature, with closure "paper": all contacts break at one mean rate.
+
+To the hazard P(x) of the thresholds comes H(x)/v, H the integral of h(x; ξ) P_c(ξ) over ξ > x (paper, Eqs. temper3,
+temper4): not conditioned on survival. So, with barriers of |x| and thresholds above |x_0| as everywhere else,
+
+    E(x; x_0) S(|x_0|) = S(max(|x_0|, x)) exp{-[L(x) - L(x_0)]},     L(x) = integral of H/v from 0 to x, odd in x,
+                 v L(x) = integral of P_c(ξ) A(min(x, ξ); ξ) over all ξ,          A that of h, in closed form.
+"""
+
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from master.piecewise import Piecewise, tabulate
+from origins import Contacts
+from origins.quadrature import gauss, panel_edges
+
+Array = npt.NDArray[np.float64]
+
+_ACCURACY = 1e-14
+_CHUNK = 60_000
+_GONE = 60.0  # exponent beyond which a barrier is never passed at the attempt frequency v per length
+_MOST = 750.0
+_NEAR = 1.6 ** np.arange(46.0)
+_BELOW = np.linspace(0.0, 1.0, 25)
+_ABOVE = np.arange(1.0, 33.0)
+
+
+class PaperBreaking:
+    """p and E of contacts with `thermal` at the speed v > 0 (length per time); lengths as given. The same face as
+    thermal_law.ThermalBreaking."""
+
+    linked = False
+
+    def __init__(self, contacts: Contacts, velocity: float) -> None:
+        assert contacts.thermal is not None
+        self.law, self._thermal = contacts.thresholds, contacts.thermal
+        self._velocity = velocity
+        self.atoms, self.atom_weights = self.law.atoms
+        lower, upper = self.law.support()
+        continuous = float(self.atom_weights.sum()) < 1.0 - 1e-14
+        far = upper if np.isfinite(upper) else float(self.law.isf(1e-300))
+        inner = panel_edges(self.law, tail=1e-30) if continuous else np.empty(0)
+        self._panels = np.unique(np.concatenate([[lower], inner, [min(far, upper)]]))
+        self.top = float(self._panels[-1])
+        marks = np.concatenate([self.law.breakpoints, self.atoms])
+        self.marks = np.unique(marks[marks > 0.0])
+        temperature, std = contacts.thermal.temperature, self.law.std() or contacts.mean_threshold
+        # P_c times e^(-barrier) is as narrow as both together
+        self._width = 0.8 / np.sqrt(1.0 / temperature + 1.0 / std**2)
+        barrier = _GONE + np.log(max(contacts.thermal.attempt_frequency / velocity * contacts.mean_threshold, 1.0))
+        self._square = 2.0 * temperature * barrier
+
+    @cached_property
+    def _tables(self) -> list[Piecewise]:
+        edges = np.unique(np.concatenate([np.linspace(0.0, self.top, 9), self.marks[self.marks < self.top]]))
+        return tabulate(lambda x: np.stack(self._integrals(x.ravel())).reshape(2, *x.shape), edges, _ACCURACY)
+
+    def _table(self, x: Array) -> Array:
+        return self._tables[0](x)
+
+    def _hazard(self, x: Array) -> Array:
+        return self._tables[1](x)
+
+    def rows(self, x: Array, origin: Array | float = 0.0) -> Array:
+        """p and E, times S(|origin|), at stretches x > `origin`; shape (2, n) for x of shape (n,)."""
+        origin = np.broadcast_to(origin, x.shape)
+        out = np.zeros((2, x.size))
+        least = np.maximum(np.abs(x), np.abs(origin))
+        live = np.flatnonzero(least <= self.top)
+        if not live.size:
+            return out
+        x, origin, least = x[live], origin[live], least[live]
+        if (origin == 0.0).all():
+            spent, hazard = self._integrals(np.abs(x))
+            before = np.zeros(x.size)
+        else:  # many starts, few places
+            spent, hazard, before = self._table(np.abs(x)), self._hazard(np.abs(x)), self._table(np.abs(origin))
+        held = np.exp(np.minimum(np.sign(origin) * before - np.sign(x) * spent, _MOST))
+        survival = self.law.sf(least)
+        out[1, live] = survival * held
+        out[0, live] = held * (survival * hazard + np.where(x > np.abs(origin), self.law.pdf(x), 0.0))
+        return out
+
+    def held(self, x: Array, threshold: Array, origin: Array) -> Array:
+        """exp{-[L(x) - L(x_0)]}, whatever the threshold."""
+        spent, before = self._integrals(np.abs(x))[0], self._integrals(np.abs(origin))[0]
+        return np.exp(np.minimum(np.sign(origin) * before - np.sign(x) * spent, 0.0))
+
+    def _integrals(self, x: Array) -> tuple[Array, Array]:
+        """L and H/v at x >= 0."""
+        chunk = max(1, _CHUNK // (8 * (2 * self._panels.size + 100)))
+        parts = [self._sums(x[i : i + chunk]) for i in range(0, x.size, chunk)]
+        if not parts:
+            return np.empty(0), np.empty(0)
+        spent, hazard = np.concatenate(parts, axis=1) / self._velocity
+        return spent, hazard
+
+    def _sums(self, x: Array) -> Array:
+        out = np.zeros((2, x.size))
+        lowest, column = float(self._panels[0]), x[:, None]
+        if self._panels.size > 1:
+            # thresholds passed already count with all that they had cost
+            low = np.minimum(lowest, column)
+            panels = np.broadcast_to(self._panels, (x.size, self._panels.size))
+            edges = np.concatenate([panels, low + (column - low) * _BELOW], axis=1)
+            edges = np.sort(np.clip(edges, low, np.minimum(column, self.top)), axis=1)
+            wide = edges[:, 1:] > np.maximum(edges[:, :-1], lowest * (1.0 - 1e-15))
+            row = np.nonzero(wide)[0]
+            if row.size:
+                nodes, weights = gauss(edges[:, :-1][wide], edges[:, 1:][wide])
+                out[0] += self._add(row, weights * self.law.pdf(nodes), nodes, nodes, x.size)[0]
+            out += self._beyond(x, np.maximum(column, lowest), panels)
+        for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
+            spent = np.exp(self._thermal.log_cumulative(np.minimum(x, atom), atom))
+            below = x < atom
+            out[0] += weight * spent
+            out[1, below] += weight * np.exp(self._thermal.log_rate(x[below], atom))
+        return out
+
+    def _beyond(self, x: Array, least: Array, panels: Array) -> Array:
+        """What thresholds not passed yet cost and their rate, up to barriers that none passes."""
+        column = x[:, None]
+        with np.errstate(divide="ignore"):
+            stiff = self._square ** (2.0 / 3.0) / np.cbrt(np.maximum(least, 1e-300))
+        far = np.sqrt(self._square)
+        if self._thermal.law == "soft":
+            far = self._square / (np.sqrt(least**2 + self._square) + least)
+        else:
+            far = np.minimum(far, stiff)
+        top = np.minimum(least + far, self.top)
+        near = np.minimum(self._width, 0.125 * self._thermal.temperature / np.maximum(least, 1e-300))
+        if self._thermal.law == "stiff":  # beside thresholds as small as x the rate knows x/ξ alone
+            near = np.minimum(near, 0.125 * np.maximum(least, 1e-9 * self._width))
+        even = np.maximum(self._width, far / _ABOVE[-1])
+        edges = np.concatenate([panels, least + near * _NEAR, least + even * _ABOVE, least], axis=1)
+        edges = np.sort(np.clip(edges, least, np.maximum(top, least)), axis=1)
+        roots = np.sqrt(edges - least)
+        left, right = roots[:, :-1], roots[:, 1:]
+        wide = right > left
+        row = np.nonzero(wide)[0]
+        if not row.size:
+            return np.zeros((2, x.size))
+        nodes, weights = gauss(left[wide], right[wide])
+        thresholds = least[row] + nodes * nodes
+        at = np.broadcast_to(column[row], thresholds.shape)
+        mass = 2.0 * nodes * weights * self.law.pdf(thresholds)
+        return self._add(row, mass, at, thresholds, x.size)
+
+    def _add(self, row: npt.NDArray[np.intp], mass: Array, x: Array, threshold: Array, size: int) -> Array:
+        spent = mass * np.exp(self._thermal.log_cumulative(x, threshold))
+        rate = mass * np.exp(self._thermal.log_rate(x, threshold))
+        return np.stack([np.bincount(row, weights=part.sum(-1), minlength=size) for part in (spent, rate)])

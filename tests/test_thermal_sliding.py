@@ -1,0 +1,164 @@
+"""Rigid sliding at a temperature, closure "exact": against mpmath, known limits, and discrete contacts."""
+
+import mpmath
+import numpy as np
+import pytest
+
+import master
+from origins import Contacts, Thermal, gaussian, gaussian_start, identical, mixture, rectangular
+from tests.sampling_contacts import sample
+
+PATH = np.linspace(0.05, 4.0, 21) + 0.013
+
+
+def by_mpmath(law: str, temperature: float, rate: float, std: float = 0.05, linked: bool = False):
+    """F_k of Gaussian thresholds of mean 1 from its double integral, 30 digits, panels placed by hand."""
+    with mpmath.workdps(25):
+        a2, std_ = 1 / (2 * mpmath.mpf(temperature)), mpmath.mpf(std)
+        log_rate = mpmath.log(mpmath.mpf(rate))
+
+        def spent(x, xi):
+            if law == "soft":
+                a = mpmath.sqrt(a2)
+                grown = mpmath.sqrt(mpmath.pi) / 2 * mpmath.erfi(a * x) / a
+                return mpmath.exp(log_rate - a2 * xi**2) * grown
+            c = a2 * xi**2
+            u = (1 - x / xi) ** mpmath.mpf(1.5)
+            return mpmath.exp(log_rate) * 2 * xi / 3 * (mpmath.exp(-c * u) - mpmath.exp(-c)) / c
+
+        def moments(xi):
+            """Integrals of the survival and of x times it, for one threshold."""
+            middle = xi
+            low, high = mpmath.mpf(0), xi
+            if spent(xi, xi) > 1:
+                for _ in range(80):
+                    middle = (low + high) / 2
+                    low, high = (middle, high) if spent(middle, xi) < 1 else (low, middle)
+            width = min(middle / 8, 4 * mpmath.mpf(temperature) / xi)
+            cuts = {mpmath.mpf(0), xi}
+            cuts |= {middle + k * width for k in (-6, -3, -1.5, -0.5, 0.5, 1.5, 3) if 0 < middle + k * width < xi}
+            cuts |= {middle * k for k in (0.3, 0.7, 2, 5) if 0 < middle * k < xi}
+            cuts = sorted(cuts)
+            held = [lambda x: mpmath.exp(-spent(x, xi)), lambda x: x * mpmath.exp(-spent(x, xi))]
+            return [mpmath.quad(function, cuts, method="gauss-legendre", maxdegree=5) for function in held]
+
+        # Gauss-Hermite over the thresholds: eleven standard deviations from 0 nothing is cut
+        nodes, weights = np.polynomial.hermite.hermgauss(40)
+        total = [mpmath.mpf(0), mpmath.mpf(0)]
+        for node, weight in zip(nodes, weights, strict=True):
+            if weight > 1e-19:
+                xi = 1 + mpmath.sqrt(2) * std_ * mpmath.mpf(float(node))
+                for n, value in enumerate(moments(xi)):
+                    total[n] += mpmath.mpf(float(weight)) * value
+        return float(total[1] / total[0])
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+@pytest.mark.parametrize(("temperature", "rate"), [(0.1, 1.0), (0.1, 1e3), (1.0, 1e-3), (0.03, 1e4), (1e3, 1e12)])
+def test_kinetic_force_against_mpmath(law: str, temperature: float, rate: float) -> None:
+    steady = master.steady_state(Contacts(gaussian(1.0, 0.05), thermal=Thermal(law, temperature, rate)))
+    exact = by_mpmath(law, temperature, rate)
+    assert steady.force == pytest.approx(exact, rel=1e-9)
+    assert steady.force_error < 1e-9 * steady.force
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+@pytest.mark.parametrize("temperature", [1e-6, 1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("rate", [1e-12, 1e-3, 1e3, 1e12])
+def test_extremes_neither_overflow_nor_lose_digits(law: str, temperature: float, rate: float) -> None:
+    thermal = Thermal(law, temperature, attempt_frequency=2.0 * rate)
+    steady = master.steady_state(Contacts(gaussian(1.0, 0.2), thermal=thermal), velocity=2.0)
+    assert 0.0 < steady.force < 1.01 * master.steady_state(Contacts(gaussian(1.0, 0.2))).force
+    assert steady.force_error < 1e-9 * steady.force
+    # hot contacts know no barrier: soft ones break at the rate ω, so the force is v/ω
+    if temperature == 1e3 and rate >= 1e3 and law == "soft":
+        assert steady.force == pytest.approx(1.0 / rate, rel=3e-3)
+
+
+@pytest.mark.parametrize(("law", "power", "factor"), [("soft", 2.0, -0.5), ("stiff", 5.0 / 3.0, None)])
+def test_fast_sliding_approaches_the_cold_force_as_a_power_of_temperature(law: str, power: float, factor) -> None:
+    cold = master.steady_state(Contacts(gaussian(1.0, 0.05))).force
+    temperature = np.array([1e-5, 3e-5, 1e-4])
+    drop = np.array(
+        [master.steady_state(Contacts(gaussian(1.0, 0.05), thermal=Thermal(law, t, 10.0))).force for t in temperature]
+    )
+    fitted = np.polyfit(np.log(temperature), np.log(cold - drop), 1)
+    assert fitted[0] == pytest.approx(power, abs=0.01)
+    if factor is not None:
+        assert (drop[0] - cold) / (10.0 * temperature[0] ** 2) == pytest.approx(factor, rel=0.01)
+
+
+def test_slow_sliding_is_creep_proportional_to_the_speed() -> None:
+    thermal = Thermal("soft", 0.1)
+    force = [
+        master.steady_state(Contacts(gaussian(1.0, 0.05), thermal=thermal), velocity=v).force for v in (1e-11, 1e-12)
+    ]
+    assert np.log10(force[0] / force[1]) == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "contacts",
+    [
+        Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1)),
+        Contacts(gaussian(1.0, 0.2), 0.3, thermal=Thermal("stiff", 0.01, 1e3)),
+        Contacts(gaussian(1.0, 0.2), -0.4, thermal=Thermal("soft", 0.3, 10.0)),
+        Contacts(rectangular(0.5, 1.5), -0.7, thermal=Thermal("stiff", 0.1)),
+        Contacts(identical(1.0), -0.3, thermal=Thermal("soft", 0.1)),
+        Contacts(identical(1.0), gaussian_start(0.1, 0.05), thermal=Thermal("stiff", 0.1)),
+        Contacts(mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3]), thermal=Thermal("soft", 0.03, 10.0)),
+        Contacts(gaussian(1.0, 0.2), gaussian_start(0.0, 0.2), thermal=Thermal("soft", 0.2, 1.0)),
+    ],
+)
+def test_transients_are_those_of_discrete_contacts(contacts: Contacts) -> None:
+    solved = master.solve(contacts, PATH, 1e-7, velocity=1.0)
+    assert solved.success, solved.message
+    force, error, _ = sample(contacts, PATH, 1.0, 100_000)
+    assert (np.abs(solved.force - force) < 5.0 * (error + solved.force_error)).all()
+
+
+def test_only_the_ratio_of_rate_and_speed_counts_and_lengths_only_scale() -> None:
+    here = master.solve(Contacts(gaussian(1.0, 0.1), -0.2, thermal=Thermal("soft", 0.1, 1.0)), PATH, 1e-9)
+    fast = Contacts(gaussian(1.0, 0.1), -0.2, thermal=Thermal("soft", 0.1, 1e9))
+    np.testing.assert_allclose(master.solve(fast, PATH, 1e-9, velocity=1e9).force, here.force, atol=1e-9)
+    small = Contacts(gaussian(1e-9, 1e-10), -0.2e-9, thermal=Thermal("soft", 0.1e-18, 1.0))
+    np.testing.assert_allclose(master.solve(small, PATH * 1e-9, 1e-9, velocity=1e-9).force * 1e9, here.force, atol=1e-9)
+
+
+@pytest.mark.parametrize("start", [0.0, -0.5])
+def test_force_error_bounds_what_finer_lattices_change(start: float) -> None:
+    contacts = Contacts(gaussian(1.0, 0.1), start, thermal=Thermal("stiff", 0.05, 3.0))
+    rough, fine = (master.solve(contacts, PATH, tolerance) for tolerance in (1e-4, 1e-10))
+    assert np.abs(rough.force - fine.force).max() <= rough.force_error + fine.force_error
+    assert fine.force_error <= 1e-10
+
+
+def test_cold_limit_is_the_solution_without_temperature() -> None:
+    start = -0.7
+    cold = master.solve(Contacts(gaussian(1.0, 0.2), start), PATH, 1e-9)
+    cool = master.solve(Contacts(gaussian(1.0, 0.2), start, thermal=Thermal("soft", 1e-6, 1e-6)), PATH, 1e-9)
+    np.testing.assert_allclose(cool.force, cold.force, atol=2e-9)
+
+
+def test_distribution_of_stretches_carries_the_force() -> None:
+    contacts = Contacts(gaussian(1.0, 0.2), 0.3, thermal=Thermal("soft", 0.1))
+    solved = master.solve(contacts, PATH, 1e-9)
+    spread = solved.distribution(float(PATH[7]))
+    x, weights = np.polynomial.legendre.leggauss(400)
+    x, weights = 0.5 * PATH[7] * (x + 1.0), 0.5 * PATH[7] * weights
+    density = spread.density(x)
+    assert weights @ density + spread.delta_weights.sum() == pytest.approx(1.0, abs=1e-6)
+    force = weights @ (x * density) + spread.delta_positions @ spread.delta_weights
+    assert force == pytest.approx(float(solved.force[7]), abs=1e-6)
+
+
+def test_propensity_and_steady_force_agree_with_a_long_path() -> None:
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))
+    steady, judged = master.steady_state(contacts, velocity=0.5), master.propensity(contacts, velocity=0.5)
+    long = master.solve(contacts, [30.0], 1e-10, velocity=0.5)
+    assert long.force[0] == pytest.approx(steady.force, abs=1e-10)
+    cold = master.propensity(Contacts(gaussian(1.0, 0.2)))
+    assert judged.critical_spring < cold.critical_spring
+    assert judged.decoherence_length < cold.decoherence_length
+    path = np.linspace(0.5, 1.2, 400)
+    highest = master.solve(contacts, path, 1e-9, velocity=0.5).force.max()
+    assert judged.static_to_kinetic == pytest.approx(highest / steady.force, rel=1e-5)
