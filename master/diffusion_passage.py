@@ -27,6 +27,8 @@ Array = npt.NDArray[np.float64]
 _STAGES = 4
 _DEGREE = 8
 _FAR = 1e-16
+_FEW = 1e-4
+_GROWTH = 0.3
 _DECILES = np.linspace(0.05, 0.95, 10)
 _MOST_NODES = 6000
 _MOST_STEPS = 3000
@@ -71,9 +73,11 @@ def diffusion_passage(
         )
     wall = _wall(fresh, final)
     potential = Potential(final, wall)
-    problem = _Problem(fresh, potential, diffusion, start, wall, spent)
-    corners = fresh.breakpoints
-    blurred = np.sqrt(2.0 * diffusion * (corners[corners > max(start, 0.0)] - start))
+    problem = _Problem(fresh, potential, diffusion, start, wall, _bulk(fresh, final), spent)
+    # corners are blurred until the level comes to them; where it turns away first, the fresh law ends in one
+    corners = fresh.breakpoints[fresh.breakpoints > abs(start)]
+    corners = np.append(corners, -start) if start < 0.0 and float(fresh.cdf(-start)) > accuracy else corners
+    blurred = np.sqrt(2.0 * diffusion * (corners - start))
     narrow = min(_narrowest(fresh), _narrowest(final), float(blurred.min(initial=np.inf)))
     coarse = _march(problem, 1.6 * narrow, accuracy)
     steps = np.diff(coarse.advance)
@@ -90,6 +94,7 @@ class _Problem:
     diffusion: float
     start: float
     wall: float
+    bulk: float
     spent: float
 
 
@@ -98,6 +103,11 @@ def _wall(fresh: Thresholds, final: Thresholds) -> float:
     upper = final.support()[1]
     far = max(float(fresh.isf(_FAR)), float(final.isf(_FAR)))
     return min(upper, far)
+
+
+def _bulk(fresh: Thresholds, final: Thresholds) -> float:
+    """What few thresholds exceed."""
+    return max(float(fresh.isf(_FEW)), float(final.isf(_FEW)))
 
 
 def _narrowest(law: Thresholds) -> float:
@@ -114,8 +124,12 @@ def _elements(problem: _Problem, size: float) -> SpectralElements:
     thinnest = min(0.25 * problem.diffusion / span, 1e-11 / max(at_level, 1e-11), size / span)
     graded = thinnest * 3.0 ** np.arange(np.ceil(np.log(size / span / thinnest) / np.log(3.0)))
     begin = float(graded[-1]) if graded.size else 0.0
-    count = max(int(np.ceil((1.0 - begin) * span / size)), 2)
-    edges = np.concatenate([[0.0], graded[:-1], np.linspace(begin, 1.0, count + 1)])
+    # nothing is narrow far beyond both laws' bulk: elements there grow with the distance
+    even = min(max((problem.bulk - abs(problem.start)) / span, begin + 2.0 * size / span), 1.0)
+    edges = [0.0, *graded[:-1], *np.linspace(begin, even, max(int(np.ceil((even - begin) * span / size)), 2) + 1)]
+    while edges[-1] < 1.0:
+        edges.append(edges[-1] + size / span + _GROWTH * (edges[-1] - even))
+    edges[-1] = 1.0
     return SpectralElements(np.unique(edges), _DEGREE)
 
 

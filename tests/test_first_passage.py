@@ -117,15 +117,15 @@ def test_ensemble_of_diffusing_thresholds(diffusion: float, start: float, step: 
 
 def test_order_of_convergence_in_time() -> None:
     """Seven at the ends of steps, by equal steps against the integral equation."""
-    fresh, final, diffusion = origins.gaussian(0.7, 0.1), origins.gaussian(1.0, 0.1), 0.02
+    fresh, final, diffusion = origins.gaussian(0.7, 0.05), origins.gaussian(1.0, 0.1), 0.005
     law = first_passage(fresh, Ageing(final, diffusion)).law
     wall = _wall(fresh, final)
-    problem = _Problem(fresh, Potential(final, wall), diffusion, 0.0, wall, 1e-12)
+    problem = _Problem(fresh, Potential(final, wall), diffusion, 0.0, wall, wall, 1e-12)
     size = min(_narrowest(fresh), _narrowest(final))
-    steps = np.array([12, 16, 24])
+    steps = np.array([16, 24, 32, 48])
     errors = []
     for n in steps:
-        told = _march(problem, 0.7 * size, 1e-9, np.full(n, 0.9 / n))
+        told = _march(problem, 0.5 * size, 1e-9, np.full(n, 0.9 / n))
         errors.append(abs(told.survival[-1] - float(law.sf(0.9))))
     order = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert abs(order - 7.0) < 0.2 and errors[-1] < 1e-6, (order, errors)
