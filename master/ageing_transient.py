@@ -1,0 +1,316 @@
+"""Transients of contacts that age, in the paper's closure as printed (Eq. Q15), and what it does not keep.
+
+    ∂Q/∂X + ∂Q/∂x + P Q = δ(x) b,    ∂P_c/∂X = D_X L P_c - P Q + P_ci b,    P = P_c/∫_x^∞ P_c,    b = ∫ P Q.
+
+One P_c is both the law new contacts draw their thresholds from and the histogram of those that hold. Only in the steady
+state is it both. From a peaked start the contacts outrun it: they stand where the thresholds that would break them are
+used up already, and no P_c that is nowhere negative can lose as many thresholds as contacts break. From there on either
+its mass is not kept or its sign, and the answer depends on which; both defects are told at every X.
+
+Contacts are cohorts at (i + 1/2) h, which the stretch moves from edge to edge of the cells that hold P_c. Each step is
+half a step of ageing (exact in time, Diffusion), the breaks with the survival of the middle of the step, and half a
+step of ageing: errors fall as h² while both are kept, and as h from where they are not.
+"""
+
+import time
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from origins import Contacts, Drive, InputError
+from origins.diffusion import Diffusion
+from origins.errors import positive, refuse, whole
+
+Array = npt.NDArray[np.float64]
+Keep = Literal["positivity", "mass"]
+
+_FAR = 1e-13
+_SLIVER = 0.25  # of a cell: a wall closer than this to an edge takes its place
+_STANDING = 1e-14
+_NOTICED = 1e-6
+_MOST_CELLS = 20_000
+_FAINT = 1e-22
+_DENSE = 0.2
+
+
+@dataclass(frozen=True)
+class AgeingTransient:
+    """F(X) of (Q15) and its defects; arrays of shape (n,) unless said.
+
+    Attributes
+    ----------
+    path : array
+        Positions X (lengths), as far as the solution goes.
+    force : array
+        F/(N_c <k>), a length.
+    mass_defect : array
+        Mass of P_c less 1.
+    positivity_defect : array
+        Weight of P_c below 0, as a positive number.
+    edges : array (m + 1,)
+        Ends of the cells of P_c (lengths).
+    weights : array (n, m)
+        P_c at each X, as weights of the cells.
+    stretches : array (k,)
+        Where the cohorts stand (lengths).
+    cohorts : array (n, k)
+        Q at each X, as fractions of the contacts.
+    step : float
+        h, a length.
+    outrun : float
+        X from which contacts stand where no thresholds are left (a length); inf where that never happens. From there
+        on the answer is one of many: what (Q15) does not say has been decided by `keep`, and by where the table of P_c
+        ends, at a survival of 1e-13 of P_ci or P_cf, where all break.
+    success : bool
+        Whether the path was followed to its end.
+    message : str
+    run_time : float
+        Seconds.
+    """
+
+    path: Array
+    force: Array
+    mass_defect: Array
+    positivity_defect: Array
+    edges: Array = field(repr=False)
+    weights: Array = field(repr=False)
+    stretches: Array = field(repr=False)
+    cohorts: Array = field(repr=False)
+    step: float
+    outrun: float
+    success: bool
+    message: str
+    run_time: float
+
+
+def paper_transient(
+    contacts: Contacts,
+    path: npt.ArrayLike,
+    step: float,
+    velocity: float = 1.0,
+    keep: Keep = "positivity",
+    cells: int = 4,
+) -> AgeingTransient:
+    """(Q15) as printed, along a rigid slider's path.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With `ageing`, and a start that is no single value.
+    path : array of shape (n,)
+        Positions X >= 0 that never turn back (lengths); results are read between steps along straight lines.
+    step : float
+        h, of X and between cohorts (a length): a tenth of the narrowest of start and laws, or less.
+    velocity : float
+        v > 0; D_X = D/v.
+    keep : "positivity" or "mass"
+        What is kept where both cannot be. "positivity": thresholds that are not there cannot be lost, and the mass
+        grows. "mass": P_c goes below 0; the solution ends where contacts stand at a survival that is not above 0.
+    cells : int
+        Of P_c, to each step; the drift D_X U' is resolved where U' times their width is below 1.
+
+    Raises InputError for contacts without ageing, with thermal breaking, delay, re-forming away from 0 or linked
+    stiffness, and for a start from a single value: there P Q is a product of what is infinite and what it empties,
+    and (Q15) has no meaning.
+    """
+    began = time.perf_counter()
+    check_closure(contacts)
+    positions = Drive(path).path
+    if keep not in ("positivity", "mass"):
+        refuse("keep", keep, 'must be "positivity" or "mass"')
+    positive("step", step)
+    stepper = PaperStepper(contacts, step, positive("velocity", velocity), keep, whole("cells", cells, 1))
+    steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))
+    told = [stepper.state()]
+    reached = np.searchsorted(positions, step * np.arange(steps + 1) * (1.0 + 1e-12), side="right")
+    snapshots: list[tuple[Array, Array]] = []
+    message = ""
+    for n in range(steps + 1):
+        if n > 0:
+            if not stepper.advance():
+                message = f"from X = {n * step:g} on contacts stand where no thresholds are left to break them"
+                break
+            told.append(stepper.state())
+        # snapshots are those of the last step before each position
+        before = int(reached[n - 1]) if n else 0
+        upto = int(reached[n]) if n < steps else positions.size
+        if upto > before:
+            snapshot = stepper.weights(), stepper.cohorts.copy()
+            snapshots += [snapshot] * (upto - before)
+    at = step * np.arange(len(told))
+    kept = positions if len(told) > steps else positions[positions <= at[-1] * (1.0 + 1e-12)]
+    force, mass, below = np.array(told).T
+    lost = np.flatnonzero(np.maximum(np.abs(mass), below) > _NOTICED)
+    outrun = float(at[lost[0]]) if lost.size else float(at[-1]) if message else np.inf
+    if not message and lost.size:
+        message = f"from X = {outrun:g} on contacts outrun P_c; its mass is off by up to {np.abs(mass).max():.2g}"
+    return AgeingTransient(
+        path=kept,
+        force=np.interp(kept, at, force),
+        mass_defect=np.interp(kept, at, mass),
+        positivity_defect=np.interp(kept, at, below),
+        edges=stepper.edges,
+        weights=np.array([w for w, _ in snapshots[: kept.size]]),
+        stretches=stepper.stretches,
+        cohorts=np.array([q for _, q in snapshots[: kept.size]]),
+        step=step,
+        outrun=outrun,
+        success=len(told) > steps,
+        message=message or "P_c kept its mass and its sign",
+        run_time=time.perf_counter() - began,
+    )
+
+
+class PaperStepper:
+    """Cohorts of contacts and cells of P_c, one step of X at a time.
+
+    Attributes
+    ----------
+    edges : array (m + 1,)
+    stretches, cohorts : arrays (k,)
+    """
+
+    def __init__(self, contacts: Contacts, step: float, velocity: float, keep: Keep, cells: int) -> None:
+        ageing = contacts.ageing
+        if ageing is None:
+            raise InputError("contacts.ageing: is None; without ageing use master.solve")
+        fresh, final, start = contacts.thresholds, ageing.final, contacts.start
+        self._step, self._keep = step, keep
+        lower, end = final.support()
+        amount = ageing.rate / velocity * step
+        upper = float(fresh.isf(_FAR))
+        if amount > 0.0:
+            upper = min(end, max(upper, float(final.isf(_FAR))))
+        low, high = min(start.span[0], 0.0), max(upper, start.span[1])
+        if (high - low) / step > _MOST_CELLS:
+            refuse("step", step, f"needs more than {_MOST_CELLS:,} cells; write step={(high - low) / 2000.0:.3g} or so")
+        first, last = int(np.floor(low / step)) - 1, int(np.ceil(high / step)) + 1
+        self.stretches: Array = step * (np.arange(first, last, dtype=float) + 0.5)
+        self._born = -first  # index of h/2
+        inner = self.stretches[self.stretches > lower + _SLIVER * step]
+        if upper == end:
+            inner = np.append(inner[inner < upper - _SLIVER * step], upper)
+        else:
+            inner = inner[: int(np.searchsorted(inner, upper)) + 1]
+        self._coarse = np.append(lower, inner)
+        self._cells = cells
+        parts = np.arange(cells * (self._coarse.size - 1) + 1) / cells
+        self.edges = np.interp(parts, np.arange(self._coarse.size), self._coarse)
+        walls = np.append(self.stretches - 0.5 * step, self.stretches[-1] + 0.5 * step)
+        self.cohorts = np.diff(start.cdf(walls))
+        self.cohorts /= self.cohorts.sum()
+        group = np.searchsorted(self._coarse, 0.5 * (self.stretches[:-1] + self.stretches[1:]), side="right") - 1
+        self._group = np.clip(group, 0, self._coarse.size - 2)
+        self._fresh = np.diff(fresh.cdf(self.edges))
+        self._fresh /= self._fresh.sum()
+        self._whole = self._half = None
+        if amount > 0.0:
+            diffusion = Diffusion(final, self.edges)
+            self._half = _propagator(diffusion, 0.5 * amount)
+            self._whole = _normal(self._half @ self._half)
+        # P_c in the middle of two steps' breaks: half a step of ageing is still to come
+        self._weights = self._fresh.copy()
+        self._aged = self._weights if self._half is None else self._half @ self._weights
+
+    def weights(self) -> Array:
+        """P_c, as weights of the cells."""
+        return self._weights if self._half is None else self._half @ self._weights
+
+    def state(self) -> tuple[float, float, float]:
+        """F/(N_c <k>), mass of P_c less 1, weight of P_c below 0."""
+        w = self._weights
+        return float(self.stretches @ self.cohorts), float(w.sum()) - 1.0, float(-w[w < 0.0].sum())
+
+    def advance(self) -> bool:
+        """One step; False, and nothing done, where contacts stand at a survival that is not above 0."""
+        begun, ended = self._aged, self._aged
+        for _ in range(2):  # the second time with the survival in the middle of the step
+            broken = self._break(0.5 * (begun + ended))
+            if broken is None:
+                return False
+            cohorts, lost, births = broken
+            ended = begun - lost + births * self._fresh
+            if self._keep == "positivity":
+                ended = np.maximum(ended, 0.0)
+        self.cohorts, self._weights = cohorts, ended
+        self._aged = ended if self._whole is None else self._whole @ ended
+        return True
+
+    def _break(self, weights: Array) -> tuple[Array, Array, float] | None:
+        """Cohorts after the step, thresholds lost from the cells and births, by the survival of `weights`."""
+        groups = weights.reshape(-1, self._cells)
+        mass = groups.sum(axis=1)
+        tail = np.append(np.cumsum(mass[::-1])[::-1], 0.0)
+        survival = np.interp(self.stretches, self._coarse, tail)
+        before, after = survival[:-1], survival[1:]
+        standing = self.cohorts[:-1]
+        dead = before <= 0.0
+        if self._keep == "mass" and (dead & (standing > _STANDING)).any():
+            return None
+        holds = np.where(dead, 0.0, after / np.where(dead, 1.0, before))
+        moved = standing * holds
+        lost = standing - moved
+        total = float(lost.sum()) + float(self.cohorts[-1])
+        cohorts = np.concatenate([[0.0], moved])
+        cohorts[self._born] += total
+        # those born in the step stand at h/2 on average: some of them break and are born again
+        births = total * float(tail[0] / survival[self._born])
+        lost[self._born - 1] += births - total
+        # the cells that cohorts cross in a step lose in proportion to what they hold
+        size = np.abs(groups)
+        whole_size = size.sum(axis=1)[:, None]
+        share = np.where(whole_size > 0.0, size / np.where(whole_size > 0.0, whole_size, 1.0), 1.0 / self._cells)
+        by_group = np.asarray(np.bincount(self._group, lost, minlength=mass.size), dtype=float)
+        return cohorts, (share * by_group[:, None]).ravel(), births
+
+
+def check_closure(contacts: Contacts) -> None:
+    if not isinstance(contacts, Contacts):
+        refuse("contacts", contacts, "must be contacts, such as origins.Contacts(origins.gaussian(mean=1.0, std=0.05))")
+    if contacts.start.is_single:
+        raise InputError(
+            f"start: all contacts at the one stretch {contacts.start.mean():g}: there (Q15) multiplies what is infinite"
+            " by what it empties; use a start with a width, such as origins.gaussian_start(mean=0.1, std=0.025), or "
+            'closure = "exact"'
+        )
+    for name in ("thermal", "delay", "reforming"):
+        if getattr(contacts, name) is not None:
+            raise InputError(f"contacts.{name}: (Q15) does not have it; leave {name} out of the contacts")
+
+
+def _propagator(diffusion: Diffusion, amount: float) -> Any:
+    """exp(amount × hops) as a matrix, sparse or dense: no entry negative, every column adding up to 1."""
+    from scipy import sparse
+
+    size = diffusion.stationary.size
+    leaving = np.append(diffusion.up, 0.0) + np.append(0.0, diffusion.down)
+    mean = amount * float(leaving.max())
+    doublings = max(int(np.ceil(np.log2(max(mean, 1e-300)))), 0)
+    share = amount / 2.0**doublings
+    # one hop at most, then the Poisson mean over numbers of hops
+    hop = sparse.diags([share * diffusion.up, -share * leaving, share * diffusion.down], [-1, 0, 1], format="csr")
+    rest = max(mean / 2.0**doublings, 1e-300)
+    hop = sparse.identity(size, format="csr") + hop / rest
+    term = out = sparse.identity(size, format="csr") * np.exp(-rest)
+    for k in range(1, 24):
+        term = (hop @ term) * (rest / k)
+        out = out + term
+    out = _normal(out)
+    for _ in range(doublings):
+        out = _normal(out @ out)
+    return out
+
+
+def _normal(matrix: Any) -> Any:
+    """Columns adding up to 1, without entries that count for nothing; dense where few are left out."""
+    from scipy import sparse
+
+    if sparse.issparse(matrix):
+        matrix.data[matrix.data < _FAINT] = 0.0
+        matrix.eliminate_zeros()
+        if matrix.nnz > _DENSE * matrix.shape[0] ** 2:
+            matrix = matrix.toarray()
+    total = np.asarray(matrix.sum(axis=0)).ravel()
+    return matrix @ sparse.diags(1.0 / total) if sparse.issparse(matrix) else matrix / total
