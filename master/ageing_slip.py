@@ -18,7 +18,7 @@ from scipy.optimize import root_scalar
 from master.ageing_start import AgeingStart
 from master.ageing_transient import PaperStepper, check_closure
 from master.first_passage import first_passage
-from master.series import convolve, renew
+from master.series import renew
 from origins import Contacts, InputError
 from origins.errors import positive
 
@@ -102,7 +102,7 @@ def _exact_fall(contacts: Contacts, velocity: float, step: float) -> tuple[float
     kernel = step * np.where(x > 0.0, law.pdf(np.maximum(x, 1e-9 * step)), 0.0)
     source = step * starting.breaks(np.maximum(x, 1e-9 * step))
     source[0] = 0.0
-    later = convolve(kernel * x, renew(source, kernel), x.size) / step
+    later = renew(source, kernel, kernel * x)[1] / step
     return _steepest(starting.released(np.maximum(x, 1e-9 * step)) + later - 1.0, x)
 
 

@@ -91,7 +91,7 @@ def first_passage(fresh: object, ageing: Ageing, velocity: float = 1.0, start: f
         passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT)
         return FirstPassage(_from_steps(passage, power), passage.error)
     normal = OrnsteinPassage(law, ageing.normal.mean, ageing.normal.std, diffusion, start, _SPENT)
-    effective = EffectiveLaw(normal.series(), 0.0, True, max(normal.survival, 0.0), normal.hazard, normal.slope, power)
+    effective = EffectiveLaw(normal.series(), 0.0, True, normal.survival, normal.hazard, normal.slope, power)
     return FirstPassage(effective, normal.error + _ROUND_OFF)
 
 

@@ -35,6 +35,8 @@ _FORGOTTEN = 1e-150
 _NOISE = 2e-14  # of the largest coefficient: rounded exponents
 _DOUBLINGS = 40
 _MOST_PANELS = 4000
+_NEARLY_NOTHING = 1e-16
+_BEYOND_ALL = 12.0  # standard deviations
 _QUANTILES = np.array([1e-12, 1e-6, 1e-3, 0.03, 0.25, 0.5])
 _BESIDE = np.array([-9.0, -4.0, -1.5, 1.5, 4.0, 9.0])
 _TOWARDS = np.array([12.0, 8.0, 4.0, 0.0])
@@ -97,8 +99,14 @@ class OrnsteinPassage:
         if start < 0.0:
             self._march(_Phase(0.0, -start, -1.0), -start, spent)
         if self.survival > 1.001 * spent:
-            self._march(_Phase(max(-start, 0.0), max(start, 0.0), 1.0), np.inf, spent)
+            level = max(start, 0.0)
+            furthest = max(float(fresh.isf(_NEARLY_NOTHING)), mean) + _BEYOND_ALL * std
+            self._march(_Phase(max(-start, 0.0), level, 1.0), furthest - level, spent)
         self._end()
+        if self.survival > 1.001 * spent or self.survival <= 0.0 or self.hazard <= 0.0:
+            # all have broken: what seems left was lost to rounding
+            self.error += abs(self.survival)
+            self.survival = 0.0
 
     # -- what it is asked --------------------------------------------------------------------------------------
     def series(self) -> Piecewise:
@@ -156,7 +164,8 @@ class OrnsteinPassage:
         if phase.sign < 0.0:
             return np.empty(0)
         t = self._meets(quantiles, phase)
-        at = self._meets(self._atoms, phase)
+        corners = self._fresh.breakpoints
+        at = self._meets(np.concatenate([self._atoms, corners[corners > phase.level]]), phase)
         spread = self._std * np.sqrt(-np.expm1(-2.0 * self._rate * (at + phase.begin)))
         beside = (at[:, None] + spread[:, None] * _BESIDE).ravel()
         marks = np.concatenate([t, at, beside, goal])
@@ -232,7 +241,7 @@ class OrnsteinPassage:
         lost = -np.expm1(-self._rate * elapsed[:, ends])
         distance = (level[:, None] - self._mean) * lost + rise[:, ends] * decay
         z = distance / (self._std * np.sqrt(lost * (1.0 + decay)))
-        faint = (np.abs(z) > _FAINT).all(axis=1) & (z[:, 0] * z[:, 1] > 0.0)
+        faint = (np.abs(z) > _FAINT).all(axis=1) & ((z[:, 0] > 0.0) == (z[:, 1] > 0.0))
         return ~faint
 
     # -- the flux ----------------------------------------------------------------------------------------------
