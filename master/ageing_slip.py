@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy.optimize import root_scalar
 
 from master.ageing_start import AgeingStart
-from master.ageing_transient import PaperStepper, check_closure
+from master.ageing_transient import PaperStepper, check_closure, enough_cells
 from master.first_passage import first_passage
 from master.series import renew
 from origins import Contacts, InputError
@@ -108,7 +108,7 @@ def _exact_fall(contacts: Contacts, velocity: float, step: float) -> tuple[float
 
 def _paper_fall(contacts: Contacts, velocity: float, step: float) -> tuple[float, float]:
     """The same for one P_c for all contacts, by steps of (Q15)."""
-    stepper = PaperStepper(contacts, step, velocity, "positivity", 4)
+    stepper = PaperStepper(contacts, step, velocity, "positivity", enough_cells(contacts, step))
     assert contacts.ageing is not None
     end = max(float(contacts.thresholds.isf(_BEYOND)), float(contacts.ageing.final.isf(_BEYOND)))
     force = [stepper.state()[0]]

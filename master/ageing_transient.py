@@ -8,17 +8,21 @@ used up already, and no P_c that is nowhere negative can lose as many thresholds
 its mass is not kept or its sign, and the answer depends on which; both defects are told at every X.
 
 Contacts are cohorts at (i + 1/2) h, which the stretch moves from edge to edge of the cells that hold P_c. Each step is
-half a step of ageing (exact in time, Diffusion), the breaks with the survival of the middle of the step, and half a
-step of ageing: errors fall as h² while both are kept, and as h from where they are not.
+half a step of ageing, the breaks with the survival of the middle of the step, and half a step of ageing: errors fall as
+h² while both are kept, and as h from where they are not.
 """
 
 import time
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import make_interp_spline
 
+from master.ageing_paper import AgeingSteadyState
+from master.ageing_propagator import AgeingPropagator
 from origins import Contacts, Drive, InputError
 from origins.diffusion import Diffusion
 from origins.errors import positive, refuse, whole
@@ -26,13 +30,17 @@ from origins.errors import positive, refuse, whole
 Array = npt.NDArray[np.float64]
 Keep = Literal["positivity", "mass"]
 
+_COARSEST = 0.5  # of the narrowest width
+_BULK = np.array([1e-3, 0.03, 0.5])
+_CHANGE = 2.0
+_FEWEST_CELLS, _MOST_PARTS = 4, 128
+_MOST_WORK = 1e8  # cells times steps
+_SPLINE = 5
 _FAR = 1e-13
 _SLIVER = 0.25  # of a cell: a wall closer than this to an edge takes its place
 _STANDING = 1e-14
 _NOTICED = 1e-6
 _MOST_CELLS = 20_000
-_FAINT = 1e-22
-_DENSE = 0.2
 
 
 @dataclass(frozen=True)
@@ -45,12 +53,16 @@ class AgeingTransient:
         Positions X (lengths), as far as the solution goes.
     force : array
         F/(N_c <k>), a length.
+    force_error : float
+        Estimate of its largest error in units of the mean fresh threshold; inf where one step alone was tried.
+    holding : array
+        Fraction of contacts that hold: 1.
     mass_defect : array
         Mass of P_c less 1.
     positivity_defect : array
         Weight of P_c below 0, as a positive number.
     edges : array (m + 1,)
-        Ends of the cells of P_c (lengths).
+        Ends of cells of P_c (lengths), a step wide but for the outermost.
     weights : array (n, m)
         P_c at each X, as weights of the cells.
     stretches : array (k,)
@@ -64,7 +76,7 @@ class AgeingTransient:
         on the answer is one of many: what (Q15) does not say has been decided by `keep`, and by where the table of P_c
         ends, at a survival of 1e-13 of P_ci or P_cf, where all break.
     success : bool
-        Whether the path was followed to its end.
+        Whether the path was followed to its end, and the force is as good as asked for.
     message : str
     run_time : float
         Seconds.
@@ -72,6 +84,8 @@ class AgeingTransient:
 
     path: Array
     force: Array
+    force_error: float
+    holding: Array
     mass_defect: Array
     positivity_defect: Array
     edges: Array = field(repr=False)
@@ -91,7 +105,7 @@ def paper_transient(
     step: float,
     velocity: float = 1.0,
     keep: Keep = "positivity",
-    cells: int = 4,
+    cells: int | None = None,
 ) -> AgeingTransient:
     """(Q15) as printed, along a rigid slider's path.
 
@@ -100,7 +114,7 @@ def paper_transient(
     contacts : Contacts
         With `ageing`, and a start that is no single value.
     path : array of shape (n,)
-        Positions X >= 0 that never turn back (lengths); results are read between steps along straight lines.
+        Positions X >= 0 that never turn back (lengths).
     step : float
         h, of X and between cohorts (a length): a tenth of the narrowest of start and laws, or less.
     velocity : float
@@ -108,8 +122,8 @@ def paper_transient(
     keep : "positivity" or "mass"
         What is kept where both cannot be. "positivity": thresholds that are not there cannot be lost, and the mass
         grows. "mass": P_c goes below 0; the solution ends where contacts stand at a survival that is not above 0.
-    cells : int
-        Of P_c, to each step; the drift D_X U' is resolved where U' times their width is below 1.
+    cells : int, optional
+        Of P_c, to each step; None: at least four, and enough for thresholds to fall apart by diffusion as they should.
 
     Raises InputError for contacts without ageing, with thermal breaking, delay, re-forming away from 0 or linked
     stiffness, and for a start from a single value: there P Q is a product of what is infinite and what it empties,
@@ -117,11 +131,12 @@ def paper_transient(
     """
     began = time.perf_counter()
     check_closure(contacts)
-    positions = Drive(path).path
+    positions = Drive(path).only_forward("the paper's closure of ageing").path
     if keep not in ("positivity", "mass"):
         refuse("keep", keep, 'must be "positivity" or "mass"')
     positive("step", step)
-    stepper = PaperStepper(contacts, step, positive("velocity", velocity), keep, whole("cells", cells, 1))
+    cells = enough_cells(contacts, step) if cells is None else whole("cells", cells, 1)
+    stepper = PaperStepper(contacts, step, positive("velocity", velocity), keep, cells)
     steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))
     told = [stepper.state()]
     reached = np.searchsorted(positions, step * np.arange(steps + 1) * (1.0 + 1e-12), side="right")
@@ -137,9 +152,9 @@ def paper_transient(
         before = int(reached[n - 1]) if n else 0
         upto = int(reached[n]) if n < steps else positions.size
         if upto > before:
-            snapshot = stepper.weights(), stepper.cohorts.copy()
+            snapshot = stepper.histogram(), stepper.cohorts.copy()
             snapshots += [snapshot] * (upto - before)
-    at = step * np.arange(len(told))
+    at: Array = step * np.arange(len(told), dtype=float)
     kept = positions if len(told) > steps else positions[positions <= at[-1] * (1.0 + 1e-12)]
     force, mass, below = np.array(told).T
     lost = np.flatnonzero(np.maximum(np.abs(mass), below) > _NOTICED)
@@ -148,10 +163,12 @@ def paper_transient(
         message = f"from X = {outrun:g} on contacts outrun P_c; its mass is off by up to {np.abs(mass).max():.2g}"
     return AgeingTransient(
         path=kept,
-        force=np.interp(kept, at, force),
+        force=_between(kept, at, force),
+        force_error=np.inf,
+        holding=np.ones(kept.size),
         mass_defect=np.interp(kept, at, mass),
         positivity_defect=np.interp(kept, at, below),
-        edges=stepper.edges,
+        edges=stepper.walls,
         weights=np.array([w for w, _ in snapshots[: kept.size]]),
         stretches=stepper.stretches,
         cohorts=np.array([q for _, q in snapshots[: kept.size]]),
@@ -168,7 +185,8 @@ class PaperStepper:
 
     Attributes
     ----------
-    edges : array (m + 1,)
+    edges : array (m + 1,), of all cells
+    walls : array (m / cells + 1,), those on which cohorts stand
     stretches, cohorts : arrays (k,)
     """
 
@@ -194,29 +212,42 @@ class PaperStepper:
             inner = np.append(inner[inner < upper - _SLIVER * step], upper)
         else:
             inner = inner[: int(np.searchsorted(inner, upper)) + 1]
-        self._coarse = np.append(lower, inner)
+        self.walls = np.append(lower, inner)
         self._cells = cells
-        parts = np.arange(cells * (self._coarse.size - 1) + 1) / cells
-        self.edges = np.interp(parts, np.arange(self._coarse.size), self._coarse)
-        walls = np.append(self.stretches - 0.5 * step, self.stretches[-1] + 0.5 * step)
-        self.cohorts = np.diff(start.cdf(walls))
+        parts = np.arange(cells * (self.walls.size - 1) + 1) / cells
+        self.edges = np.interp(parts, np.arange(self.walls.size), self.walls)
+        ends = np.append(self.stretches - 0.5 * step, self.stretches[-1] + 0.5 * step)
+        self.cohorts = np.diff(start.cdf(ends))
         self.cohorts /= self.cohorts.sum()
-        group = np.searchsorted(self._coarse, 0.5 * (self.stretches[:-1] + self.stretches[1:]), side="right") - 1
-        self._group = np.clip(group, 0, self._coarse.size - 2)
+        group = np.searchsorted(self.walls, 0.5 * (self.stretches[:-1] + self.stretches[1:]), side="right") - 1
+        self._group = np.clip(group, 0, self.walls.size - 2)
         self._fresh = np.diff(fresh.cdf(self.edges))
         self._fresh /= self._fresh.sum()
-        self._whole = self._half = None
+        self._whole: Callable[[Array], Array] = _unchanged
+        self._half: Callable[[Array], Array] = _unchanged
         if amount > 0.0:
             diffusion = Diffusion(final, self.edges)
-            self._half = _propagator(diffusion, 0.5 * amount)
-            self._whole = _normal(self._half @ self._half)
+            self._half = AgeingPropagator(diffusion, 0.5 * amount)
+            self._whole = AgeingPropagator(diffusion, amount)
         # P_c in the middle of two steps' breaks: half a step of ageing is still to come
         self._weights = self._fresh.copy()
-        self._aged = self._weights if self._half is None else self._half @ self._weights
+        self._aged = self._half(self._weights)
 
     def weights(self) -> Array:
         """P_c, as weights of the cells."""
-        return self._weights if self._half is None else self._half @ self._weights
+        return self._half(self._weights)
+
+    def histogram(self) -> Array:
+        """The same, between the walls."""
+        return np.asarray(self.weights().reshape(-1, self._cells).sum(axis=1))
+
+    def settle(self, steady: AgeingSteadyState) -> None:
+        """Stand in a steady state."""
+        stretches = steady.distribution(self.stretches)
+        self.cohorts = stretches / stretches.sum()
+        weights = np.diff(steady.thresholds.cdf(self.edges))
+        self._weights = weights / weights.sum()
+        self._aged = self._half(self._weights)
 
     def state(self) -> tuple[float, float, float]:
         """F/(N_c <k>), mass of P_c less 1, weight of P_c below 0."""
@@ -235,7 +266,7 @@ class PaperStepper:
             if self._keep == "positivity":
                 ended = np.maximum(ended, 0.0)
         self.cohorts, self._weights = cohorts, ended
-        self._aged = ended if self._whole is None else self._whole @ ended
+        self._aged = self._whole(ended)
         return True
 
     def _break(self, weights: Array) -> tuple[Array, Array, float] | None:
@@ -243,7 +274,7 @@ class PaperStepper:
         groups = weights.reshape(-1, self._cells)
         mass = groups.sum(axis=1)
         tail = np.append(np.cumsum(mass[::-1])[::-1], 0.0)
-        survival = np.interp(self.stretches, self._coarse, tail)
+        survival = np.interp(self.stretches, self.walls, tail)
         before, after = survival[:-1], survival[1:]
         standing = self.cohorts[:-1]
         dead = before <= 0.0
@@ -266,6 +297,69 @@ class PaperStepper:
         return cohorts, (share * by_group[:, None]).ravel(), births
 
 
+def solve_paper(contacts: Contacts, drive: Drive, tolerance: float) -> AgeingTransient:
+    """(Q15) along drive.path with steps halved until the force, extrapolated in h², changes little enough."""
+    began = time.perf_counter()
+    check_closure(contacts)
+    step = _COARSEST * _narrowest(contacts)
+    cells = enough_cells(contacts, step)
+    end, unit = float(drive.path[-1]), contacts.mean_threshold
+    finest = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells)
+    before: Array | None = None
+    error, force = np.inf, finest.force
+    # halving makes twice the steps, each over twice the cells; at least three lengths of step
+    work = 4.0 * finest.edges.size * cells * (end / step + 1.0)
+    stuck = False
+    while error > tolerance and not stuck and (work <= _MOST_WORK or not np.isfinite(error)):
+        coarser, step = finest, 0.5 * step
+        finest = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells)
+        force = (4.0 * finest.force - coarser.force) / 3.0
+        if before is not None:
+            change = 2.0 * float(np.abs(force - before).max()) / unit
+            # where contacts outran P_c finer steps need not help
+            stuck = finest.outrun < end and change > 0.5 * error
+            error = change
+        before, work = force, 4.0 * work
+    message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
+    if error > tolerance:
+        message = f"error estimate {error:.1e} at the step {step:.2g} is above the tolerance {tolerance:.1e}"
+    return replace(
+        finest,
+        force=force,
+        force_error=error,
+        success=error <= tolerance,
+        message=f"{message}; {finest.message}",
+        run_time=time.perf_counter() - began,
+    )
+
+
+def enough_cells(contacts: Contacts, step: float) -> int:
+    """Cells to a step over which the potential of the final law changes by little where fresh thresholds lie."""
+    ageing = contacts.ageing
+    assert ageing is not None
+    x = contacts.thresholds.ppf(_BULK)
+    lower, upper = ageing.final.support()
+    beside = 1e-4 * float(contacts.thresholds.std() or contacts.mean_threshold)
+    ends = np.clip(np.stack([x - beside, x + beside]), lower, upper)
+    rise = np.diff(ageing.final.logpdf(ends), axis=0)[0] / np.diff(ends, axis=0)[0]
+    slope = float(np.abs(rise[np.isfinite(rise)]).max(initial=0.0))
+    return int(np.clip(np.ceil(step * slope / _CHANGE), _FEWEST_CELLS, _MOST_PARTS))
+
+
+def _narrowest(contacts: Contacts) -> float:
+    """Half of the width that holds the middle two thirds of start, fresh or final thresholds, whichever is least."""
+    assert contacts.ageing is not None
+    laws = contacts.thresholds, contacts.start, contacts.ageing.final
+    return min(0.5 * float(law.isf(0.16) - law.ppf(0.16)) for law in laws)
+
+
+def _between(x: Array, at: Array, values: npt.ArrayLike) -> Array:
+    """Values read between steps."""
+    if at.size < 2:
+        return np.full(x.size, np.asarray(values)[0])
+    return np.asarray(make_interp_spline(at, values, k=_SPLINE if at.size > _SPLINE else 1)(x))
+
+
 def check_closure(contacts: Contacts) -> None:
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts, such as origins.Contacts(origins.gaussian(mean=1.0, std=0.05))")
@@ -280,37 +374,5 @@ def check_closure(contacts: Contacts) -> None:
             raise InputError(f"contacts.{name}: (Q15) does not have it; leave {name} out of the contacts")
 
 
-def _propagator(diffusion: Diffusion, amount: float) -> Any:
-    """exp(amount × hops) as a matrix, sparse or dense: no entry negative, every column adding up to 1."""
-    from scipy import sparse
-
-    size = diffusion.stationary.size
-    leaving = np.append(diffusion.up, 0.0) + np.append(0.0, diffusion.down)
-    mean = amount * float(leaving.max())
-    doublings = max(int(np.ceil(np.log2(max(mean, 1e-300)))), 0)
-    share = amount / 2.0**doublings
-    # one hop at most, then the Poisson mean over numbers of hops
-    hop = sparse.diags([share * diffusion.up, -share * leaving, share * diffusion.down], [-1, 0, 1], format="csr")
-    rest = max(mean / 2.0**doublings, 1e-300)
-    hop = sparse.identity(size, format="csr") + hop / rest
-    term = out = sparse.identity(size, format="csr") * np.exp(-rest)
-    for k in range(1, 24):
-        term = (hop @ term) * (rest / k)
-        out = out + term
-    out = _normal(out)
-    for _ in range(doublings):
-        out = _normal(out @ out)
-    return out
-
-
-def _normal(matrix: Any) -> Any:
-    """Columns adding up to 1, without entries that count for nothing; dense where few are left out."""
-    from scipy import sparse
-
-    if sparse.issparse(matrix):
-        matrix.data[matrix.data < _FAINT] = 0.0
-        matrix.eliminate_zeros()
-        if matrix.nnz > _DENSE * matrix.shape[0] ** 2:
-            matrix = matrix.toarray()
-    total = np.asarray(matrix.sum(axis=0)).ravel()
-    return matrix @ sparse.diags(1.0 / total) if sparse.issparse(matrix) else matrix / total
+def _unchanged(weights: Array) -> Array:
+    return weights

@@ -33,6 +33,7 @@ _DECILES = np.linspace(0.05, 0.95, 10)
 _MOST_NODES = 6000
 _MOST_STEPS = 3000
 _LEFT = 0.25
+_EASY = 1e-8
 
 
 @dataclass(frozen=True)
@@ -80,10 +81,11 @@ def diffusion_passage(
     corners = np.append(corners, -start) if start < 0.0 and float(fresh.cdf(-start)) > accuracy else corners
     blurred = np.sqrt(2.0 * diffusion * (corners - start))
     narrow = min(_narrowest(fresh), _narrowest(final), float(blurred.min(initial=np.inf)))
-    coarse = _march(problem, 1.6 * narrow, accuracy)
+    size = narrow * min(accuracy / _EASY, 1.0) ** (1.0 / _DEGREE)
+    coarse = _march(problem, 1.6 * size, accuracy)
     steps = np.diff(coarse.advance)
     halves = np.repeat(0.5 * steps, 2)
-    fine = _march(problem, 1.2 * narrow, accuracy, halves)
+    fine = _march(problem, 1.2 * size, accuracy, halves)
     # order 7 in time and 8 in space: what is left is some 1/13 of the difference, or less
     error = _LEFT * float(np.abs(fine.survival[::2] - coarse.survival).max())
     return DiffusionPassage(fine.advance, fine.survival, fine.rate, error)

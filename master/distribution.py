@@ -43,6 +43,9 @@ class StretchDistribution:
     def _starting(self, x: Array) -> Array:
         """Contacts that hold since X = 0: Q_ini(x_0) S(max(|x_0|, x)) / S(|x_0|), x_0 = x - X."""
         contacts, law = self._problem.contacts, self._problem.law
+        starting, unit = self._problem.starting, self._problem.unit
+        if starting is not None and not starting.is_single:
+            return starting.standing(x * unit, self._at * unit) * unit
         if contacts.start.is_single:
             return np.zeros(x.shape)
         origin = x - self._at
@@ -79,8 +82,11 @@ def distribution_at(problem: Problem, later: LaterReleased | None, position: flo
     positions = np.maximum(at - chain.births[born], 0.0)
     # a contact whose stretch has reached its threshold is broken: survival past rounding of the sum
     weights = chain.weights[born] * law.sf(positions * (1.0 + _SLACK))
-    start = problem.contacts.start
-    if start.is_single:
+    start, starting = problem.contacts.start, problem.starting
+    if starting is not None and starting.is_single:
+        held = starting.holding(at * problem.unit)
+        positions, weights = np.append(positions, starting.stretches / problem.unit + at), np.append(weights, held)
+    elif starting is None and start.is_single:
         origin = start.mean() / problem.unit
         held = law.sf(np.array(max(abs(origin), (origin + at) * (1.0 + _SLACK)))) / law.sf(np.array(abs(origin)))
         positions, weights = np.append(positions, origin + at), np.append(weights, held)

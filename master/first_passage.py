@@ -57,7 +57,9 @@ class FirstPassage:
         return force, (self.error * (0.5 * reach**2 + force * reach) + _ROUND_OFF * square) / mean
 
 
-def first_passage(fresh: object, ageing: Ageing, velocity: float = 1.0, start: float = 0.0) -> FirstPassage:
+def first_passage(
+    fresh: object, ageing: Ageing, velocity: float = 1.0, start: float = 0.0, accuracy: float = 1e-8
+) -> FirstPassage:
     """First meeting of the stretch start + v t with a threshold that is fresh at t = 0 and above |start|.
 
     Parameters
@@ -65,12 +67,15 @@ def first_passage(fresh: object, ageing: Ageing, velocity: float = 1.0, start: f
     fresh : Thresholds or frozen scipy.stats distribution on x >= 0
         P_ci, of the thresholds at t = 0, conditional on |start|.
     ageing : Ageing
-        P_cf and D. For a Gaussian final law by an integral equation, good to some 1e-12 at any D; for any other by
-        the diffusion equation, to some 1e-9 where both laws are smooth.
+        P_cf and D. For a Gaussian final law by an integral equation, at any D; for any other by the diffusion
+        equation.
     velocity : float
         v > 0, a length per time.
     start : float
         Stretch at t = 0; from below 0 it comes to 0 first.
+    accuracy : float
+        Error of the survival that is aimed at; corners of either law may not allow it. Towards a Gaussian final law
+        it is some 1e-13 anyway.
 
     Raises InputError for thresholds that the final law does not cover, for a start beyond every threshold, and for
     exact single values in `fresh` unless the final law is Gaussian.
@@ -88,7 +93,7 @@ def first_passage(fresh: object, ageing: Ageing, velocity: float = 1.0, start: f
     diffusion = max(diffusion, _AT_REST * unit)
     power = _onset_power(law) if start == 0.0 else np.inf
     if ageing.normal is None:
-        passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT)
+        passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT, 0.3 * accuracy)
         return FirstPassage(_from_steps(passage, power), passage.error)
     normal = OrnsteinPassage(law, ageing.normal.mean, ageing.normal.std, diffusion, start, _SPENT)
     effective = EffectiveLaw(normal.series(), 0.0, True, normal.survival, normal.hazard, normal.slope, power)

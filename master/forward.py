@@ -33,7 +33,13 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float) -> Solution
     if x[-1] > _FURTHEST:
         refuse("path[-1]", path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
     problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance)
-    first = problem.first
+    return solve_problem(problem, path, tolerance, began)
+
+
+def solve_problem(problem: Problem, path: Array, tolerance: float, began: float) -> Solution:
+    """The same of a problem stated before, since the time `began`; tolerance in units of the problem."""
+    x = path / problem.unit
+    contacts, first = problem.contacts, problem.first
     force = first.mean_start + x - first.released(x)
     released, error, later, message = _refine(problem, x, tolerance)
     force = (force - released) * problem.unit

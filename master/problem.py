@@ -1,9 +1,14 @@
 """One scene in units of its mean threshold: the law, the first breaks, the atomic chain."""
 
+from typing import TYPE_CHECKING
+
 from master.atomic import AtomicChain
 from master.first import FirstBreaks
 from master.law import Law
 from origins import Contacts
+
+if TYPE_CHECKING:
+    from master.ageing_start import AgeingStart
 
 _BEYOND = 1.7  # lattices reach past the last position, at most by 24 of the coarsest steps
 
@@ -11,6 +16,8 @@ _BEYOND = 1.7  # lattices reach past the last position, at most by 24 of the coa
 class Problem:
     """What does not depend on the lattice, up to X = `end` and for errors well below `tolerance` (both in
     units of the mean threshold)."""
+
+    starting: "AgeingStart | None" = None  # where contacts that hold at X = 0 do not break as the law says
 
     def __init__(self, contacts: Contacts, end: float, tolerance: float) -> None:
         self.contacts = contacts

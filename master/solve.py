@@ -12,6 +12,7 @@ from origins.drive import SlipRule
 from origins.errors import positive
 
 if TYPE_CHECKING:
+    from master.ageing_transient import AgeingTransient
     from master.cohorts import PathSolution
     from master.soft import SoftSolution
 
@@ -26,7 +27,7 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: None = None,
     slip: SlipRule = "reset",
-) -> "Solution | PathSolution": ...
+) -> "Solution | PathSolution | AgeingTransient": ...
 
 
 @overload
@@ -51,13 +52,13 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: float | None = None,
     slip: SlipRule = "reset",
-) -> "Solution | PathSolution | SoftSolution":
-    """Force on a slider from X = 0 along a path, at T = 0 (paper Eqs. Q5a-Q6, App. C, Sec. III D).
+) -> "Solution | PathSolution | SoftSolution | AgeingTransient":
+    """Force on a slider from X = 0 along a path, at T = 0 (paper Eqs. Q5a-Q6, App. C, Sec. III D, V).
 
     Parameters
     ----------
     contacts : Contacts
-        Thresholds and starting stretches.
+        Thresholds and starting stretches; and ageing, for a rigid slider that moves forward at one speed.
     path : array of shape (n,)
         Slider positions X (lengths), any spacing, straight between points; where they turn round contacts break at
         -x_s as well. With a spring, positions X_T of the drive, which begins where it balances the start.
@@ -77,7 +78,8 @@ def solve(
 
     Returns
     -------
-    Solution, PathSolution where the path turns round, or SoftSolution where there is a spring
+    Solution, PathSolution where the path turns round, SoftSolution where there is a spring, or AgeingTransient for
+    the paper's closure of ageing
         With success = False and the reason in `message` where the tolerance was not reached.
 
     Raises
@@ -86,8 +88,12 @@ def solve(
         For a path that is not finite, and for keywords that are not as said above.
     """
     tolerance = positive("tolerance", tolerance)
-    check_contacts(contacts, "master.solve")
     drive = Drive(path, velocity, time, spring, slip)
+    if isinstance(contacts, Contacts) and contacts.ageing is not None:
+        from master.ageing import solve_ageing
+
+        return solve_ageing(contacts, drive, tolerance)
+    check_contacts(contacts, "master.solve")
     if drive.spring is not None:
         from master.soft import solve_soft
 

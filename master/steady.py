@@ -1,6 +1,7 @@
 """Smooth sliding: the state that no longer depends on X (paper Eqs. Q11a-Q11d)."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +10,9 @@ from origins import Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.quadrature import gauss, panel_edges
 
+if TYPE_CHECKING:
+    from master.ageing_paper import AgeingSteadyState
+
 Array = npt.NDArray[np.float64]
 
 _ROUND_OFF = 4e-16
@@ -16,7 +20,7 @@ _ROUND_OFF = 4e-16
 
 @dataclass(frozen=True)
 class SteadyState:
-    """Steady sliding at T = 0, whatever the start.
+    """Steady sliding at T = 0, whatever the start; for contacts that age x_s is the stretch at which they break.
 
     Attributes
     ----------
@@ -39,11 +43,16 @@ class SteadyState:
         return np.where(x >= 0.0, self._thresholds.sf(x) / self.mean_threshold, 0.0)[()]
 
 
-def steady_state(contacts: Contacts) -> SteadyState:
-    """Kinetic force and distribution of stretches in steady sliding.
+def steady_state(contacts: Contacts, velocity: float = 1.0) -> "SteadyState | AgeingSteadyState":
+    """Kinetic force and distribution of stretches in steady sliding at `velocity` (length per time), which only ageing
+    tells.
 
     Raises InputError where <x_s^2> is infinite: then the force grows for ever and there is no steady state.
     """
+    if isinstance(contacts, Contacts) and contacts.ageing is not None:
+        from master.ageing import steady_ageing
+
+        return steady_ageing(contacts, velocity)
     check_contacts(contacts, "master.steady_state")
     thresholds = contacts.thresholds
     mean, square = contacts.mean_threshold, thresholds.moment(2)

@@ -7,7 +7,6 @@ from scipy.special import log_ndtr, ndtr
 
 import master
 import origins
-from master.ageing_start import AgeingStart, gauss_rule
 from master.diffusion_passage import _march, _narrowest, _Problem, _wall, diffusion_passage
 from master.first_passage import first_passage
 from master.ornstein_passage import OrnsteinPassage
@@ -187,32 +186,6 @@ def test_effective_law_in_the_renewal_solver(diffusion: float) -> None:
     assert steady.force == pytest.approx(passage.kinetic_force()[0], rel=1e-12)
 
 
-def test_start_with_a_width() -> None:
-    start = origins.gaussian_start(0.02, 0.05)
-    stretches, weights = gauss_rule(start, 7)
-    for power, moment in enumerate([1.0, 0.0, 1.0, 0.0, 3.0, 0.0, 15.0]):
-        assert (weights * ((stretches - 0.02) / 0.05) ** power).sum() == pytest.approx(moment, abs=1e-9)
-    contacts = origins.Contacts(origins.gaussian(0.5, 0.05), start, ageing=Ageing(origins.gaussian(1.0, 0.05), 1e-3))
-    holding = AgeingStart(contacts, 1.0, 1e-7)
-    assert holding.error < 1e-7
-    x = np.linspace(0.4, 0.9, 21)
-    # p = -dG_0/dX, and the stretch that is kept grows by what holds and loses what is released
-    slope = (holding.holding(x + 1e-5) - holding.holding(x - 1e-5)) / 2e-5
-    np.testing.assert_allclose(holding.breaks(x), -slope, atol=1e-6)
-    slope = (holding.stretch(x + 1e-5) - holding.stretch(x - 1e-5)) / 2e-5
-    np.testing.assert_allclose(holding.holding(x) - holding.released(x), slope, atol=1e-6)
-    generator = np.random.default_rng(11)
-    drawn = np.concatenate(
-        [
-            ensemble(contacts.thresholds, 1.0, 0.05, 1e-3, float(begin), 1e-3, 400, generator)
-            for begin in start.ppf((np.arange(25) + 0.5) / 25)
-        ]
-    )
-    known = holding.holding(x)
-    z = (np.array([(drawn > at).mean() for at in x]) - known) / np.sqrt(known * (1.0 - known) / drawn.size)
-    assert np.abs(z).max() < 5.0, z
-
-
 def test_refusals() -> None:
     cases = [
         (lambda: first_passage(FRESH, Ageing(FINAL, 1.0), velocity=0.0), "velocity = 0.0: must be above zero"),
@@ -225,7 +198,6 @@ def test_refusals() -> None:
             lambda: first_passage(origins.identical(0.5), Ageing(origins.gw_plastic(1.0), 1.0)),
             "thresholds: hold the single value 0.5: only towards a Gaussian final law",
         ),
-        (lambda: AgeingStart(origins.Contacts(FRESH)), "contacts.ageing: is None"),
     ]
     for call, begins in cases:
         with pytest.raises(InputError) as refusal:
