@@ -23,9 +23,11 @@ class AgeingPropagator:
         leaving = np.append(up, 0.0) + np.append(0.0, down)
         pole = 0.5 + 0.5j
         self._factors = zgttrf(-pole * up, 1.0 + pole * leaving, -pole * down)[:5]
-        self._parts = parts
+        self._parts, self._rest = parts, diffusion.stationary
 
     def __call__(self, weights: Array) -> Array:
         for _ in range(self._parts):
-            weights = ((1.0 - 1.0j) * zgttrs(*self._factors, weights.astype(complex))[0]).real
+            after = ((1.0 - 1.0j) * zgttrs(*self._factors, weights.astype(complex))[0]).real
+            # where amount × hops is large, the sum is known to so many roundings only
+            weights = after + (weights.sum() - after.sum()) * self._rest
         return weights

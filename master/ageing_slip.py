@@ -23,7 +23,7 @@ from origins import Contacts, InputError
 from origins.errors import positive
 
 _LEVELS = {"paper": (4.0, 8.0, 16.0), "exact": (12.0, 20.0)}  # steps to the narrower of start and fresh thresholds
-_CLOSE = 1e-8
+_CLOSE = 1e-7
 _BEYOND = 1e-3
 
 

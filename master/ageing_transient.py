@@ -33,7 +33,8 @@ Keep = Literal["positivity", "mass"]
 _COARSEST = 0.5  # of the narrowest width
 _BULK = np.array([1e-3, 0.03, 0.5])
 _CHANGE = 2.0
-_FEWEST_CELLS, _MOST_PARTS = 4, 128
+_FEWEST_CELLS, _MOST_CELLS_EACH = 4, 128
+_PARTS, _MOST_PARTS = 8.0, 16
 _MOST_WORK = 1e8  # cells times steps
 _SPLINE = 5
 _FAR = 1e-13
@@ -106,6 +107,7 @@ def paper_transient(
     velocity: float = 1.0,
     keep: Keep = "positivity",
     cells: int | None = None,
+    parts: int | None = None,
 ) -> AgeingTransient:
     """(Q15) as printed, along a rigid slider's path.
 
@@ -124,6 +126,8 @@ def paper_transient(
         grows. "mass": P_c goes below 0; the solution ends where contacts stand at a survival that is not above 0.
     cells : int, optional
         Of P_c, to each step; None: at least four, and enough for thresholds to fall apart by diffusion as they should.
+    parts : int, optional
+        In which each step ages; None: enough for what is fast.
 
     Raises InputError for contacts without ageing, with thermal breaking, delay, re-forming away from 0 or linked
     stiffness, and for a start from a single value: there P Q is a product of what is infinite and what it empties,
@@ -136,7 +140,9 @@ def paper_transient(
         refuse("keep", keep, 'must be "positivity" or "mass"')
     positive("step", step)
     cells = enough_cells(contacts, step) if cells is None else whole("cells", cells, 1)
-    stepper = PaperStepper(contacts, step, positive("velocity", velocity), keep, cells)
+    velocity = positive("velocity", velocity)
+    parts = enough_parts(contacts, step, velocity) if parts is None else whole("parts", parts, 1)
+    stepper = PaperStepper(contacts, step, velocity, keep, cells, parts)
     steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))
     told = [stepper.state()]
     reached = np.searchsorted(positions, step * np.arange(steps + 1) * (1.0 + 1e-12), side="right")
@@ -185,17 +191,19 @@ class PaperStepper:
 
     Attributes
     ----------
+    step : float
     edges : array (m + 1,), of all cells
     walls : array (m / cells + 1,), those on which cohorts stand
     stretches, cohorts : arrays (k,)
     """
 
-    def __init__(self, contacts: Contacts, step: float, velocity: float, keep: Keep, cells: int) -> None:
+    def __init__(
+        self, contacts: Contacts, step: float, velocity: float, keep: Keep, cells: int, parts: int = 1
+    ) -> None:
         ageing = contacts.ageing
-        if ageing is None:
-            raise InputError("contacts.ageing: is None; without ageing use master.solve")
+        assert ageing is not None
         fresh, final, start = contacts.thresholds, ageing.final, contacts.start
-        self._step, self._keep = step, keep
+        self.step, self._keep = step, keep
         lower, end = final.support()
         amount = ageing.rate / velocity * step
         upper = float(fresh.isf(_FAR))
@@ -214,8 +222,8 @@ class PaperStepper:
             inner = inner[: int(np.searchsorted(inner, upper)) + 1]
         self.walls = np.append(lower, inner)
         self._cells = cells
-        parts = np.arange(cells * (self.walls.size - 1) + 1) / cells
-        self.edges = np.interp(parts, np.arange(self.walls.size), self.walls)
+        place = np.arange(cells * (self.walls.size - 1) + 1) / cells
+        self.edges = np.interp(place, np.arange(self.walls.size), self.walls)
         ends = np.append(self.stretches - 0.5 * step, self.stretches[-1] + 0.5 * step)
         self.cohorts = np.diff(start.cdf(ends))
         self.cohorts /= self.cohorts.sum()
@@ -227,8 +235,8 @@ class PaperStepper:
         self._half: Callable[[Array], Array] = _unchanged
         if amount > 0.0:
             diffusion = Diffusion(final, self.edges)
-            self._half = AgeingPropagator(diffusion, 0.5 * amount)
-            self._whole = AgeingPropagator(diffusion, amount)
+            self._half = AgeingPropagator(diffusion, 0.5 * amount, parts)
+            self._whole = AgeingPropagator(diffusion, amount, parts)
         # P_c in the middle of two steps' breaks: half a step of ageing is still to come
         self._weights = self._fresh.copy()
         self._aged = self._half(self._weights)
@@ -302,17 +310,17 @@ def solve_paper(contacts: Contacts, drive: Drive, tolerance: float) -> AgeingTra
     began = time.perf_counter()
     check_closure(contacts)
     step = _COARSEST * _narrowest(contacts)
-    cells = enough_cells(contacts, step)
+    cells, parts = enough_cells(contacts, step), enough_parts(contacts, step, drive.velocity)
     end, unit = float(drive.path[-1]), contacts.mean_threshold
-    finest = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells)
+    finest = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells, parts=parts)
     before: Array | None = None
     error, force = np.inf, finest.force
     # halving makes twice the steps, each over twice the cells; at least three lengths of step
-    work = 4.0 * finest.edges.size * cells * (end / step + 1.0)
+    work = 4.0 * finest.edges.size * cells * parts * (end / step + 1.0)
     stuck = False
     while error > tolerance and not stuck and (work <= _MOST_WORK or not np.isfinite(error)):
         coarser, step = finest, 0.5 * step
-        finest = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells)
+        finest = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells, parts=parts)
         force = (4.0 * finest.force - coarser.force) / 3.0
         if before is not None:
             change = 2.0 * float(np.abs(force - before).max()) / unit
@@ -343,7 +351,15 @@ def enough_cells(contacts: Contacts, step: float) -> int:
     ends = np.clip(np.stack([x - beside, x + beside]), lower, upper)
     rise = np.diff(ageing.final.logpdf(ends), axis=0)[0] / np.diff(ends, axis=0)[0]
     slope = float(np.abs(rise[np.isfinite(rise)]).max(initial=0.0))
-    return int(np.clip(np.ceil(step * slope / _CHANGE), _FEWEST_CELLS, _MOST_PARTS))
+    return int(np.clip(np.ceil(step * slope / _CHANGE), _FEWEST_CELLS, _MOST_CELLS_EACH))
+
+
+def enough_parts(contacts: Contacts, step: float, velocity: float) -> int:
+    """Parts of a step in which the final law is approached by little."""
+    ageing = contacts.ageing
+    assert ageing is not None
+    approach = ageing.rate / velocity * step / ageing.final.std() ** 2
+    return int(np.clip(np.ceil(_PARTS * approach), 1, _MOST_PARTS))
 
 
 def _narrowest(contacts: Contacts) -> float:
@@ -363,6 +379,8 @@ def _between(x: Array, at: Array, values: npt.ArrayLike) -> Array:
 def check_closure(contacts: Contacts) -> None:
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts, such as origins.Contacts(origins.gaussian(mean=1.0, std=0.05))")
+    if contacts.ageing is None:
+        raise InputError("contacts.ageing: is None; without ageing use master.solve")
     if contacts.start.is_single:
         raise InputError(
             f"start: all contacts at the one stretch {contacts.start.mean():g}: there (Q15) multiplies what is infinite"
