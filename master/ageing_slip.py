@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy.optimize import root_scalar
 
 from master.ageing_start import AgeingStart
-from master.ageing_transient import PaperStepper, check_closure, enough_cells
+from master.ageing_stepper import PaperStepper, check_closure, enough_cells
 from master.first_passage import first_passage
 from master.series import renew
 from origins import Contacts, InputError

@@ -8,7 +8,8 @@ import master
 import origins
 from master.ageing_paper import gaussian_force, paper_steady_state
 from master.ageing_propagator import AgeingPropagator
-from master.ageing_transient import PaperStepper, enough_parts, paper_transient
+from master.ageing_stepper import PaperStepper, enough_parts
+from master.ageing_transient import paper_transient
 from origins import Ageing, Contacts, InputError
 from origins.diffusion import Diffusion
 
