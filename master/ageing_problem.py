@@ -29,11 +29,11 @@ class AgeingProblem(Problem):
     def __init__(self, contacts: Contacts, velocity: float, end: float, tolerance: float) -> None:
         assert contacts.ageing is not None
         generations = 1.0 + end / contacts.mean_threshold
-        accuracy = 0.1 * tolerance / generations
+        accuracy = 0.3 * tolerance / generations
         passage = first_passage(contacts.thresholds, contacts.ageing, velocity, accuracy=accuracy)
         effective = Contacts(passage.law)
         super().__init__(effective, end / effective.mean_threshold, tolerance)
-        self.law_error = passage.error * (1.0 + self.end) * float(passage.law.isf(1e-9)) / self.unit
+        self.law_error = passage.error * (1.0 + self.end)
         if contacts.start.span != (0.0, 0.0):
             self.starting = AgeingStart(contacts, velocity, accuracy)
             self.first = AgeingBreaks(self.starting, self.law, self.first.end, 1e-4 * tolerance)

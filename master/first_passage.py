@@ -24,6 +24,7 @@ Array = npt.NDArray[np.float64]
 _ROUND_OFF = 1e-14
 _SPENT = 1e-12
 _AT_REST = 1e-28
+_FINEST = 1e-10  # of the diffusion equation: beyond, steps grow in number and rounding comes through
 _NODES = 16
 _X, _W = legendre.leggauss(_NODES)
 _T = 0.5 * (_X + 1.0)
@@ -93,7 +94,7 @@ def first_passage(
     diffusion = max(diffusion, _AT_REST * unit)
     power = _onset_power(law) if start == 0.0 else np.inf
     if ageing.normal is None:
-        passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT, 0.3 * accuracy)
+        passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT, max(0.3 * accuracy, _FINEST))
         return FirstPassage(_from_steps(passage, power), passage.error)
     normal = OrnsteinPassage(law, ageing.normal.mean, ageing.normal.std, diffusion, start, _SPENT)
     effective = EffectiveLaw(normal.series(), 0.0, True, normal.survival, normal.hazard, normal.slope, power)
