@@ -13,6 +13,7 @@ from origins import Contacts
 from origins.thresholds import Array
 
 _NOTHING = 1e-12
+_SAME = 1e-14
 
 
 class AgeingProblem(Problem):
@@ -61,8 +62,11 @@ class AgeingBreaks(FirstBreaks):
         # where a level that came down turns up again
         turns = -starting.stretches[starting.stretches < 0.0] / unit
         turns = turns[turns < end]
-        inner = np.linspace(0.0, min(end, 4.0), 17)
-        self.density, self._released = tabulate(rows, np.unique(np.concatenate([inner, turns, [end]])), self._accuracy)
+        seeds = np.concatenate([starting.panels / unit, turns])
+        seeds = np.unique(np.concatenate([[0.0], seeds[seeds < end], [end]]))
+        # closer than rounding is once
+        seeds = seeds[np.append(np.diff(seeds) > _SAME, True)]
+        self.density, self._released = tabulate(rows, seeds, self._accuracy)
         left = float(starting.holding(np.array([end * unit]))[0])
         self._defect = abs(1.0 - left - self.density.total) + starting.error
         self.jumps, self.jump_sizes = np.zeros(1), self.density(np.zeros(1))

@@ -67,6 +67,12 @@ class EffectiveLaw(Thresholds):
     def breakpoints(self) -> Array:
         return np.array([self._lower] if self._beyond > 0.0 else [self._lower, self._last])
 
+    @property
+    def panels(self) -> Array:
+        """Ends of the table's panels (lengths), close where the density changes fast."""
+        s = self._series.edges
+        return self._lower + (s * s if self._root else s)
+
     def _at(self, s: float) -> float:
         return self._lower + (s * s if self._root else s)
 

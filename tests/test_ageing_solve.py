@@ -43,7 +43,8 @@ def test_distribution_keeps_number_and_gives_the_force(start) -> None:  # type: 
 
 def test_start_with_a_width() -> None:
     start = origins.gaussian_start(0.02, 0.05)
-    stretches, project, diagonal, beside = gauss_rule(start, 7)
+    stretches, project, diagonal, beside, weight = gauss_rule(start, 7, *start.span)
+    assert weight == pytest.approx(1.0, abs=1e-15)
     for power, moment in enumerate([1.0, 0.0, 1.0, 0.0, 3.0, 0.0, 15.0]):
         assert (project[0] * ((stretches - 0.02) / 0.05) ** power).sum() == pytest.approx(moment, abs=1e-9)
     # Hermite polynomials: <x p_k p_(k+1)> = std (k + 1)^(1/2)
@@ -64,15 +65,17 @@ def test_start_with_a_width() -> None:
 
 def test_error_is_a_promise_here_too() -> None:
     path = np.linspace(0.05, 6.0, 240)
-    for fresh, final, rate in [
-        (FRESH, FINAL, 1e-4),
-        (FRESH, FINAL, 0.1),
-        (origins.gaussian(0.5, 0.3), origins.gaussian(1.0, 0.1), 0.01),
-        (origins.rectangular(0.3, 0.7), FINAL, 1e-3),
-        (origins.identical(0.5), FINAL, 1e-4),
-        (FRESH, origins.gw_plastic(0.6), 0.01),
+    for fresh, start, final, rate in [
+        (FRESH, None, FINAL, 1e-4),
+        (FRESH, -0.1, FINAL, 0.1),
+        (origins.gaussian(0.5, 0.3), None, origins.gaussian(1.0, 0.1), 0.01),
+        (origins.rectangular(0.3, 0.7), 0.1, FINAL, 1e-3),
+        (origins.identical(0.5), None, FINAL, 1e-4),
+        (NARROW, origins.gaussian_start(0.02, 0.01), origins.gaussian(1.0, 0.02), 2.5e-4),
+        (FRESH, origins.gaussian_start(0.1, 0.04), origins.gaussian(1.0, 0.05), 0.01),
+        (FRESH, None, origins.gw_plastic(0.6), 0.01),
     ]:
-        contacts = Contacts(fresh, ageing=Ageing(final, rate))
+        contacts = Contacts(fresh, start, ageing=Ageing(final, rate))
         rough, fine = master.solve(contacts, path, 1e-5), master.solve(contacts, path, 1e-8)
         error = np.abs(rough.force - fine.force).max() / contacts.mean_threshold
         assert rough.success and fine.success and error <= rough.force_error + fine.force_error, (rate, error)
