@@ -8,7 +8,7 @@ from master.ageing_problem import AgeingProblem
 from master.first_passage import first_passage
 from master.forward import solve_forward, solve_problem
 from master.solution import Solution
-from master.steady import SteadyState
+from master.steady import SteadyState, steady_state
 from origins import Contacts, Drive, InputError
 from origins.errors import positive
 
@@ -56,7 +56,10 @@ def steady_ageing(contacts: Contacts, velocity: float) -> "SteadyState | AgeingS
         return paper_steady_state(contacts.thresholds, contacts.ageing, velocity)
     passage = first_passage(contacts.thresholds, contacts.ageing, velocity)
     force, error = passage.kinetic_force()
-    return SteadyState(force, error / contacts.mean_threshold, passage.law.mean(), passage.law)
+    # at rest, contacts of the law of breaks slide alike
+    return replace(
+        steady_state(Contacts(passage.law)), force=force, force_error=error / contacts.mean_threshold
+    )
 
 
 def check_alone(contacts: Contacts) -> None:

@@ -46,6 +46,8 @@ class AgeingSteadyState:
         Its error in units of the mean fresh threshold.
     mean_threshold : float
         C, the mean of P_c (a length): contacts break at the rate 1/C per unit of advance.
+    holding : float
+        Fraction of the contacts that hold: 1.
     thresholds : Thresholds
         P_c. Its density is cut at 0 where the series falls below, by the weight `positivity_defect`.
     positivity_defect : float
@@ -57,6 +59,7 @@ class AgeingSteadyState:
     mean_threshold: float
     thresholds: Thresholds = field(repr=False)
     positivity_defect: float
+    holding: float = 1.0
 
     def distribution(self, x: npt.ArrayLike) -> Array:
         """Q_s(x) = S(x)/C per length for x >= 0 (a length), S the survival of P_c; 0 below; same shape as x."""

@@ -3,7 +3,6 @@
 import numpy as np
 
 from master.ageing_start import AgeingStart
-from master.atomic import AtomicChain
 from master.first import FirstBreaks
 from master.first_passage import first_passage
 from master.law import Law
@@ -32,14 +31,16 @@ class AgeingProblem(Problem):
         generations = 1.0 + end / contacts.mean_threshold
         accuracy = 0.3 * tolerance / generations
         passage = first_passage(contacts.thresholds, contacts.ageing, velocity, accuracy=accuracy)
-        effective = Contacts(passage.law)
-        super().__init__(effective, end / effective.mean_threshold, tolerance)
-        self.law_error = passage.error * (1.0 + self.end)
         if contacts.start.span != (0.0, 0.0):
             self.starting = AgeingStart(contacts, velocity, accuracy)
-            self.first = AgeingBreaks(self.starting, self.law, self.first.end, 1e-4 * tolerance)
-            self.rough = self.law.rough or self.first.has_corners
-            self.chain = AtomicChain(self.law, self.first.atoms, self.first.atom_weights, self.end)
+        effective = Contacts(passage.law)
+        super().__init__(effective, max(end / effective.mean_threshold, 1e-300), tolerance)
+        self.law_error = passage.error * (1.0 + self.end)
+
+    def _first(self, end: float, accuracy: float) -> FirstBreaks:
+        if self.starting is None:
+            return super()._first(end, accuracy)
+        return AgeingBreaks(self.starting, self.law, end, accuracy)
 
 
 class AgeingBreaks(FirstBreaks):

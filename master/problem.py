@@ -24,7 +24,10 @@ class Problem:
         self.unit = contacts.mean_threshold
         self.end = end
         self.law = Law(contacts, _BEYOND * end + max(contacts.start.span[1], 0.0) / self.unit)
-        self.first = FirstBreaks(contacts, self.law, _BEYOND * end, 1e-4 * tolerance)
+        self.first = self._first(_BEYOND * end, 1e-4 * tolerance)
         # corners of the law or of the first breaks above X = 0 make errors uneven
         self.rough = self.law.rough or self.first.has_corners
         self.chain = AtomicChain(self.law, self.first.atoms, self.first.atom_weights, end)
+
+    def _first(self, end: float, accuracy: float) -> FirstBreaks:
+        return FirstBreaks(self.contacts, self.law, end, accuracy)

@@ -43,7 +43,7 @@ class SteadyState:
         return np.where(x >= 0.0, self._thresholds.sf(x) / self.mean_threshold, 0.0)[()]
 
 
-def steady_state(contacts: Contacts, velocity: float = 1.0) -> "SteadyState | AgeingSteadyState":
+def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> "SteadyState | AgeingSteadyState":
     """Kinetic force and distribution of stretches in steady sliding at `velocity` (length per time), which only ageing
     tells.
 

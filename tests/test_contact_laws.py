@@ -32,6 +32,8 @@ SOLVERS = {
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }
 
+TAKEN = dict.fromkeys(("master.solve", "master.steady_state"), ("ageing",))
+
 
 def refused(call, begins: str) -> None:
     with pytest.raises(InputError) as refusal:
@@ -62,6 +64,10 @@ def test_what_is_given_is_carried() -> None:
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", LAWS)
 def test_no_law_is_silently_ignored(solver: str, name: str) -> None:
+    if name in TAKEN.get(solver, ()):
+        told = SOLVERS[solver](Contacts(GAUSSIAN)), SOLVERS[solver](Contacts(GAUSSIAN, **{name: LAWS[name]}))
+        assert repr(told[0]) != repr(told[1])
+        return
     shown = " = 'linked'" if name == "stiffness" else ""
     told = f"contacts.{name}{shown}: {solver} does not take it yet; leave "
     refused(lambda: SOLVERS[solver](Contacts(GAUSSIAN, **{name: LAWS[name]})), told)
