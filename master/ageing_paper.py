@@ -175,4 +175,4 @@ class _Histogram:
         mass = elements.weights * self.values
         series = Piecewise(elements.edges - elements.edges[0], elements.series(self.values))
         law = EffectiveLaw(series, float(elements.edges[0]), root=False, onset_power=0.0)
-        return law, float(-mass[mass < 0.0].sum())
+        return law, abs(float(mass[mass < 0.0].sum()))

@@ -104,7 +104,7 @@ class PaperStepper:
     def state(self) -> tuple[float, float, float]:
         """F/(N_c <k>), mass of P_c less 1, weight of P_c below 0."""
         w = self._weights
-        return float(self.stretches @ self.cohorts), float(w.sum()) - 1.0, float(-w[w < 0.0].sum())
+        return float(self.stretches @ self.cohorts), float(w.sum()) - 1.0, abs(float(w[w < 0.0].sum()))
 
     def advance(self) -> bool:
         """One step; False, and nothing done, where contacts stand at a survival that is not above 0."""

@@ -206,10 +206,12 @@ def solve_paper(contacts: Contacts, drive: Drive, tolerance: float) -> AgeingTra
 
 
 def _narrowest(contacts: Contacts) -> float:
-    """Half of the width that holds the middle two thirds of start, fresh or final thresholds, whichever is least."""
+    """Half of the width that holds the middle two thirds of start, fresh or final thresholds, whichever is least;
+    single values have none."""
     assert contacts.ageing is not None
     laws = contacts.thresholds, contacts.start, contacts.ageing.final
-    return min(0.5 * float(law.isf(0.16) - law.ppf(0.16)) for law in laws)
+    widths = [0.5 * float(law.isf(0.16) - law.ppf(0.16)) for law in laws]
+    return min(width for width in widths if width > 0.0)
 
 
 def _between(x: Array, at: Array, values: npt.ArrayLike) -> Array:

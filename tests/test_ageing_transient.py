@@ -135,6 +135,13 @@ def test_defects_of_figure_a04() -> None:
     assert np.abs(other.mass_defect).max() < 1e-9
 
 
+def test_single_fresh_value() -> None:
+    ageing = Ageing(origins.gaussian(1.0, 0.05), 1e-3, closure="paper")
+    told = master.solve(Contacts(origins.identical(0.6), origins.gaussian_start(0.1, 0.05), ageing=ageing), [0.3], 1e-3)
+    # thresholds have hardly moved by then, nor have contacts come so far
+    assert told.success and told.force[0] == pytest.approx(0.4, abs=1e-3)
+
+
 def test_refusals() -> None:
     printed = Ageing(FINAL, 1e-3, "paper")
     cases = [
