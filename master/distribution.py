@@ -42,7 +42,9 @@ class StretchDistribution:
 
     def _starting(self, x: Array) -> Array:
         """Contacts that hold since X = 0: Q_ini(x_0) S(max(|x_0|, x)) / S(|x_0|), x_0 = x - X."""
-        contacts = self._problem.contacts
+        contacts, starting, unit = self._problem.contacts, self._problem.starting, self._problem.unit
+        if starting is not None and not starting.is_single:
+            return starting.standing(x * unit, self._at * unit) * unit
         if contacts.start.is_single:
             return np.zeros(x.shape)
         origin = x - self._at
@@ -86,8 +88,11 @@ def distribution_at(problem: Problem, later: LaterReleased | None, position: flo
     reached = positions + _SLACK * np.abs(positions)
     held = problem.cycle.survived(np.full(positions.size, release.birth * unit), reached * unit)
     weights = chain.weights[born] * held
-    start = problem.contacts.start
-    if start.is_single:
+    start, starting = problem.contacts.start, problem.starting
+    if starting is not None and starting.is_single:
+        held = starting.holding(at * unit)
+        positions, weights = np.append(positions, starting.stretches / unit + at), np.append(weights, held)
+    elif starting is None and start.is_single:
         origin = float(start.mean() / problem.unit)
         furthest = origin + at + _SLACK * abs(origin + at)
         held = problem.cycle.survived(np.array([origin]) * problem.unit, np.array([furthest]) * problem.unit)

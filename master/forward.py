@@ -35,9 +35,15 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: f
     x = path / cycle.unit
     if x[-1] > _FURTHEST:
         refuse("path[-1]", path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
+    problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance * contacts.mean_threshold / cycle.unit, cycle)
+    return solve_problem(problem, path, tolerance, began)
+
+
+def solve_problem(problem: Problem, path: Array, tolerance: float, began: float) -> Solution:
+    """The same of a problem stated before, since the time `began`; tolerance in mean thresholds of its contacts."""
+    contacts, x = problem.contacts, path / problem.unit
     # errors are stated in mean thresholds, of which a cycle at a temperature is but a part
-    share = cycle.unit / contacts.mean_threshold
-    problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance / share, cycle)
+    share = problem.unit / contacts.mean_threshold
     force = problem.known(x)
     released, error, later, message = _refine(problem, x, tolerance / share)
     force, error = (force - released) * problem.unit, error * share

@@ -15,6 +15,7 @@ from origins.drive import SlipRule
 from origins.errors import positive
 
 if TYPE_CHECKING:
+    from master.ageing_transient import AgeingTransient
     from master.cohorts import PathSolution
     from master.soft import SoftSolution
 
@@ -29,7 +30,7 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: None = None,
     slip: SlipRule = "reset",
-) -> Solution | PathSolution: ...
+) -> Solution | PathSolution | AgeingTransient: ...
 
 
 @overload
@@ -54,13 +55,14 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: float | None = None,
     slip: SlipRule = "reset",
-) -> Solution | PathSolution | SoftSolution:
-    """Force on a slider from X = 0 along a path, at T = 0 (paper Eqs. Q5a-Q6, App. C, Sec. III D).
+) -> Solution | PathSolution | SoftSolution | AgeingTransient:
+    """Force on a slider from X = 0 along a path (paper Eqs. Q5a-Q6, Secs. IV and V, App. C, Sec. III D).
 
     Parameters
     ----------
     contacts : Contacts
-        Thresholds and starting stretches.
+        Thresholds, starting stretches and, for a rigid slider that moves forward at one speed, either temperature in
+        either closure, delay, re-forming and linked stiffness, or ageing in either closure.
     path : array of shape (n,)
         Slider positions X (lengths), any spacing, straight between points; where they turn round contacts break at
         -x_s as well. With a spring, positions X_T of the drive, which begins where it balances the start.
@@ -80,16 +82,22 @@ def solve(
 
     Returns
     -------
-    Solution, PathSolution where the path turns round, or SoftSolution where there is a spring
+    Solution, PathSolution where the path turns round, SoftSolution where there is a spring, or AgeingTransient for
+    the paper's closure of ageing
         With success = False and the reason in `message` where the tolerance was not reached.
 
     Raises
     ------
     InputError
-        For a path that is not finite, and for keywords that are not as said above.
+        For a path that is not finite, for keywords that are not as said above, and for laws of the contacts that are
+        not taken on that path yet.
     """
     tolerance = positive("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip)
+    if isinstance(contacts, Contacts) and contacts.ageing is not None:
+        from master.ageing import solve_ageing
+
+        return solve_ageing(contacts, drive, tolerance)
     steady = drive.spring is None and drive.forward and drive.time is None
     check_contacts(contacts, "master.solve" if steady else f"master.solve {_why(drive)}", LAWS if steady else ())
     if drive.spring is not None:

@@ -1,8 +1,7 @@
 """Smooth sliding: the state that no longer depends on X (paper Eqs. Q11a-Q11d)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +15,9 @@ from origins import Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.errors import positive
 from origins.quadrature import gauss, panel_edges
+
+if TYPE_CHECKING:
+    from master.ageing_paper import AgeingSteadyState
 
 Array = npt.NDArray[np.float64]
 
@@ -75,13 +77,17 @@ class SteadyState:
         return out.reshape(x.shape)[()]
 
 
-def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
-    """Kinetic force and distribution of stretches in steady sliding at `velocity` (length per time; only rates and
-    delay tell).
+def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | AgeingSteadyState:
+    """Kinetic force and distribution of stretches in steady sliding at `velocity` (length per time; only rates, ageing
+    and delay tell).
 
     Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force grows for ever and there
     is no steady state.
     """
+    if isinstance(contacts, Contacts) and contacts.ageing is not None:
+        from master.ageing import steady_ageing
+
+        return steady_ageing(contacts, velocity)
     check_contacts(contacts, "master.steady_state", LAWS)
     return steady_of(contacts, Cycle(contacts, positive("velocity", velocity)))
 

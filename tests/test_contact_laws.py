@@ -31,9 +31,8 @@ SOLVERS = {
     "eq_model.simulate": lambda contacts: eq_model.simulate(contacts, PATH, n_contacts=10),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }
-TAKEN = dict.fromkeys(
-    ("master.solve", "master.steady_state", "master.propensity"), ("thermal", "delay", "reforming", "stiffness")
-)
+STEADY = ("thermal", "delay", "reforming", "stiffness")
+TAKEN = {"master.solve": (*STEADY, "ageing"), "master.steady_state": (*STEADY, "ageing"), "master.propensity": STEADY}
 
 
 def refused(call, begins: str) -> None:

@@ -1,0 +1,157 @@
+"""Contacts that age, each by itself: how far they get before their stretch meets their threshold.
+
+In steady forward motion a contact born at x = 0 breaks where its stretch x = v t first meets its threshold, which
+diffuses towards the final law meanwhile. The survival E(x) is all that the renewal equation needs: as a law of
+thresholds it makes contacts that age into contacts that do not.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from numpy.polynomial import legendre
+
+from master.diffusion_passage import DiffusionPassage, diffusion_passage
+from master.effective_law import EffectiveLaw
+from master.ornstein_passage import OrnsteinPassage
+from master.piecewise import Piecewise
+from origins import Ageing, InputError, Thresholds
+from origins.errors import finite, positive
+from origins.frozen import as_thresholds
+
+Array = npt.NDArray[np.float64]
+
+_ROUND_OFF = 1e-14
+_SPENT = 1e-12
+_AT_REST = 1e-28
+_FINEST = 1e-10  # of the diffusion equation: beyond, steps grow in number and rounding comes through
+_NODES = 16
+_X, _W = legendre.leggauss(_NODES)
+_T = 0.5 * (_X + 1.0)
+_PROJECT = ((np.arange(_NODES) + 0.5)[:, None] * legendre.legvander(_X, _NODES - 1).T) * _W
+_TERMS = 8  # of ln E between steps: values and slopes at four ends
+
+
+@dataclass(frozen=True)
+class FirstPassage:
+    """Breaks of contacts that age while they are stretched at one speed.
+
+    Attributes
+    ----------
+    law : Thresholds
+        Of the advance s at which a contact breaks: survival E(s), density p(s) = -E'(s). From start = 0 the advance is
+        the stretch.
+    error : float
+        Estimate of the error of the survival, at any s.
+    """
+
+    law: Thresholds
+    error: float
+
+    def kinetic_force(self) -> tuple[float, float]:
+        """F_k/(N_c <k>) = integral of s E over that of E, for contacts born at 0, and its error (lengths)."""
+        mean, square = self.law.mean(), self.law.moment(2)
+        if not np.isfinite(square):
+            raise InputError("thresholds: <x_s^2> is infinite, and the kinetic force; use a law with a shorter tail")
+        force = 0.5 * square / mean
+        reach = float(self.law.isf(1e-9))
+        return force, (self.error * (0.5 * reach**2 + force * reach) + _ROUND_OFF * square) / mean
+
+
+def first_passage(
+    fresh: object, ageing: Ageing, velocity: float = 1.0, start: float = 0.0, accuracy: float = 1e-8
+) -> FirstPassage:
+    """First meeting of the stretch start + v t with a threshold that is fresh at t = 0 and above |start|.
+
+    Parameters
+    ----------
+    fresh : Thresholds or frozen scipy.stats distribution on x >= 0
+        P_ci, of the thresholds at t = 0, conditional on |start|.
+    ageing : Ageing
+        P_cf and D. For a Gaussian final law by an integral equation, at any D; for any other by the diffusion
+        equation.
+    velocity : float
+        v > 0, a length per time.
+    start : float
+        Stretch at t = 0; from below 0 it comes to 0 first.
+    accuracy : float
+        Error of the survival that is aimed at; corners of either law may not allow it. Towards a Gaussian final law
+        it is some 1e-13 anyway.
+
+    Raises InputError for thresholds that the final law does not cover, for a start beyond every threshold, and for
+    exact single values in `fresh` unless the final law is Gaussian.
+    """
+    law = as_thresholds(fresh)
+    ageing.check_fresh(law)
+    diffusion = ageing.rate / positive("velocity", velocity)
+    start = finite("start", start)
+    held = float(law.sf(abs(start)))
+    if not held > 0.0:
+        raise InputError(f"start = {start:g}: lies beyond every threshold; contacts there hold nothing")
+    unit = law.mean()
+    if start == 0.0 and diffusion <= _AT_REST * unit:
+        return FirstPassage(law, 0.0)
+    diffusion = max(diffusion, _AT_REST * unit)
+    power = _onset_power(law) if start == 0.0 else np.inf
+    if ageing.normal is None:
+        passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT, max(0.3 * accuracy, _FINEST))
+        return FirstPassage(_from_steps(passage, power), passage.error)
+    normal = OrnsteinPassage(law, ageing.normal.mean, ageing.normal.std, diffusion, start, _SPENT)
+    effective = EffectiveLaw(normal.series(), 0.0, True, normal.survival, normal.hazard, normal.slope, power)
+    return FirstPassage(effective, normal.error + _ROUND_OFF)
+
+
+def _onset_power(fresh: Thresholds) -> float:
+    """Where P_ci ~ x^m from 0 on, a layer of width (D_X x)^(1/2) has broken by x: p ~ x^((m - 1)/2)."""
+    return 0.5 * (fresh.onset_power - 1.0) if fresh.support()[0] == 0.0 else np.inf
+
+
+def _from_steps(passage: DiffusionPassage, onset_power: float) -> EffectiveLaw:
+    """The law from E and p at the steps' ends: ln E over s = t^(1/2) from four ends at a time, then a series."""
+    # past the first survival that rounding took below 0 there is nothing to tell
+    spent = np.flatnonzero(~(passage.survival > 0.0))
+    size = int(spent[0]) if spent.size else passage.survival.size
+    survival, rate = passage.survival[:size], passage.rate[:size]
+    s = np.sqrt(passage.advance[:size])
+    log_survival, slope = np.log(survival), -2.0 * s * rate / survival
+    first = np.clip(np.arange(s.size - 1) - 1, 0, s.size - 4)
+    around = first[:, None] + np.arange(4)
+    left, right = s[around[:, :1]], s[around[:, -1:]]
+    half = 0.5 * (right - left)
+    at = (s[around] - left) / half - 1.0
+    rows = np.concatenate([_powers(at), _slopes(at) / half[:, :, None]], axis=1)
+    values = np.concatenate([log_survival[around], slope[around]], axis=1)
+    local = np.linalg.solve(rows, values[:, :, None])[:, :, 0]
+    nodes = s[:-1, None] + np.diff(s)[:, None] * _T
+    at = (nodes - left) / half - 1.0
+    inside = np.exp((_powers(at) * local[:, None]).sum(axis=-1))
+    density = -inside * (_slopes(at) * local[:, None]).sum(axis=-1) / half
+    end = np.ones((1, 1))
+    fall = float((_slopes(end) @ local[-1]).item() / half[-1, 0])
+    bend = float((_bends(end) @ local[-1]).item() / half[-1, 0] ** 2)
+    last = float(s[-1])
+    # from derivatives over s to those over t = s^2
+    hazard = -fall / (2.0 * last)
+    steeper = -(bend / (2.0 * last) - fall / (2.0 * last**2)) / (2.0 * last)
+    series = Piecewise(s, _PROJECT @ density.T)
+    return EffectiveLaw(series, 0.0, True, float(survival[-1]), hazard, steeper, onset_power)
+
+
+def _powers(x: Array) -> Array:
+    """Legendre polynomials at x, one axis more."""
+    return np.asarray(legendre.legvander(x, _TERMS - 1), dtype=float)
+
+
+def _slopes(x: Array) -> Array:
+    """Their derivatives."""
+    return _derivatives(x, 1)
+
+
+def _bends(x: Array) -> Array:
+    """Their second derivatives."""
+    return _derivatives(x, 2)
+
+
+def _derivatives(x: Array, order: int) -> Array:
+    derived = legendre.legder(np.eye(_TERMS), order, axis=0)
+    return np.asarray(legendre.legvander(x, derived.shape[0] - 1) @ derived, dtype=float)

@@ -1,0 +1,52 @@
+"""Where ageing ends stick-slip (Fig. A06): at v_c the steepest drop of the force just reaches the spring."""
+
+import numpy as np
+import pytest
+
+import master
+import origins
+from master.ageing_slip import critical_velocity
+from master.ageing_transient import paper_transient
+from origins import Ageing, Contacts, InputError
+
+NARROW = origins.gaussian(0.5, 0.05)
+
+
+def figure_a06(closure: str) -> Contacts:
+    ageing = Ageing(origins.gaussian(1.0, 0.02), 5e-4, closure=closure)
+    return Contacts(NARROW, origins.gaussian_start(0.02, 0.01), ageing=ageing)
+
+
+def test_critical_velocity_of_figure_a06_exact() -> None:
+    """At v_c the drop just reaches the spring."""
+    critical = critical_velocity(figure_a06("exact"), 3.5, 4.2, 4.3)
+    assert critical.velocity == pytest.approx(4.2531, abs=1e-4) and 0.0 < critical.velocity_error < 1e-5
+    path = critical.position + np.linspace(-0.01, 0.01, 41)
+    told = master.solve(figure_a06("exact"), path, 1e-8, velocity=critical.velocity)
+    x = path - path.mean()
+    slope = -np.polyval(np.polyder(np.polyfit(x, told.force, 6)), x)
+    assert told.success and slope.max() == pytest.approx(3.5, abs=1e-6)
+
+
+def test_critical_velocity_of_figure_a06_paper() -> None:
+    critical = critical_velocity(figure_a06("paper"), 3.5, 2.0, 2.1)
+    assert critical.velocity == pytest.approx(2.0692, abs=2e-4) and 0.0 < critical.velocity_error < 1e-4
+    path = critical.position + np.linspace(-0.02, 0.02, 41)
+    coarse, fine = (
+        paper_transient(figure_a06("paper"), path, h, velocity=critical.velocity, cells=8).force for h in (1e-3, 5e-4)
+    )
+    x = path - path.mean()
+    slope = -np.polyval(np.polyder(np.polyfit(x, (4.0 * fine - coarse) / 3.0, 6)), x)
+    assert slope.max() == pytest.approx(3.5, abs=1e-3)
+
+
+def test_refusals() -> None:
+    cases = [
+        (figure_a06("exact"), 50.0, "slowest, fastest: -F' is at most"),
+        (figure_a06("paper"), -1.0, "spring = -1.0: must be above zero"),
+        (Contacts(NARROW), 1.0, "contacts.ageing: is None"),
+    ]
+    for contacts, spring, begins in cases:
+        with pytest.raises(InputError) as refusal:
+            critical_velocity(contacts, spring, 3.0, 4.0)
+        assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(refusal.value)

@@ -1,0 +1,154 @@
+"""Ageing in its exact closure, through master.solve and master.steady_state: Fig. A05, conservation, limits, scale."""
+
+import numpy as np
+import pytest
+
+import master
+import origins
+from master.ageing_start import AgeingStart, gauss_rule
+from origins import Ageing, Contacts, Delay, InputError, Thermal
+
+FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
+NARROW = origins.gaussian(0.5, 0.05)
+FIGURE_A05 = {1000.0: 0.4995, 100.0: 0.4965, 10.0: 0.4908, 3.0: 0.4880}  # of ensembles, by v/D
+REFINED = {1000.0: 0.499542736223, 100.0: 0.496482068623, 10.0: 0.490625246688, 3.0: 0.487907968334}
+
+
+def test_kinetic_force_of_figure_a05() -> None:
+    for velocity, force in REFINED.items():
+        steady = master.steady_state(Contacts(FRESH, ageing=Ageing(FINAL, 1.0)), velocity=velocity)
+        assert abs(steady.force - FIGURE_A05[velocity]) < 2e-4
+        assert abs(steady.force - force) < 1e-12 and steady.force_error < 1e-11
+        x = np.linspace(-0.1, 1.3, 14_001)
+        held = steady.distribution(x)
+        assert np.trapezoid(held[1000:], x[1000:]) == pytest.approx(1.0, abs=1e-5)
+        assert (held[x < 0.0] == 0.0).all()
+
+
+@pytest.mark.parametrize("start", [None, 0.1, -0.15, origins.gaussian_start(0.05, 0.02)])
+def test_distribution_keeps_number_and_gives_the_force(start) -> None:  # type: ignore[no-untyped-def]
+    contacts = Contacts(NARROW, start, ageing=Ageing(origins.gaussian(1.0, 0.02), 5e-4))
+    path = np.array([0.2, 0.47, 0.9])
+    solution = master.solve(contacts, path, 1e-8)
+    assert solution.success
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    for at, force in zip(path, solution.force, strict=True):
+        told = solution.distribution(float(at))
+        edges = np.unique(np.concatenate([np.linspace(-0.9, 2.0, 300), [0.0, at]]))
+        x = edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (nodes + 1.0)
+        mass = 0.5 * np.diff(edges)[:, None] * weights * told.density(x)
+        assert mass.sum() + told.delta_weights.sum() == pytest.approx(1.0, abs=2e-8)
+        assert (mass * x).sum() + told.delta_weights @ told.delta_positions == pytest.approx(force, abs=2e-8)
+
+
+def test_start_with_a_width() -> None:
+    start = origins.gaussian_start(0.02, 0.05)
+    stretches, project, diagonal, beside, weight = gauss_rule(start, 7, *start.span)
+    assert weight == pytest.approx(1.0, abs=1e-15)
+    for power, moment in enumerate([1.0, 0.0, 1.0, 0.0, 3.0, 0.0, 15.0]):
+        assert (project[0] * ((stretches - 0.02) / 0.05) ** power).sum() == pytest.approx(moment, abs=1e-9)
+    # Hermite polynomials: <x p_k p_(k+1)> = std (k + 1)^(1/2)
+    np.testing.assert_allclose(diagonal, 0.02, atol=1e-12)
+    np.testing.assert_allclose(beside[:4], 0.05 * np.sqrt(np.arange(1.0, 5.0)), rtol=1e-10)
+    contacts = Contacts(NARROW, start, ageing=Ageing(origins.gaussian(1.0, 0.05), 1e-3))
+    holding, better = AgeingStart(contacts, 1.0, 1e-6), AgeingStart(contacts, 1.0, 1e-11)
+    x = np.linspace(0.2, 0.9, 36)
+    assert better.stretches.size > holding.stretches.size and better.error < holding.error < 1e-6
+    difference = np.abs(holding.holding(x) - better.holding(x)).max()
+    assert difference < holding.error
+    # p = -dG_0/dX, and the stretch that is kept grows by what holds and loses what is released
+    slope = (better.holding(x + 1e-5) - better.holding(x - 1e-5)) / 2e-5
+    np.testing.assert_allclose(better.breaks(x), -slope, atol=1e-6)
+    slope = (better.stretch(x + 1e-5) - better.stretch(x - 1e-5)) / 2e-5
+    np.testing.assert_allclose(better.holding(x) - better.released(x), slope, atol=1e-6)
+
+
+def test_error_is_a_promise_here_too() -> None:
+    path = np.linspace(0.05, 6.0, 240)
+    for fresh, start, final, rate in [
+        (FRESH, None, FINAL, 1e-4),
+        (FRESH, -0.1, FINAL, 0.1),
+        (origins.gaussian(0.5, 0.3), None, origins.gaussian(1.0, 0.1), 0.01),
+        (origins.rectangular(0.3, 0.7), 0.1, FINAL, 1e-3),
+        (origins.identical(0.5), None, FINAL, 1e-4),
+        (NARROW, origins.gaussian_start(0.02, 0.01), origins.gaussian(1.0, 0.02), 2.5e-4),
+        (FRESH, origins.gaussian_start(0.1, 0.04), origins.gaussian(1.0, 0.05), 0.01),
+        (FRESH, None, origins.gw_plastic(0.6), 0.01),
+    ]:
+        contacts = Contacts(fresh, start, ageing=Ageing(final, rate))
+        rough, fine = master.solve(contacts, path, 1e-5), master.solve(contacts, path, 1e-8)
+        error = np.abs(rough.force - fine.force).max() / contacts.mean_threshold
+        assert rough.success and fine.success and error <= rough.force_error + fine.force_error, (rate, error)
+
+
+def test_limits() -> None:
+    path = np.linspace(0.0, 3.0, 61)
+    start = origins.gaussian_start(0.02, 0.02)
+    plain = master.solve(Contacts(NARROW, start), path, 1e-9).force
+    at_rest = master.solve(Contacts(NARROW, start, ageing=Ageing(FINAL, 0.0)), path, 1e-9).force
+    np.testing.assert_array_equal(at_rest, plain)
+    barely = master.solve(Contacts(NARROW, start, ageing=Ageing(FINAL, 1e-13)), path, 1e-9)
+    np.testing.assert_allclose(barely.force, plain, atol=1e-8)
+    # D and v count as D/v alone
+    one, two = (
+        master.solve(Contacts(NARROW, ageing=Ageing(FINAL, 1e-3 * v)), path, 1e-9, velocity=v).force for v in (1.0, 7.0)
+    )
+    np.testing.assert_allclose(two, one, atol=1e-9)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
+def test_scale_of_lengths_changes_nothing_else(scale: float) -> None:
+    path = np.linspace(0.0, 3.0, 61)
+    forces = [
+        master.solve(
+            Contacts(
+                origins.gaussian(0.5 * u, 0.1 * u),
+                origins.gaussian_start(0.05 * u, 0.02 * u),
+                ageing=Ageing(origins.gaussian(1.0 * u, 0.05 * u), 1e-3 * u * u),
+            ),
+            path * u,
+            1e-8,
+            velocity=u,
+        ).force
+        / u
+        for u in (1.0, scale)
+    ]
+    np.testing.assert_allclose(forces[1], forces[0], atol=1e-8)
+
+
+AGEING = Ageing(FINAL, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("call", "begins"),
+    [
+        (
+            lambda: master.solve(Contacts(FRESH, ageing=AGEING), [1.0, 0.5]),
+            "path[1] = 0.5: lies behind path[0] = 1; ageing",
+        ),
+        (lambda: master.solve(Contacts(FRESH, ageing=AGEING), [1.0], spring=2.0), "spring = 2.0: ageing takes a rigid"),
+        (lambda: master.solve(Contacts(FRESH, ageing=AGEING), [1.0], time=[1.0]), "time: ageing takes one speed"),
+        (
+            lambda: master.solve(Contacts(FRESH, ageing=AGEING, thermal=Thermal("soft", 0.1)), [1.0]),
+            "contacts.thermal: not solved together with ageing",
+        ),
+        (
+            lambda: master.steady_state(Contacts(FRESH, ageing=AGEING, delay=Delay(0.1))),
+            "contacts.delay: not solved together with ageing",
+        ),
+        (
+            lambda: master.solve(Contacts(FRESH, ageing=AGEING, reforming=0.1), [1.0]),
+            "contacts.reforming: not solved together with ageing",
+        ),
+        (lambda: master.steady_state(Contacts(FRESH, ageing=AGEING), velocity=-1.0), "velocity = -1.0: must be above"),
+        (lambda: master.propensity(Contacts(FRESH, ageing=AGEING)), "contacts.ageing: master.propensity does not"),
+        (
+            lambda: master.steady_state(Contacts(origins.identical(0.5), ageing=Ageing(origins.gw_plastic(1.0), 1.0))),
+            "thresholds: hold the single value 0.5",
+        ),
+    ],
+)
+def test_refusals(call, begins: str) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError) as refusal:
+        call()
+    assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(refusal.value)
