@@ -53,19 +53,20 @@ def solve(
     spring: float | None = None,
     slip: SlipRule = "reset",
 ) -> "Solution | PathSolution | SoftSolution":
-    """Force on a slider from X = 0 along a path, at T = 0 (paper Eqs. Q5a-Q6, App. C, Sec. III D).
+    """Force on a slider from X = 0 along a path (paper Eqs. Q5a-Q6, Sec. IV, App. C, Sec. III D).
 
     Parameters
     ----------
     contacts : Contacts
-        Thresholds and starting stretches.
+        Thresholds, starting stretches and, for a rigid slider that moves forward at one speed, temperature with either
+        closure, delay, re-forming and linked stiffness.
     path : array of shape (n,)
         Slider positions X (lengths), any spacing, straight between points; where they turn round contacts break at
         -x_s as well. With a spring, positions X_T of the drive, which begins where it balances the start.
     tolerance : float
         Largest error of the force wanted, in units of the mean threshold.
     velocity : float
-        Speed along the path (length per time); at T = 0 without ageing and delay nothing depends on it.
+        Speed along the path (length per time); at T = 0 without delay nothing depends on it.
     time : array of shape (n,), optional
         When each point is reached, instead of the velocity.
     spring : float, optional
@@ -84,7 +85,8 @@ def solve(
     Raises
     ------
     InputError
-        For a path that is not finite, and for keywords that are not as said above.
+        For a path that is not finite, for keywords that are not as said above, and for laws of the contacts that are
+        not taken on that path yet.
     """
     tolerance = positive("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip)
