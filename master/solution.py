@@ -27,7 +27,7 @@ class Solution:
     force_error : float
         Bound on the largest error of `force` over the path, in units of the mean threshold.
     holding : array of shape (n,)
-        Fraction of contacts that hold: 1, as broken contacts re-form at once.
+        Fraction of contacts that hold: 1 but with a delay.
     run_time : float
         Seconds that the solution took.
     nodes : int

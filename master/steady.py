@@ -1,5 +1,7 @@
 """Smooth sliding: the state that no longer depends on X (paper Eqs. Q11a-Q11d)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
