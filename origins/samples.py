@@ -174,7 +174,7 @@ class Sampled(Mixture):
             rest = float(shares[~atom].sum())
             try:
                 with np.errstate(over="raise", divide="raise", invalid="raise"):
-                    pieces = smooth(values[~atom], shares[~atom] / rest, self.effective_samples * rest)
+                    pieces = smooth(values[~atom], shares[~atom] / rest, counts[~atom], self.effective_samples * rest)
             except (FloatingPointError, np.linalg.LinAlgError):
                 ends, rule = f"{values[0]:g} to {values[-1]:g}", "that is more than one density can follow; split them"
                 raise InputError(f"from_samples: the samples reach from {ends}; {rule}, in a mixture") from None
