@@ -9,7 +9,7 @@ FEW = 5  # distinct samples that make a group of their own; fewer are strays
 _BESIDE = 50  # distances that a gap is held against, at most
 _LEAST_BESIDE = 3
 _OWN = 2.0  # of the next distances, that rounding may leave
-SURE, DOUBTFUL = 6.0, 3.0  # -log of how rarely a law without gaps has one: for sure, and where no law goes across
+SURE, DOUBTFUL = 4.5, 3.0  # -log of how rarely a law without gaps has one: for sure, and where no law goes across
 
 
 def widest_gap(x: Array) -> tuple[int, float]:

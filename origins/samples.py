@@ -35,8 +35,12 @@ def from_samples(
     10 times or more, that do not follow each other at one step, or at most 3. Equal means to within 1e-12. Samples
     rounded to a grid, whose neighbours repeat alike, stay smooth.
 
-    Samples beyond a gap far wider than chance leaves keep their weight and mean: each group has a law of its own, and
-    fewer than five different values beyond a gap get a narrow bell each, of the relative width of the law next to them.
+    Samples beyond a gap wider than chance leaves keep their weight and mean: each group has a law of its own, and fewer
+    than five different values beyond a gap get a narrow bell each, of the relative width of the law next to them. Wider
+    than chance is a gap that an exponential and a power-law tail both leave once in 90 times or less (once in 20 where
+    one law across it would miss <x_s^2>/2<x_s> of the samples by over two sampling errors); samples that rounding makes
+    equal count each. P_c diverges at 0 only where the samples pile up there: half of the lowest tenth below half of
+    its reach.
 
     x_s : array of shape (n,), lengths from 1e-100 to 1e100; or instead of it
     f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
