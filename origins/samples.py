@@ -151,6 +151,8 @@ class Sampled(Mixture):
         Largest distance of this smooth cdf from the empirical one.
     beyond : (float, float)
         Weight below the smallest sample and above the largest.
+    samples, shares : arrays of shape (n,)
+        The different values, sorted, and how much each counts, of sum 1.
     smooth_part : Thresholds or None
         The law without its atoms.
     onset_power, onset_power_error : float
@@ -187,6 +189,8 @@ class Sampled(Mixture):
             laws += self.smooth_part.components
             weights += (rest * self.smooth_part.weights).tolist()
         super().__init__(laws, np.array(weights) / np.sum(weights))
+        self.parts = ((1.0, self),)
+        self.samples, self.shares = values, shares
         if not atom.all() and self.support()[0] == min(piece.law.support()[0] for piece in pieces):
             # a piece above a gap reaches down to 0 as well, with next to nothing
             lowest = pieces[0].law
