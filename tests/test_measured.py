@@ -8,6 +8,7 @@ import pytest
 import origins
 from toolkit.describing import describe
 from toolkit.measured import from_samples
+from toolkit.plots import plot_samples
 from toolkit.sampling import NAMES, misfit, sampling_errors
 
 SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
@@ -95,3 +96,14 @@ def test_a_mixture_states_its_sampling_errors(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr("toolkit.sampling.RESAMPLES", 4)
     law = origins.mixture([origins.from_samples(SAMPLES), origins.gaussian(3.0, 0.2)], [0.5, 0.5])
     assert describe(origins.Contacts(law)).numbers["mean"].error > 1e-3
+
+
+def test_the_picture_shows_the_samples() -> None:
+    from matplotlib.figure import Figure
+
+    axes = plot_samples(Figure().subplots(), origins.from_samples(SAMPLES))
+    (line,) = axes.lines
+    x, above = line.get_data()
+    np.testing.assert_allclose(above, [np.mean(one < SAMPLES) for one in x], atol=1e-12)
+    assert x.size == 100 and line.get_drawstyle() == "steps-post"
+    assert not plot_samples(Figure().subplots(), origins.gaussian(1.0, 0.1)).lines
