@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import origins
+from origins.smoothing import _one_piece
 from toolkit.describing import describe
 
 OUTLIERS = {"far": [25.0, 25.0, 60.0], "near": [8.0, 9.0, 15.0, 20.0], "six": [12.0, 17.0, 24.0, 31.0, 40.0, 55.0]}
@@ -74,3 +75,9 @@ def test_outliers_are_described_in_seconds() -> None:
     assert time.perf_counter() - began < 15.0
     assert found.numbers["kinetic_force"].value == pytest.approx(5.5, abs=0.2)
     assert found.numbers["kinetic_force"].error < 4.0
+
+
+def test_one_law_across_the_gaps_does_not_diverge() -> None:
+    """Even where no gap is seen: no sample lies below 0.4."""
+    x, counts = np.unique(np.sqrt(forces(0, 0.1, OUTLIERS["far"])), return_counts=True)
+    assert _one_piece(x, counts / counts.sum(), float(counts.sum())).law.onset_power >= 0.0
