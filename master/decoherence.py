@@ -19,9 +19,10 @@ Array = npt.NDArray[np.float64]
 _CANDIDATES = 8
 _REACH = 6.0
 _TAILS = np.array([1e-50, 1e-150, 1e-290])
-_FAR = 10.0 ** -np.arange(20.0, 300.0, 5.0)
+_FAR = 10.0 ** -np.arange(20.0, 300.0, 1.5)
 _MOST_NODES = 2**18
 _ASTRAY = 3.0  # from a guess: other guesses are nearer to what lies there
+_RESOLVED, _TIMES = 4.0, 6.0  # |s| that the nodes resolve beside a guess, and as many times the guess if that is less
 
 
 def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[float, float]:
@@ -166,14 +167,15 @@ def _nodes(law: Law, edges: Array, fastest: float) -> tuple[Array, Array]:
 
 def _newton(law: Law, edges: Array, s: complex, finer: int) -> complex:
     """Newton's method for p^(s) = 1; NaN where it does not settle. `finer` multiplies the nodes per wave."""
-    nodes, log_mass = _nodes(law, edges, finer * max(abs(s), 4.0))
-    start = s
+    start, fastest = s, max(abs(s), min(_RESOLVED, _TIMES * abs(s)))
+    # slow guesses belong to long tails: nodes for waves that they never get to would be most of the work
+    nodes, log_mass = _nodes(law, edges, finer * fastest)
     for _ in range(40):
         with np.errstate(over="ignore", invalid="ignore"):
             # one exponential of the sum: e^{-sx} alone overflows where P_c underflows
             wave = np.exp(log_mass - s * nodes)
             step = (wave.sum() - 1.0) / (wave * nodes).sum()  # no @: threads cost more than so short a sum
-        if not np.isfinite(step) or abs(s - start) > _ASTRAY:
+        if not np.isfinite(step) or abs(s - start) > min(_ASTRAY, fastest):
             break
         s += step / max(1.0, 2.0 * abs(step))
         if abs(step) < 1e-13 * (1.0 + abs(s)):

@@ -5,6 +5,8 @@ stretch x is smooth at any temperature and speed, so two Gauss sums, over ln e a
 all speeds together.
 """
 
+from __future__ import annotations
+
 import time
 from dataclasses import dataclass
 

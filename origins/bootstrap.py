@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from origins.continuous_mixture import ContinuousMixture
 from origins.errors import refuse, whole
+from origins.mixture import Mixture, mixture
 from origins.samples import Sampled
 from origins.thresholds import Array, Thresholds
 
@@ -77,12 +79,30 @@ def bootstrap_laws(thresholds: Thresholds, resamples: int = 100, seed: int = 0) 
     Drawing from the law, not from the samples, leaves no ties but those of its exact values, which stay where they are
     and vary in weight, and shows what smoothing does to a statistic. What it cannot show is structure that the law
     itself has missed.
-    Raises InputError for thresholds that are not from samples of at least two values.
+    In a mixture each part from samples is drawn anew, with its weight and all else as given.
+    Raises InputError for thresholds without samples of at least two values, and for a continuous_mixture, whose laws
+    may all be of the same samples.
     """
-    if not isinstance(thresholds, Sampled):
-        refuse("thresholds", thresholds, "must come from from_samples, with at least two different values")
+    if not sampled_parts(thresholds):
+        rule = "must come from from_samples, or be a mixture with such a law, with at least two different values"
+        refuse("thresholds", thresholds, rule)
+    if isinstance(thresholds, ContinuousMixture):
+        refuse("thresholds", thresholds, "must not be a continuous mixture: its laws may all be of the same samples")
     count, seed = whole("resamples", resamples, 1), whole("seed", seed, 0)
-    return (_resampled(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))
+    return (_anew(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))
+
+
+def sampled_parts(thresholds: Thresholds) -> list[Sampled]:
+    """The laws from samples that `thresholds` is, or is a mixture of."""
+    parts = thresholds.parts if isinstance(thresholds, Mixture) else ()
+    return [law for _, law in parts if isinstance(law, Sampled)]
+
+
+def _anew(thresholds: Thresholds, generator: np.random.Generator) -> Thresholds:
+    if isinstance(thresholds, Sampled) or not isinstance(thresholds, Mixture):
+        return _resampled(thresholds, generator) if isinstance(thresholds, Sampled) else thresholds
+    weights = np.array([weight for weight, _ in thresholds.parts])
+    return mixture([_anew(law, generator) for _, law in thresholds.parts], weights / weights.sum())
 
 
 def _checked(found: npt.ArrayLike, shape: tuple[int, ...] | None) -> Array:

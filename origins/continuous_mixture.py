@@ -77,7 +77,9 @@ def continuous_mixture(
     laws = [one for some, _, _ in chosen for one in some]
     used = np.flatnonzero(shares)
     flat = cast(Mixture, mixture([laws[i] for i in used], shares[used] / shares.sum()))
-    return ContinuousMixture(flat.components, flat.weights, error)
+    found = ContinuousMixture(flat.components, flat.weights, error)
+    found.parts = flat.parts
+    return found
 
 
 def _check_moving(laws: Sequence[Thresholds]) -> None:

@@ -32,20 +32,29 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
     if abs(float(shares.sum()) - 1.0) > 1e-12:
         refuse("weights", weights, f"must add up to 1, not {float(shares.sum()):.15g}; divide each by their sum")
     laws: list[Thresholds] = []
-    parts: list[float] = []
+    inner: list[float] = []
+    parts: list[tuple[float, Thresholds]] = []
     for component, share in zip(components, shares / shares.sum(), strict=True):
         law = as_thresholds(component)
         laws += law.components if isinstance(law, Mixture) else [law]
-        parts += list(share * law.weights) if isinstance(law, Mixture) else [share]
-    return Mixture(laws, np.array(parts))
+        inner += list(share * law.weights) if isinstance(law, Mixture) else [share]
+        parts += [(share * one, part) for one, part in law.parts] if isinstance(law, Mixture) else [(share, law)]
+    found = Mixture(laws, np.array(inner))
+    found.parts = tuple(parts)
+    return found
 
 
 class Mixture(Thresholds):
-    """Sums of the components' functions, all positive, so that no accuracy is lost."""
+    """Sums of the components' functions, all positive, so that no accuracy is lost.
+
+    parts : pairs of weight and law, the laws as they were given: those from samples are whole there, while
+        `components` are what they are made of.
+    """
 
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
         self.components = tuple(components)
         self.weights = weights
+        self.parts: tuple[tuple[float, Thresholds], ...] = tuple(zip(weights.tolist(), self.components, strict=True))
         ends = [component.support() for component in self.components]
         self._support = min(end[0] for end in ends), max(end[1] for end in ends)
         self.onset_power = min(c.onset_power for c in self.components if c.support()[0] == self._support[0])

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origins.gaps import FEW, cut_off, widest_gap
+from origins.gaps import DOUBTFUL, FEW, SURE, cut_off, widest_gap
 from origins.gaussian import CutGaussian
 from origins.likelihood import Ends
 from origins.logspline import Fit, cost, fit
@@ -19,6 +19,7 @@ _SUSPECT = 1.5  # samples that the law expects beyond the extreme one, from wher
 _FAR, _FARTHEST = 8.0, 1000.0  # times the median: samples beyond may be, or are, thresholds of many decades
 _STANDS_OUT, _OBVIOUS = 10.0, 100.0  # width of a gap beyond the log of the number of samples, and for sure
 _DEEPEST = 12
+_FAR_OFF = 2.0  # sampling errors of <x^2>/2<x>, from where on a law has not the shape of its samples
 # standard deviation of a stray's kernel, at most: of its value, and of the gap before it
 _OF_VALUE, _OF_GAP = 0.125, 0.15
 
@@ -40,26 +41,32 @@ class _Choice:
     score: float
 
 
-def smooth(x: Array, shares: Array, size: float, depth: int = 0) -> list[Piece]:
+def smooth(x: Array, shares: Array, counts: Array, size: float, depth: int = 0) -> list[Piece]:
     """Smooth laws, one for each side of every gap, sorted, through samples x (distinct, sorted, at least 2) that count
-    by `shares` (sum 1) and are worth `size` samples. Fewer than five samples beyond a gap get a narrow kernel each."""
-    place, beyond = cut_off(x, FEW - 1) if depth < _DEEPEST else (0, 0)
+    by `shares` (sum 1), are there `counts` times and are worth `size` samples. Fewer than five values beyond a gap get
+    a narrow kernel each."""
+    place, beyond = cut_off(x, counts, FEW - 1) if depth < _DEEPEST else (0, 0)
     if place:
-        return _with_strays(x, shares, size, depth, place, above=place == x.size - beyond)
+        return _with_strays(x, shares, counts, size, depth, place, above=place == x.size - beyond)
     gap, width = widest_gap(x) if depth < _DEEPEST else (0, 0.0)
     whole: list[Piece] = []
     if width < _OBVIOUS:
         whole = [_one_piece(x, shares, size)]
-        if width < _STANDS_OUT + np.log(x.size):
+        bent = depth < _DEEPEST and _off(whole[0].law, x, shares, size) > _FAR_OFF
+        if bent or width < _STANDS_OUT + np.log(x.size):
             # a group as wide as the gap before it
-            gap, _ = cut_off(x, int(np.sqrt(x.size))) if depth < _DEEPEST else (0, 0)
+            most, chance = int(np.sqrt(counts.sum() / counts.min())), DOUBTFUL if bent else SURE
+            gap, beyond = cut_off(x, counts, most, chance) if depth < _DEEPEST else (0, 0)
             if not gap:
                 return whole
+            if beyond < FEW:
+                return _with_strays(x, shares, counts, size, depth, gap, above=gap == x.size - beyond)
+            whole = [] if bent else whole
     pieces: list[Piece] = []
     score = -cost(size) - _EDGE
     for side in (slice(None, gap), slice(gap, None)):
         share = float(shares[side].sum())
-        found = smooth(x[side], shares[side] / share, size * share, depth + 1)
+        found = smooth(x[side], shares[side] / share, counts[side], size * share, depth + 1)
         score += size * share * float(np.log(share)) + found[0].score
         pieces += [replace(piece, share=share * piece.share) for piece in found]
     if whole and whole[0].score >= score:
@@ -67,12 +74,23 @@ def smooth(x: Array, shares: Array, size: float, depth: int = 0) -> list[Piece]:
     return [replace(piece, score=score) for piece in pieces]
 
 
-def _with_strays(x: Array, shares: Array, size: float, depth: int, place: int, above: bool) -> list[Piece]:
+def _off(law: Thresholds, x: Array, shares: Array, size: float) -> float:
+    """How many sampling errors the law's <x^2>/2<x> is off that of the samples."""
+    mean = float(shares @ x)
+    each = x * (x / (2.0 * mean))
+    force = float(shares @ each)
+    error = float(np.sqrt(shares @ (each - force * x / mean) ** 2 / size))
+    return abs(law.moment(2) / (2.0 * law.mean()) - force) / error
+
+
+def _with_strays(
+    x: Array, shares: Array, counts: Array, size: float, depth: int, place: int, above: bool
+) -> list[Piece]:
     """Laws through the samples before a gap, and for each of the few beyond it a bell of the relative width of the law
     next to it: that they vary by as much, in their proportion, is all there is to go by."""
     main, strays = (slice(None, place), slice(place, None)) if above else (slice(place, None), slice(None, place))
     share = float(shares[main].sum())
-    found = smooth(x[main], shares[main] / share, size * share, depth + 1)
+    found = smooth(x[main], shares[main] / share, counts[main], size * share, depth + 1)
     score = found[0].score + size * share * float(np.log(share))
     found = [replace(piece, share=share * piece.share) for piece in found]
     beside = found[-1 if above else 0].law
@@ -156,9 +174,20 @@ def _onset_error(best: _Choice, tried: list[_Choice]) -> float:
 def _try(x: Array, shares: Array, size: float, variable: Variable, ends: Ends) -> _Choice:
     found = fit(variable(x), shares, size, ends)
     edges = int(not ends.from_zero) + int(not ends.open_above)
-    asked = edges * (cost(size) + _EDGE) + (_EDGE if found.power < 0.0 else 0.0)
+    asked = edges * (cost(size) + _EDGE)
+    if found.power < 0.0:
+        asked += _EDGE if _piled_up(x, shares) else np.inf
     score = found.score + size * float(shares @ variable.log_slope(x)) - asked
     return _Choice(variable, ends, found, score)
+
+
+def _piled_up(x: Array, shares: Array) -> bool:
+    """Whether the lowest tenth of the samples, ten at least, lies closer to 0 than evenly: half of it in the lower half
+    of its reach."""
+    below = np.cumsum(shares)
+    share = max(0.1, 10.0 * float(shares.mean()))
+    middle, reach = x[np.minimum(np.searchsorted(below, [0.5 * share, share]), x.size - 1)]
+    return bool(2.0 * middle < reach)
 
 
 def _score(choice: _Choice) -> float:

@@ -119,3 +119,17 @@ def test_bad_input_is_named(call, begins: str) -> None:
     with pytest.raises(InputError) as refusal:
         call()
     assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value)
+
+
+def test_samples_inside_a_mixture_are_drawn_anew() -> None:
+    """Errors of a mean: those of the parts, times their weights; laws without samples add none."""
+    own, other = sampled(200), origins.from_samples(np.random.default_rng(2).gamma(3.0, size=100))
+    law = origins.mixture([own, origins.mixture([other, origins.gaussian(9.0, 0.1)], [0.5, 0.5])], [0.6, 0.4])
+    found = origins.bootstrap(law, lambda law: [law.mean(), law.sf(7.5)], resamples=40)
+    expected = np.hypot(0.6 * own.std() / np.sqrt(200.0), 0.2 * other.std() / 10.0)
+    assert found.standard_error[0] == pytest.approx(expected, rel=0.4)
+    assert found.value[0] == pytest.approx(law.mean()) and found.standard_error[1] < 0.01
+    average = origins.continuous_mixture(lambda phi: origins.mixture([own, origins.gaussian(phi, 0.3)], [0.5, 0.5]),
+                                         2.0, 3.0)  # fmt: skip
+    with pytest.raises(InputError, match="must not be a continuous mixture"):
+        origins.bootstrap_laws(average, 2)

@@ -8,6 +8,7 @@ import pytest
 import origins
 from toolkit.describing import describe
 from toolkit.measured import from_samples
+from toolkit.plots import plot_samples
 from toolkit.sampling import NAMES, misfit, sampling_errors
 
 SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
@@ -27,20 +28,34 @@ def test_a_file_gives_the_law_of_its_values(tmp_path: Path) -> None:
 def test_forces_and_weights_from_a_file(tmp_path: Path) -> None:
     weights = np.linspace(1.0, 3.0, SAMPLES.size)
     lines = "".join(f"{force!r},{weight!r}\n" for force, weight in zip(SAMPLES.tolist(), weights.tolist(), strict=True))
-    law = from_samples(write(tmp_path, lines), file="own.txt", quantity="f_s", coefficient=2.0)
+    law = from_samples(write(tmp_path, lines), file="own.txt", quantity="f_s", column=1, weight_column=2,
+                       coefficient=2.0)  # fmt: skip
     own = origins.from_samples(f_s=SAMPLES, coefficient=2.0, weights=weights)
     assert law.mean() == own.mean() and law.sf(0.7) == own.sf(0.7)
+
+
+def test_a_column_beside_an_index_under_a_header(tmp_path: Path) -> None:
+    lines = "event,force_uN\n" + "".join(f"{i},{force!r}\n" for i, force in enumerate(SAMPLES.tolist()))
+    law = from_samples(write(tmp_path, lines), file="own.txt", quantity="f_s", column=2, stiffness=2.0)
+    assert law.mean() == origins.from_samples(f_s=SAMPLES, stiffness=2.0).mean()
+    with pytest.raises(origins.InputError, match="column = 2: says where in a file"):
+        from_samples(tmp_path, x_s=[1.0, 2.0], column=2)
 
 
 @pytest.mark.parametrize(
     ("text", "more", "message"),
     [
-        ("1.0\ntwo\n", {}, r"file = 'own\.txt': line 2 holds 'two'; write one value a line"),
-        ("1.0\n1.0 2.0\n", {}, "line 2 holds '1.0 2.0'"),
+        ("1.0\ntwo\n", {}, r"file = 'own\.txt': line 2 holds 'two'; 'two' is no number, write one value a line"),
+        ("a\nb\n1.0\n", {}, "line 2 holds 'b'"),
+        ("index,force\n1,0.5\n", {"quantity": "f_s"}, "line 2 holds '1,0.5'; say which of the 2 columns holds f_s"),
+        ("1 2\n", {"column": 3}, "there is no column 3"),
+        ("1 2\n", {"column": 0}, "column = 0: "),
+        ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2 holds '1 -3'; the weight = -3 must be"),
+        ("1.0\n1.0 2.0\n", {}, "line 2 holds '1.0 2.0'; all lines must"),
         ("1 2 3\n", {}, "line 1 holds '1 2 3'"),
         ("# nothing\n", {}, "holds no numbers"),
-        ("1.0\n-2.0\n", {}, r"x_s\[1\] = -2\.0: must be above zero"),
-        ("1.0\nnan\n", {}, r"x_s\[1\] = nan: must be finite"),
+        ("1.0\n-2.0\n", {}, r"file = 'own\.txt': line 2 holds '-2\.0'; x_s = -2 must be"),
+        ("1.0\nnan\n", {"quantity": "f_s"}, "line 2 holds 'nan'; f_s = nan must be finite"),
         ("1.0\n", {"quantity": "x"}, "quantity = 'x': must be"),
         ("1.0\n", {"x_s": [1.0]}, "holds the samples; leave x_s, f_s and weights out"),
     ],
@@ -75,3 +90,20 @@ def test_a_smooth_law_that_misses_its_samples_says_so() -> None:
     (note,) = misfit(origins.from_samples(coarse))
     assert "from that of the samples, sampling allows 0.025" in note
     assert misfit(origins.from_samples(SAMPLES)) == misfit(origins.gaussian(1.0, 0.1)) == []
+
+
+def test_a_mixture_states_its_sampling_errors(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("toolkit.sampling.RESAMPLES", 4)
+    law = origins.mixture([origins.from_samples(SAMPLES), origins.gaussian(3.0, 0.2)], [0.5, 0.5])
+    assert describe(origins.Contacts(law)).numbers["mean"].error > 1e-3
+
+
+def test_the_picture_shows_the_samples() -> None:
+    from matplotlib.figure import Figure
+
+    axes = plot_samples(Figure().subplots(), origins.from_samples(SAMPLES))
+    (line,) = axes.lines
+    x, above = line.get_data()
+    np.testing.assert_allclose(above, [np.mean(one < SAMPLES) for one in x], atol=1e-12)
+    assert x.size == 100 and line.get_drawstyle() == "steps-post"
+    assert not plot_samples(Figure().subplots(), origins.gaussian(1.0, 0.1)).lines

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origins.samples import Sampled
+from origins.thresholds import Thresholds
 from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.deviation import deviation, why_not_compared
 from toolkit.results import OWN_UNIT, Result, SoftRecord, ThresholdCurve
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
+_STEPS = 2000  # as many as a picture can show
 _BARS = 61  # as many error bars as leave the line in sight
 
 
@@ -115,6 +118,16 @@ def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     return axes
 
 
+def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
+    """Over S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
+    if isinstance(thresholds, Sampled):
+        x, above = thresholds.samples, 1.0 - np.cumsum(thresholds.shares)
+        some = np.unique(np.linspace(0, x.size - 1, _STEPS).round().astype(int))
+        axes.step(x[some], above[some], where="post", color="0.25", lw=0.6, label=f"{thresholds.n_samples} samples")
+        axes.legend()
+    return axes
+
+
 def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     """P_c(x)/S(x), the rate of breaking per length at stretch x, up to where one contact in a thousand holds."""
     shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
@@ -176,8 +189,8 @@ def save_picture(result: Result, path: Path) -> None:
     figure.savefig(path, dpi=150, format="png")
 
 
-def save_thresholds_picture(curve: ThresholdCurve, title: str, path: Path) -> None:
-    """P_c, survival and hazard side by side as a PNG."""
+def save_thresholds_picture(curve: ThresholdCurve, thresholds: Thresholds, title: str, path: Path) -> None:
+    """P_c, survival, that of the samples if there are any over it, and hazard side by side as a PNG."""
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -185,7 +198,7 @@ def save_thresholds_picture(curve: ThresholdCurve, title: str, path: Path) -> No
     figure = Figure(figsize=(11.5, 3.6), layout=ConstrainedLayoutEngine(wspace=0.1))
     axes = figure.subplots(1, 3)
     plot_density(axes[0], curve)
-    plot_survival(axes[1], curve)
+    plot_samples(plot_survival(axes[1], curve), thresholds)
     plot_hazard(axes[2], curve)
     figure.suptitle(title)
     figure.savefig(path, dpi=150, format="png")

@@ -3,7 +3,8 @@
 import numpy as np
 
 from origins import Contacts, bootstrap
-from origins.samples import Sampled
+from origins.bootstrap import sampled_parts
+from origins.continuous_mixture import ContinuousMixture
 from origins.thresholds import Array, Thresholds
 
 RESAMPLES = 20  # an error known to a sixth of itself
@@ -31,7 +32,8 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
     inf for K* and F_s/F_k where all resampled laws have the least value there is, 0 and 1: then no error can be read
     off (see unseen). Empty where the thresholds do not come from samples.
     """
-    if not isinstance(contacts.thresholds, Sampled):
+    law = contacts.thresholds
+    if not sampled_parts(law) or isinstance(law, ContinuousMixture):
         return {}
     start = contacts.start
 
@@ -81,11 +83,16 @@ def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
 
 
 def misfit(law: Thresholds) -> list[str]:
-    """A note where the smooth law lies further from its samples than these can be from their own; else nothing."""
-    if not isinstance(law, Sampled) or law.cdf_misfit <= law.cdf_error:
-        return []
-    off, allowed = f"{law.cdf_misfit:.2g}", f"{law.cdf_error:.2g}"
-    return [
-        f"the smooth law's cdf lies {off} from that of the samples, sampling allows {allowed}: they are rounded "
-        "coarsely, or hold structure that it misses; give that apart, in a mixture"
-    ]
+    """A note for each smooth law that lies further from its samples than these can be from their own, and one where
+    sampling errors are missing; else nothing."""
+    notes = []
+    for part in sampled_parts(law):
+        if part.cdf_misfit > part.cdf_error:
+            notes.append(
+                f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows "
+                f"{part.cdf_error:.2g}: they are rounded coarsely, or hold structure that it misses; give that apart, "
+                "in a mixture"
+            )
+    if sampled_parts(law) and isinstance(law, ContinuousMixture):
+        notes.append("sampling errors are missing: the laws of this continuous mixture may all be of the same samples")
+    return notes

@@ -46,7 +46,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     title = scene.title or scene.name
     record = {"name": scene.name, "title": scene.title, **asdict(found)}
     writers = {
-        "thresholds.png": lambda path: save_thresholds_picture(curve, title, path),
+        "thresholds.png": lambda path: save_thresholds_picture(curve, scene.contacts.thresholds, title, path),
         "thresholds.json": lambda path: write_json(record, path),
     }
     on_root(comm, lambda: write_folder(folder, writers))
