@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from master.ageing_problem import AgeingProblem
 from master.first_passage import first_passage
-from master.forward import solve_forward, solve_problem
+from master.forward import solve_problem
 from master.solution import Solution
 from master.steady import SteadyState, steady_state
 from origins import Contacts, Drive, InputError
@@ -28,8 +28,6 @@ def solve_ageing(contacts: Contacts, drive: Drive, tolerance: float) -> "Solutio
         from master.ageing_transient import solve_paper
 
         return solve_paper(contacts, drive, tolerance)
-    if contacts.ageing.rate == 0.0:
-        return solve_forward(Contacts(contacts.thresholds, contacts.start), drive.path, tolerance)
     began = time.perf_counter()
     problem = AgeingProblem(contacts, drive.velocity, float(drive.path[-1]), tolerance)
     # the law's own mean is longer than that of fresh thresholds, or shorter

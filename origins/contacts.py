@@ -32,7 +32,8 @@ class Contacts:
     thermal : Thermal, optional
         Breaking below the threshold, at a rate.
     ageing : Ageing, optional
-        Diffusion of the threshold while the contact holds; at rate 0 there is none.
+        Diffusion of the threshold while the contact holds; at rate 0 there is none (but for the paper's closure,
+        which differs from no ageing then too).
     delay : Delay, optional
         How long a broken contact stays out; at time 0 there is none.
     reforming : None, float, Start or frozen scipy.stats distribution
@@ -111,7 +112,7 @@ class Contacts:
             refuse("delay", self.delay, "must be an origins.Delay, such as Delay(time=0.2)")
         if self.stiffness not in ("independent", "linked"):
             refuse("stiffness", self.stiffness, 'must be "independent" or "linked"')
-        if self.ageing is not None and self.ageing.rate == 0.0:
+        if self.ageing is not None and self.ageing.rate == 0.0 and self.ageing.closure == "exact":
             self.ageing = None
         if self.delay is not None and self.delay.time == 0.0:
             self.delay = None

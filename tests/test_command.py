@@ -116,12 +116,16 @@ def test_solvers_that_cannot_be_compared_are_not(write_scene, capsys, thresholds
     assert f"eq less master: not compared: {why}" in capsys.readouterr().out
 
 
-def test_thresholds_of_contacts_that_the_solvers_do_not_take(write_scene, capsys) -> None:
-    tables = {**MASTER_ONLY, "contacts": {**MASTER_ONLY["contacts"], "delay": {"time": 0.5}}}
-    assert main(["thresholds", write_scene(tables)]) == 0
-    out = capsys.readouterr().out
-    assert "onset power m" in out and "kinetic force" not in out
-    assert "P_c alone, without F_k, K*, F_s/F_k and X*: contacts.delay: " in out
+def test_thresholds_of_contacts_with_laws_of_their_own(write_scene, capsys) -> None:
+    told = []
+    ageing = {"rate": 1e-3, "final": {"kind": "gaussian", "mean": 1.5, "std": 0.2}}
+    for laws in ({}, {"delay": {"time": 0.5}}, {"ageing": ageing}):
+        tables = {**MASTER_ONLY, "contacts": {**MASTER_ONLY["contacts"], **laws}}
+        assert main(["thresholds", write_scene(tables)]) == 0
+        told.append(capsys.readouterr().out)
+    plain, delayed, aged = told
+    force = [next(line for line in out.splitlines() if "kinetic force" in line) for out in (plain, delayed)]
+    assert force[0] != force[1] and "onset power m" in aged and "contacts.ageing: " in aged
 
 
 def test_thresholds_of_a_surface_name_what_they_list_once(write_scene, capsys) -> None:

@@ -372,13 +372,26 @@ def test_contact_laws_are_built() -> None:
 
 
 @pytest.mark.parametrize("name", CONTACT_LAWS)
-def test_solvers_refuse_contact_laws_by_name(name: str) -> None:
+def test_the_ensemble_refuses_contact_laws_by_name(name: str) -> None:
     scene = changed(f"contacts.{name}", CONTACT_LAWS[name])
-    for solver, other in (("master", "eq"), ("eq", "master")):
-        alone = {key: value for key, value in scene.items() if key != other}
-        with pytest.raises(InputError, match=rf"^{solver}: contacts\.{name}.* does not take it yet; leave ") as caught:
-            toolkit.run(alone)
-        assert "\n" not in str(caught.value)
+    with pytest.raises(InputError, match=rf"^eq: contacts\.{name}.* does not take it yet; leave ") as caught:
+        toolkit.run({key: value for key, value in scene.items() if key != "master"})
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", CONTACT_LAWS)
+def test_the_master_equation_takes_contact_laws(name: str) -> None:
+    law = CONTACT_LAWS[name] | {"closure": "exact"} if name == "ageing" else CONTACT_LAWS[name]
+    scene = changed(f"contacts.{name}", law)
+    scene = {key: value for key, value in scene.items() if key != "eq"} | {"master": {"tolerance": 1e-3}}
+    plain = toolkit.run({key: value for key, value in SCENE.items() if key != "eq"})
+    told = toolkit.run(scene)
+    assert told.master is not None and plain.master is not None and told.success
+    assert np.abs(told.master.force - plain.master.force).max() > 1e-3
+    turned = scene | {"drive": {"turns": [1.0, -1.0], "points": 11}}
+    with pytest.raises(InputError, match=r"^master: .*turn") as caught:
+        toolkit.run(turned)
+    assert "\n" not in str(caught.value)
 
 
 def test_a_law_that_does_nothing_is_none() -> None:

@@ -31,8 +31,8 @@ class Description:
     run_time: float
 
 
-def describe(contacts: Contacts) -> Description:
-    """Numbers of the contacts' thresholds.
+def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
+    """Numbers of the contacts' thresholds, and of sliding at `velocity` (length per time; only rates and delay tell).
 
     The errors of moments are distances of two roads, the family's own and a quadrature of the survival; those of
     quantiles come from the survival at them; those of F_k and of the propensity are the master equation's. Where the
@@ -60,13 +60,13 @@ def describe(contacts: Contacts) -> Description:
     notes = []
     if np.isfinite(law.moment(2)):
         try:
-            steady = master.steady_state(contacts)
+            steady = master.steady_state(contacts, velocity=velocity)
         except InputError as error:
             notes.append(f"P_c alone, without F_k, K*, F_s/F_k and X*: {error}")
         else:
             numbers["kinetic_force"] = Number(steady.force, steady.force_error * mean.value, unit)
             try:
-                numbers |= _of_propensity(master.propensity(contacts), unit)
+                numbers |= _of_propensity(master.propensity(contacts, velocity=velocity), unit)
             except InputError as error:
                 notes.append(str(error))
     else:
