@@ -215,7 +215,7 @@ def test_ranks_share_the_work_and_get_the_same_bits(mpirun) -> None:
     plain, cold = origins.domains(**SETTINGS), origins.domains(**{**SETTINGS, "samples": 5000}, temperature=5.0)
     rows = (plain.domains.barriers, cold.domains.barriers, plain.breakpoints)
     expected = [[float(x).hex() for x in row] for row in rows]
-    for ranks in (1, 4):
+    for ranks in (3,):
         done = mpirun(ranks, PROGRAM % json.dumps(SETTINGS))
         assert done.returncode == 0, done.stderr
         every = json.loads(done.stdout)

@@ -10,7 +10,7 @@ SPEEDS = np.geomspace(1e-6, 1e4, 200)
 
 
 @pytest.mark.parametrize("law", ["soft", "stiff"])
-@pytest.mark.parametrize("temperature", [0.001, 0.1, 1.0])
+@pytest.mark.parametrize("temperature", [0.001, 0.1])
 @pytest.mark.parametrize("more", [{}, {"stiffness": "linked"}, {"delay": Delay(0.1)}])
 def test_every_speed_is_the_steady_state_at_that_speed(law: str, temperature: float, more) -> None:
     contacts = Contacts(gaussian(1.0, 0.05), thermal=Thermal(law, temperature), **more)

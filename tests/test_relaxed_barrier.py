@@ -247,7 +247,7 @@ def dimer_barrier(length: float, angle: float, stiffness: float) -> float:
     return min(level((1.0, -1.0)), level((-1.0, 1.0))) - level((-1.0, -1.0))
 
 
-@pytest.mark.parametrize("stiffness", [1e4, 30.0, 5.0, 2.0])
+@pytest.mark.parametrize("stiffness", [1e4, 5.0])
 def test_two_atoms_on_a_spring(stiffness: float) -> None:
     atoms = turned(ase.Atoms(numbers=[0, 0], positions=[[0, 0, 0], [2.2, 0, 0]]), 0.6)
     calculator = SumCalculator([substrate_calculator(SQUARE), origins.harmonic_bonds(atoms, stiffness)])

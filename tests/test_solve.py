@@ -397,8 +397,8 @@ def test_a_path_beyond_numbers_is_refused():
         master.solve(origins.Contacts(origins.gaussian(1.0, 0.05)), [0.0, 1e300])
 
 
-@pytest.mark.parametrize("std", [1e-6, 1e-5, 3e-5])
-@pytest.mark.parametrize("points", [501, 777])
+@pytest.mark.parametrize("std", [1e-6, 1e-5])
+@pytest.mark.parametrize("points", [777])
 def test_laws_too_narrow_for_any_lattice_are_no_better_than_they_say(std: float, points: int) -> None:
     path = np.linspace(0.0, 5.0, points)
     solution = master.solve(origins.Contacts(origins.gaussian(1.0, std)), path)

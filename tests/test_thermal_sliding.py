@@ -54,7 +54,7 @@ def by_mpmath(law: str, temperature: float, rate: float, std: float = 0.05, link
 
 
 @pytest.mark.parametrize("law", ["soft", "stiff"])
-@pytest.mark.parametrize(("temperature", "rate"), [(0.1, 1.0), (0.1, 1e3), (1.0, 1e-3), (0.03, 1e4), (1e3, 1e12)])
+@pytest.mark.parametrize(("temperature", "rate"), [(0.1, 1.0), (1.0, 1e-3), (0.03, 1e4), (1e3, 1e12)])
 def test_kinetic_force_against_mpmath(law: str, temperature: float, rate: float) -> None:
     steady = master.steady_state(Contacts(gaussian(1.0, 0.05), thermal=Thermal(law, temperature, rate)))
     exact = by_mpmath(law, temperature, rate)

@@ -13,6 +13,7 @@ from toolkit.launch import Launch
 
 T = TypeVar("T")
 
+_PASSED_ON = 0.2  # seconds, for the launcher to pass on what was said before it ends all
 _PATIENCE = 5.0  # seconds to wait for the other ranks to fail alike
 
 
@@ -95,6 +96,7 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
 
 def _abort(comm: Any, status: int) -> NoReturn:
     sys.stderr.flush()
+    time.sleep(_PASSED_ON)
     comm.Abort(status)
     os._exit(status)  # some launchers take their time
 
