@@ -238,8 +238,9 @@ def test_all_rules_let_go_at_the_same_place():
     assert np.ptp(np.array(first), axis=0).max() <= 1e-9
 
 
-@pytest.mark.parametrize("rule", RULES)
-@pytest.mark.parametrize("law", [NARROW, origins.rectangular(0.5, 1.5), origins.gw_elastic(1.0)])
+@pytest.mark.parametrize(
+    ("law", "rule"), list(zip([NARROW, origins.rectangular(0.5, 1.5), origins.gw_elastic(1.0)], RULES, strict=True))
+)
 def test_a_stiff_spring_follows_the_rigid_curve_through_turns(law, rule):
     contacts = origins.Contacts(law, origins.gaussian_start(0.05, 0.03))
     drive = np.concatenate([np.linspace(0.0, 2.2, 30), np.linspace(2.1, -0.8, 30), np.linspace(-0.7, 0.9, 20)])
