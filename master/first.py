@@ -170,7 +170,8 @@ class FirstBreaks:
         stepped += [law.atoms - point for point in held]
         around = [_thin(marks, 0.25 * (high - low)) - middle, outer - low, outer - high, law.breakpoints - middle]
         # from x_0 < 0 contacts break at X = -2 x_0 at the earliest: a narrow law turns that on and off at 2 x_s
-        both_ways = 2.0 * law.edges[law.edges <= -low]
+        both_ways = law.edges[law.edges <= -low]
+        both_ways = 2.0 * _thin(both_ways, (high - low) / 256.0) if both_ways.size else both_ways
         seeds = np.concatenate([*around, *corners, *stepped, both_ways, -2.0 * rough, -2.0 * held, [0.0, -2.0 * low]])
         begins = law.begins if not law.atoms.size else min(law.begins, float(law.atoms.min()))
         edges = _clip(_distinct(seeds), max(begins - high, 0.0), min(self.end, marks.max() - low))

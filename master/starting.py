@@ -50,7 +50,9 @@ class StartSum:
         seeds = np.concatenate([np.linspace(self.low, self.high, 9), inner])
         if self._conditional:
             # 1/S(|x|) has a cusp at 0 and the law's own kinks and narrow rises: panels follow it as well as the start
-            marks = np.concatenate([law.edges, law.breakpoints, law.atoms])
+            bins = np.floor(law.edges * (256.0 / (self.high - self.low)))
+            narrow = law.edges[np.unique(bins, return_index=True)[1]]
+            marks = np.concatenate([narrow, law.breakpoints, law.atoms])
             seeds = np.concatenate([seeds, marks, -marks, [0.0]])
         seeds = np.unique(seeds[(seeds >= self.low) & (seeds <= self.high)])
         table = tabulate(self._both, seeds, 1e-13)[0]

@@ -160,7 +160,7 @@ def test_refusals(arguments: dict, says: str) -> None:
     assert str(caught.value).startswith(says) and "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("jacobian, many", [("exact", 10_000_000), ("paper", 1_000_000)])
+@pytest.mark.parametrize("jacobian, many", [("exact", 1_000_000), ("paper", 1_000_000)])
 def test_samples(jacobian: str, many: int) -> None:
     law = grains(1.0, B=1.0, jacobian=jacobian)
     draws = law.rvs(many, random_state=12)

@@ -135,8 +135,8 @@ def test_density_jumps_where_contacts_turn_plastic(law: str, jump: float) -> Non
     assert float(p.sf(mark)) == pytest.approx(float(beyond), rel=1e-12)
 
 
-def test_ten_million_samples() -> None:
-    """Kolmogorov-Smirnov and the count beyond the quantiles of 100 draws, at 1e7 draws on both sides of the jump."""
+def test_samples_on_both_sides_of_the_jump() -> None:
+    """Kolmogorov-Smirnov and the count beyond the quantiles of 100 draws, at 2e6 draws on both sides of the jump."""
     p, generator = origins.gw_gaussian(0.5, 1.0, "amontons", "mixed", 9.0), np.random.default_rng(3)
     assert 0.3 < p.sf(p.breakpoints[1]) < 0.5
     draws = np.sort(np.concatenate([p.rvs(1_000_000, generator) for _ in range(10)]))
