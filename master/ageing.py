@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from master.ageing_problem import AgeingProblem
 from master.first_passage import first_passage
 from master.forward import solve_problem
+from master.outcome import outcome
 from master.solution import Solution
 from master.steady import SteadyState, steady_state
 from origins import Contacts, Drive, InputError
@@ -34,13 +35,10 @@ def solve_ageing(contacts: Contacts, drive: Drive, tolerance: float) -> "Solutio
     scale = problem.unit / contacts.mean_threshold
     solution = solve_problem(problem, drive.path, tolerance / scale, began)
     error = scale * (solution.force_error + problem.law_error)
-    message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
-    if error > tolerance:
-        reason = solution.message if not solution.success else f"breaks are known to {scale * problem.law_error:.1e}"
-        message = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}: {reason}"
-    if contacts.cut_weight > 0.0:
-        message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
-    return replace(solution, force_error=error, success=error <= tolerance, message=message)
+    reason = solution.message if not solution.success else f"breaks are known to {scale * problem.law_error:.1e}"
+    reason = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}: {reason}"
+    success, message = outcome(contacts, error, tolerance, reason)
+    return replace(solution, force_error=error, success=success, message=message)
 
 
 def steady_ageing(contacts: Contacts, velocity: float) -> "SteadyState | AgeingSteadyState":

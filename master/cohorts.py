@@ -16,6 +16,7 @@ from master.forward import MOST_NODES, ROUND_OFF, estimate, first_step, least_sh
 from master.law import Law
 from master.leg import Leg, State
 from master.moves import Move, moves
+from master.outcome import outcome
 from master.stretches import CohortDistribution, stretches
 from origins import Contacts
 from origins.errors import finite, refuse
@@ -154,11 +155,7 @@ def solve_cohorts(contacts: Contacts, path: Array, tolerance: float = 1e-8) -> P
     x = path / unit
     law = Law(contacts, _reach(contacts, x))
     course, error, message = _refine(law, State(0.0, [starting(contacts, law)]), moves(x), x, tolerance)
-    success = error <= tolerance
-    if success:
-        message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
-    if contacts.cut_weight > 0.0:
-        message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
+    success, message = outcome(contacts, error, tolerance, message)
     return PathSolution(
         path=path,
         force=course.force() * unit,

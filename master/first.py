@@ -15,7 +15,7 @@ import numpy.typing as npt
 from master.corners import bends
 from master.law import Law
 from master.piecewise import Piecewise, tabulate
-from master.starting import StartSum
+from master.starting import NARROW, StartSum, thin
 from master.tally import Tally
 from origins import Contacts
 
@@ -168,10 +168,9 @@ class FirstBreaks:
         held = np.concatenate([held, -held])
         held = held[(held >= low) & (held <= high)]
         stepped += [law.atoms - point for point in held]
-        around = [_thin(marks, 0.25 * (high - low)) - middle, outer - low, outer - high, law.breakpoints - middle]
+        around = [thin(marks, 0.25 * (high - low)) - middle, outer - low, outer - high, law.breakpoints - middle]
         # from x_0 < 0 contacts break at X = -2 x_0 at the earliest: a narrow law turns that on and off at 2 x_s
-        both_ways = law.edges[law.edges <= -low]
-        both_ways = 2.0 * _thin(both_ways, (high - low) / 256.0) if both_ways.size else both_ways
+        both_ways = 2.0 * thin(law.edges[law.edges <= -low], (high - low) / NARROW)
         seeds = np.concatenate([*around, *corners, *stepped, both_ways, -2.0 * rough, -2.0 * held, [0.0, -2.0 * low]])
         begins = law.begins if not law.atoms.size else min(law.begins, float(law.atoms.min()))
         edges = _clip(_distinct(seeds), max(begins - high, 0.0), min(self.end, marks.max() - low))
@@ -204,11 +203,6 @@ def tabulate_rows(rows: Function, edges: Array, accuracy: float) -> tuple[Piecew
         return nothing, nothing, None
     density, released, *rest = tabulate(rows, edges, accuracy)
     return density, released, rest[0] if rest else None
-
-
-def _thin(points: Array, spacing: float) -> Array:
-    """Points at least `spacing` apart: what the start smooths over needs no edge of its own."""
-    return points[np.unique(np.floor((points - points[0]) / spacing), return_index=True)[1]]
 
 
 def _distinct(points: Array) -> Array:

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from master.cycle import Cycle
 from master.law import Law
+from master.outcome import outcome
 from master.problem import Problem
 from master.renewal import LaterReleased, bound
 from master.solution import Solution
@@ -47,11 +48,7 @@ def solve_problem(problem: Problem, path: Array, tolerance: float, began: float)
     force = problem.known(x)
     released, error, later, message = _refine(problem, x, tolerance / share)
     force, error = (force - released) * problem.unit, error * share
-    success = error <= tolerance
-    if success:
-        message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
-    if contacts.cut_weight > 0.0:
-        message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
+    success, message = outcome(contacts, error, tolerance, message)
     return Solution(
         path=path,
         force=force,
@@ -83,10 +80,12 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
     """J_1 at x, its error estimate, what it was read from and the reason for stopping short."""
     end = float(x[-1])
     floor = round_off(problem)
+    share = problem.unit / problem.contacts.mean_threshold  # words are in mean thresholds
+    asked = f"above the tolerance {tolerance * share:.1e}"
     tiny = min(1e-2 * tolerance, 1e-9)
     listed = problem.law.atomic and problem.first.single
     if listed or bound(problem, end, 1e-2 * floor) <= 1e-2 * floor:
-        message = f"{_limit(problem, floor)}, above the tolerance {tolerance:.1e}"
+        message = f"{_limit(problem, floor, share)}, {asked}"
         return problem.chain.released(x), floor, None, message
     step = first_step(problem.law, problem.rough, end, tolerance)
     rough = problem.rough
@@ -121,10 +120,10 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 if best[1] <= tolerance:
                     return *best, ""
                 if stalled:
-                    return *best, f"{_limit(problem, best[1])}, above the tolerance {tolerance:.1e}"
+                    return *best, f"{_limit(problem, best[1], share)}, {asked}"
                 if end / step > MOST_NODES / 2:
-                    reached = f"error estimate {best[1]:.1e} on {later.lattice.size} nodes, above the tolerance"
-                    return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
+                    reached = f"error estimate {best[1] * share:.1e} on {later.lattice.size} nodes"
+                    return *best, f"{reached}, {asked}; shorten the path or loosen the tolerance"
         coarser = later, answer
         step *= shrink
 
@@ -134,10 +133,12 @@ def round_off(problem: Problem) -> float:
     return ROUND_OFF * (1.0 + problem.end) + 2e-16 * problem.end**2 + problem.first.error
 
 
-def _limit(problem: Problem, reached: float) -> str:
-    """What no finer lattice mends."""
+def _limit(problem: Problem, reached: float, share: float) -> str:
+    """What no finer lattice mends; `share` turns units of the problem into those that are told."""
     known = problem.first.error
-    return f"first breaks are known to {known:.1e} only" if known > 0.5 * reached else f"round-off allows {reached:.1e}"
+    if known > 0.5 * reached:
+        return f"first breaks are known to {known * share:.1e} only"
+    return f"round-off allows {reached * share:.1e}"
 
 
 def least_share(problem: Problem, step: float) -> float:

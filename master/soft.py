@@ -10,6 +10,7 @@ from master.cohort import starting
 from master.forward import MOST_NODES, ROUND_OFF, estimate
 from master.law import Law
 from master.leg import State
+from master.outcome import outcome
 from master.regime import Regime, regime
 from master.ride import Ride
 from origins import Contacts
@@ -105,11 +106,7 @@ def solve_soft(
     x = path / unit
     law, begin = _start(contacts, x, spring)
     ride, error, message = _refine(law, begin, spring, slip, x, tolerance)
-    success = error <= tolerance
-    if success:
-        message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
-    if contacts.cut_weight > 0.0:
-        message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
+    success, message = outcome(contacts, error, tolerance, message)
     table = np.array([[s.drive, s.before, s.after, s.force_before, s.force_after] for s in ride.slips]).reshape(-1, 5)
     slips = Slips(*(unit * table.T))
     return SoftSolution(

@@ -17,6 +17,7 @@ Array = npt.NDArray[np.float64]
 
 _NO_THRESHOLDS = 1e-300  # survival from which starts are cut off
 _LITTLE = 1e-6
+NARROW = 256.0  # parts of a start, in each of which one edge leads to what is narrower
 _CHUNK = 12_000  # nodes at a time, so that what is made on the way stays in the cache
 
 
@@ -50,9 +51,8 @@ class StartSum:
         seeds = np.concatenate([np.linspace(self.low, self.high, 9), inner])
         if self._conditional:
             # 1/S(|x|) has a cusp at 0 and the law's own kinks and narrow rises: panels follow it as well as the start
-            bins = np.floor(law.edges * (256.0 / (self.high - self.low)))
-            narrow = law.edges[np.unique(bins, return_index=True)[1]]
-            marks = np.concatenate([narrow, law.breakpoints, law.atoms])
+            rises = thin(law.edges, (self.high - self.low) / NARROW)
+            marks = np.concatenate([rises, law.breakpoints, law.atoms])
             seeds = np.concatenate([seeds, marks, -marks, [0.0]])
         seeds = np.unique(seeds[(seeds >= self.low) & (seeds <= self.high)])
         table = tabulate(self._both, seeds, 1e-13)[0]
@@ -174,6 +174,13 @@ class StartSum:
         held, beyond = law.sf(np.stack([size, np.maximum(size, nodes + x)]))
         share = np.divide(held - beyond, held, out=np.zeros(held.shape), where=held > _NO_THRESHOLDS)
         return float((weights * self._plain(nodes) * share).sum())
+
+
+def thin(points: Array, spacing: float) -> Array:
+    """Sorted points at least about `spacing` apart: what lies closer needs no edge of its own."""
+    if not points.size:
+        return points
+    return points[np.unique(np.floor((points - points[0]) / spacing), return_index=True)[1]]
 
 
 def _mean(table: Piecewise) -> float:

@@ -24,6 +24,21 @@ class _OfPositions(Calculator):
         same = self.atoms is not None and np.array_equal(self.atoms.positions, atoms.positions)
         return [] if same else list(all_changes)
 
+    def of_positions(self, points: Array) -> tuple[Array, Array]:
+        """Energies of the atoms at points of shape (n, 3), shape (n,), and the forces on them, shape (n, 3)."""
+        raise NotImplementedError
+
+    def calculate(
+        self,
+        atoms: ase.Atoms | None = None,
+        properties: list[str] | None = None,
+        system_changes: list[str] = all_changes,
+    ) -> None:
+        super().calculate(atoms, properties, system_changes)
+        assert self.atoms is not None  # ASE's own copy
+        energies, forces = self.of_positions(self.atoms.positions)
+        self.results = {"energy": float(energies.sum()), "energies": energies, "forces": forces}
+
 
 class SubstrateCalculator(_OfPositions):
     """Atoms on a Substrate; made by substrate_calculator."""
@@ -37,19 +52,12 @@ class SubstrateCalculator(_OfPositions):
         """Translations that leave all energies as they are, shape (2, 2); InputError where substrate.cell has none."""
         return self.substrate.cell
 
-    def calculate(
-        self,
-        atoms: ase.Atoms | None = None,
-        properties: list[str] | None = None,
-        system_changes: list[str] = all_changes,
-    ) -> None:
-        super().calculate(atoms, properties, system_changes)
-        assert self.atoms is not None  # ASE's own copy
-        flat = self.atoms.positions[:, :2]
+    def of_positions(self, points: Array) -> tuple[Array, Array]:
+        flat = points[:, :2]
         energies = self.substrate.energy(flat)
         forces = np.zeros((len(flat), 3))
         forces[:, :2] = self.substrate.forces(flat)
-        self.results = {"energy": float(energies.sum()), "energies": energies, "forces": forces}
+        return np.asarray(energies, dtype=float), forces
 
 
 class HarmonicBonds(_OfPositions):
@@ -59,15 +67,7 @@ class HarmonicBonds(_OfPositions):
         super().__init__(**keywords)
         self.stiffness, self.pairs, self.lengths = stiffness, pairs, lengths
 
-    def calculate(
-        self,
-        atoms: ase.Atoms | None = None,
-        properties: list[str] | None = None,
-        system_changes: list[str] = all_changes,
-    ) -> None:
-        super().calculate(atoms, properties, system_changes)
-        assert self.atoms is not None  # ASE's own copy
-        points = self.atoms.positions
+    def of_positions(self, points: Array) -> tuple[Array, Array]:
         count = len(points)
         first, second = self.pairs.T
         if self.pairs.max() >= count:
@@ -78,8 +78,8 @@ class HarmonicBonds(_OfPositions):
         # atoms in one place push along no direction
         pull = (self.stiffness * stretch / np.where(length > 0.0, length, 1.0))[:, None] * apart
         half = 0.25 * self.stiffness * stretch**2
-        energies = np.bincount(first, half, count) + np.bincount(second, half, count)
+        energies = np.bincount(first, half, count).astype(float) + np.bincount(second, half, count)
         forces = np.column_stack(
             [np.bincount(first, axis, count) - np.bincount(second, axis, count) for axis in pull.T]
         )
-        self.results = {"energy": float(energies.sum()), "energies": energies, "forces": forces}
+        return np.asarray(energies, dtype=float), forces
