@@ -3,13 +3,56 @@
 import numpy as np
 import numpy.typing as npt
 
+from eq_model.compiled_table import kernel_table
 from origins import Contacts, streams
 from origins.errors import InputError
 from origins.quantile import DEEPEST, QuantileTable, quantile_table
+from origins.start import Start
+from origins.thresholds import Thresholds
 
 Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
 
 _FAINTEST = 1e-290
+
+
+class Beginning:
+    """Starting positions and first thresholds of contacts of `n_contacts` in each replica, in random numbers of `key`.
+
+    table, start_table : as of `tables`; words : the key as kernels take it; compiled : the table of thresholds as they
+    take it, from `compile` on.
+    """
+
+    def __init__(self, contacts: Contacts, n_contacts: int, key: tuple[int, int]) -> None:
+        self.contacts, self.n_contacts, self.key = contacts, n_contacts, key
+        self.words = tuple(np.uint64(word) for word in key)
+        self.table, self.start_table = tables(contacts)
+
+    def compile(self, unit: float) -> None:
+        """Choose the unit (a length)."""
+        self._unit, self.compiled = unit, kernel_table(self.table, unit)
+        self._start = self.compiled if self.start_table is None else kernel_table(self.start_table, unit)
+
+    def draw(self, block: range, none: bool = False) -> tuple[Whole, Whole]:
+        """Negative starting stretches and first thresholds of a block, in whole units; empty if `none`."""
+        from eq_model import kernel
+
+        start, size, unit = self.contacts.start, 0 if none else len(block), self._unit
+        births, firsts = np.full(size, round(-start.mean() / unit), np.int64), np.empty(size, np.int64)
+        begun, single = self._start, start.is_single
+        kernel.begin(block.start, self.n_contacts, self.words, self.compiled, begun, single, births, firsts)
+        again = np.flatnonzero(firsts < 0)
+        if again.size:
+            replica, contact = np.divmod((again + block.start).astype(np.uint64), np.uint64(self.n_contacts))
+            stretches = (births[again] * -unit).astype(float)
+            stretches, thresholds = redraw(
+                stretches, replica, contact, self.key, self.contacts, self.table, self.start_table
+            )
+            births[again] = np.rint(-stretches / unit).astype(np.int64)
+            # beyond the path it does not matter how far
+            firsts[again] = np.minimum(np.rint(thresholds / unit), float(kernel.FAR)).astype(np.int64)
+            np.maximum(firsts, np.abs(births), out=firsts)
+        return births, firsts
 
 
 def tables(contacts: Contacts) -> tuple[QuantileTable, QuantileTable | None]:
@@ -19,6 +62,20 @@ def tables(contacts: Contacts) -> tuple[QuantileTable, QuantileTable | None]:
     that their survival is below 1e-290.
     """
     thresholds, start = contacts.thresholds, contacts.start
+    survival = _survival("start", start, thresholds)
+    table = quantile_table(thresholds, deepest=max(DEEPEST * survival, 1e-300))
+    return table, None if start.is_single else quantile_table(start, name="start")
+
+
+def reforming_table(contacts: Contacts) -> QuantileTable:
+    """Quantile table of the stretches at which contacts form again; InputError as for a start."""
+    assert contacts.reforming is not None
+    _survival("reforming", contacts.reforming.law, contacts.thresholds)
+    return quantile_table(contacts.reforming.law, name="reforming")
+
+
+def _survival(name: str, start: Start, thresholds: Thresholds) -> float:
+    """Survival of the thresholds where the stretches of `start` reach furthest."""
     furthest = max(abs(start.span[0]), abs(start.span[1]))
     upper = thresholds.support()[1]
     if furthest < upper:
@@ -28,11 +85,10 @@ def tables(contacts: Contacts) -> tuple[QuantileTable, QuantileTable | None]:
         survival = max(float(thresholds.sf(np.nextafter(upper, 0.0))), _FAINTEST)
     if survival < _FAINTEST:
         raise InputError(
-            f"start: reaches |x| = {furthest:g}, where the survival of the thresholds is below 1e-290; start from "
+            f"{name}: reaches |x| = {furthest:g}, where the survival of the thresholds is below 1e-290; start from "
             "stretches that contacts can have reached"
         )
-    table = quantile_table(thresholds, deepest=max(DEEPEST * survival, 1e-300))
-    return table, None if start.is_single else quantile_table(start, name="start")
+    return survival
 
 
 def redraw(

@@ -16,7 +16,7 @@ KEY_STEPS = (0x9E3779B9, 0xBB67AE85)
 ROUNDS = 10
 
 # what a stream is for: the top four bits of the counter's second word, the replica below
-THRESHOLDS, START, THRESHOLD_TAILS, START_TAILS, DOMAINS = range(5)
+THRESHOLDS, START, THRESHOLD_TAILS, START_TAILS, DOMAINS, LIVES, LIFE_TAILS = range(7)
 PURPOSE_SHIFT = 28
 MOST_REPLICAS = 1 << PURPOSE_SHIFT
 

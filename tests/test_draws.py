@@ -8,7 +8,7 @@ from scipy import stats
 
 import origins
 from eq_model import kernel
-from eq_model.ensemble import kernel_table
+from eq_model.compiled_table import kernel_table
 from origins import streams
 from origins.quantile import quantile_table
 

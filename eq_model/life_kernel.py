@@ -1,0 +1,373 @@
+"""The compiled kernel for contacts with laws of their own, on any path in time: each followed from break to break.
+
+A contact's life is sampled without a time step: its threshold is drawn, and how much of its breaking rate it can bear,
+and where either is reached follows in closed form on every leg of the drive. What it does to the sums is two events, a
+birth and a break, each of which counts in the bin of the clock in which it falls. Positions and sums are whole numbers
+(see lattice.py, course.py), so no order of work shows in the result. life_twin.py is the same in plain numpy.
+
+Lengths are in units of the lattice. A thermal contact's law is (kind, a, rate): kind 0 has none, 1 is soft, 2 stiff;
+a² = <k>/2k_BT per squared unit; rate = ω.
+"""
+
+import numpy as np
+
+from eq_model.kernel import (
+    LANES,
+    MISSING,
+    ROW,
+    _compiled,
+    _draw,
+    _exact,
+    _find,
+    _inlined,
+    _more,
+    _values,
+    philox,
+)
+from eq_model.kernel import _bin as _find_bin
+from origins.streams import LIFE_TAILS, LIVES, PURPOSE_SHIFT
+
+_U = np.uint64
+_HALF, _MASK = _U(32), _U(0xFFFFFFFF)
+_LIVES, _LIFE_TAILS = (_U(purpose << PURPOSE_SHIFT) for purpose in (LIVES, LIFE_TAILS))
+_LOW = np.uint32(0x7FFFFFFF)
+_SOFT = 1
+STIFFNESS_UNIT = 2.0**36
+_SERIES, _LAST = 0.02, 6.0
+_LOW_LEVEL, _HIGH_LEVEL = -4.0, 36.0
+_EIGHT = tuple(np.polynomial.legendre.leggauss(8)[0].tolist())
+_WEIGHTS = tuple(np.polynomial.legendre.leggauss(8)[1].tolist())
+
+
+@_inlined
+def _hermite(place, first, step, values, slopes):  # type: ignore[no-untyped-def]
+    """A tabulated function between its nodes, from its values and slopes there."""
+    s = (place - first) / step
+    k = min(max(int(s), 0), values.size - 2)
+    t = s - k
+    rise = values[k + 1] - values[k]
+    p, q = slopes[k] * step - rise, slopes[k + 1] * step - rise
+    return values[k] + t * (rise + (1.0 - t) * (p - t * (p + q)))
+
+
+@_compiled
+def _dawson(y, tables):  # type: ignore[no-untyped-def]
+    """Dawson's integral for y >= 0."""
+    if y < _SERIES:
+        square = y * y
+        return y * (1.0 - square * (2.0 / 3.0 - square * (4.0 / 15.0)))
+    if y < _LAST:
+        return _hermite(y, 0.0, tables[0], tables[1], tables[2])
+    s = 0.5 / (y * y)
+    return (1.0 + s * (1.0 + s * (3.0 + s * (15.0 + s * (105.0 + s * (945.0 + s * 10395.0)))))) / (2.0 * y)
+
+
+@_compiled
+def _inverse_log_growth(level, tables):  # type: ignore[no-untyped-def]
+    """The y at which y² + ln D(y) = level."""
+    if level < _LOW_LEVEL:
+        y = np.exp(level)
+        square = y * y
+        return y * (1.0 - square * (1.0 / 3.0 - square * (7.0 / 30.0)))
+    if level < _HIGH_LEVEL:
+        return _hermite(level, _LOW_LEVEL, tables[3], tables[4], tables[5])
+    square = level + 0.5 * np.log(4.0 * level)
+    for _ in range(5):
+        s = 0.5 / square
+        square = level + 0.5 * np.log(4.0 * square) - np.log1p(s * (1.0 + s * (3.0 + s * (15.0 + s * 105.0))))
+    return np.sqrt(square)
+
+
+@_compiled
+def _log_sum(a, b):  # type: ignore[no-untyped-def]
+    """ln(e^a + e^b)."""
+    high, low = max(a, b), min(a, b)
+    return high if low == -np.inf else high + np.log1p(np.exp(low - high))
+
+
+@_compiled
+def _rate(x, threshold, law, a):  # type: ignore[no-untyped-def]
+    """h at a stretch x >= 0."""
+    if law[0] == _SOFT:
+        return law[2] * np.exp(-a * a * (threshold - x) * (threshold + x))
+    s = max((threshold - x) / threshold, 0.0)
+    return law[2] * np.sqrt(s) * np.exp(-((a * threshold) ** 2) * s * np.sqrt(s))
+
+
+@_compiled
+def _fall(near, far, threshold):  # type: ignore[no-untyped-def]
+    """(1 - near/threshold)^(3/2) - (1 - far/threshold)^(3/2), without cancellation."""
+    first, last = np.sqrt((threshold - near) / threshold), np.sqrt(max((threshold - far) / threshold, 0.0))
+    if first == 0.0:
+        return 0.0
+    return (far - near) / threshold * (first * first + first * last + last * last) / (first + last)
+
+
+@_compiled
+def _between(near, far, threshold, law, a, tables):  # type: ignore[no-untyped-def]
+    """Integral of h over stretches from near >= 0 to far."""
+    if far <= near:
+        return 0.0
+    if law[0] == _SOFT:
+        rise = a * a * (far - near) * (far + near)
+        least = np.exp(-a * a * (threshold - far) * (threshold + far))
+        if rise < 1.0 and near > 0.0:
+            half, total = 0.5 * (far - near), 0.0
+            for k in range(8):
+                back = half * (1.0 + _EIGHT[k])
+                total += _WEIGHTS[k] * np.exp(-a * a * back * (2.0 * far - back))
+            return law[2] * least * half * total
+        return law[2] * least * (_dawson(a * far, tables) - np.exp(-rise) * _dawson(a * near, tables)) / a
+    c, fall = (a * threshold) ** 2, _fall(near, far, threshold)
+    s = max((threshold - far) / threshold, 0.0)
+    lost = -np.expm1(-c * fall) / c if c * fall > 1e-300 else fall
+    return law[2] * 2.0 / 3.0 * threshold * lost * np.exp(-c * s * np.sqrt(s))
+
+
+@_compiled
+def _stretch(u, gone, threshold):  # type: ignore[no-untyped-def]
+    """x from u = (1 - x/threshold)^(3/2) and from gone = 1 - u, whichever is the smaller."""
+    if u < 0.5:
+        return threshold * (1.0 - u ** (2.0 / 3.0))
+    return threshold * -np.expm1(2.0 / 3.0 * np.log1p(-gone))
+
+
+@_compiled
+def _outward(log_amount, near, threshold, law, a, tables):  # type: ignore[no-untyped-def]
+    """Stretch up to which the integral of h from near >= 0 is the amount; the threshold where it stays below."""
+    log_amount -= np.log(law[2])
+    if law[0] == _SOFT:
+        level = log_amount + np.log(a) + (a * threshold) ** 2
+        y = a * near
+        if y > 0.0:
+            level = _log_sum(level, y * y + np.log(_dawson(y, tables)))
+        x = _inverse_log_growth(level, tables) / a
+    else:
+        c, s = (a * threshold) ** 2, (threshold - near) / threshold
+        start, part = c * s * np.sqrt(s), log_amount + np.log(1.5 * c / threshold)
+        gone = _log_sum(0.0, part + start)
+        left = -_log_sum(part, -start) if part + start > 0.0 else start - gone
+        x = _stretch(max(left, 0.0) / c, min(_fall(0.0, near, threshold) + gone / c, 1.0), threshold)
+    return min(max(x, near), threshold)
+
+
+@_compiled
+def _inward(amount, far, threshold, law, a, tables):  # type: ignore[no-untyped-def]
+    """Stretch down to which the integral of h from `far` is the amount, which is at most the one down to 0."""
+    share = min(amount / _between(0.0, far, threshold, law, a, tables), 1.0)
+    if law[0] == _SOFT:
+        y = a * far
+        level = y * y + np.log(_dawson(y, tables)) + np.log1p(-share)
+        x = _inverse_log_growth(level, tables) / a
+    else:
+        c, s, whole = (a * threshold) ** 2, (threshold - far) / threshold, _fall(0.0, far, threshold)
+        back = -np.log1p(share * np.expm1(-c * whole)) / c
+        u = s * np.sqrt(s) + back
+        x = _stretch(min(u, 1.0), max(whole - back, 0.0), threshold)
+    return min(max(x, 0.0), far)
+
+
+@_compiled
+def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: ignore[no-untyped-def]
+    """The break of a contact that holds at the stretch x (whole) at a moment of the clock, and can bear the integral
+    of its rate up to `bears`: clock, stretch and leg there; a clock beyond the drive's end where it holds so long."""
+    begins, _, directions, paces = course
+    legs = directions.size
+    while leg < legs:
+        room, d, pace = begins[leg + 1] - clock, directions[leg], paces[leg]
+        if d == 0:
+            if law[0]:
+                rate = _rate(float(abs(x)), threshold, law, a) * pace
+                if rate * room >= bears:
+                    return clock + min(np.int64(bears / rate), room), x, leg
+                bears -= rate * room
+        else:
+            if d * x < 0:
+                back = min(abs(x), room)
+                if law[0]:
+                    far = float(abs(x))
+                    spent = _between(far - back, far, threshold, law, a, tables) * pace
+                    if spent >= bears:
+                        near = _inward(bears / pace, far, threshold, law, a, tables)
+                        moved = min(np.int64(far - near), back)
+                        return clock + moved, x + d * moved, leg
+                    bears -= spent
+                x += d * back
+                clock += back
+                room -= back
+            if room > 0:
+                near, own = d * x, threshold
+                if law[0]:
+                    own = _outward(np.log(bears / pace), float(near), threshold, law, a, tables)
+                moved = max(np.int64(np.floor(own + 0.5)) - near, 0)
+                if moved <= room:
+                    return clock + moved, x + d * moved, leg
+                if law[0] and leg + 1 < legs:
+                    far = min(float(near + room), threshold)
+                    bears -= _between(float(near), far, threshold, law, a, tables) * pace
+                    bears = max(bears, 0.0)
+                x += d * room
+        leg += 1
+        if leg < legs:
+            clock = begins[leg]
+    return begins[legs] + 1, x, leg
+
+
+@_compiled
+def _later(clock, leg, time, course):  # type: ignore[no-untyped-def]
+    """The clock when `time` has passed, and the leg; beyond the drive's end where it is over by then."""
+    begins, _, directions, paces = course
+    legs = directions.size
+    while leg < legs:
+        left = (begins[leg + 1] - clock) * paces[leg]
+        if time <= left:
+            ticks = np.int64(np.floor(time / paces[leg] + 0.5)) if paces[leg] > 0.0 else 0
+            return min(clock + ticks, begins[leg + 1]), leg
+        time -= left
+        leg += 1
+        if leg < legs:
+            clock = begins[leg]
+    return begins[legs] + 1, leg
+
+
+@_compiled
+def _place(clock, leg, course):  # type: ignore[no-untyped-def]
+    """The slider's position (whole)."""
+    return course[1][leg] + course[2][leg] * (clock - course[0][leg])
+
+
+@_compiled
+def _event(sign, stiff, stiffness, birth, clock, lattice, reference, sums):  # type: ignore[no-untyped-def]
+    """Count a birth (sign 1) or a break (-1) at the clock, of a contact relaxed where the slider is at `birth`."""
+    row, columns = _find_bin(clock, lattice), 6 if stiff else 3
+    back, square, k = birth - reference[row], lattice[4], row * columns
+    sums[k] += sign
+    if not stiff:
+        sums[k + 1] += sign * back
+        sums[k + 2] += sign * np.int64(np.rint(float(back) * float(back) * square))
+        return
+    own, exact = stiffness, float(back)
+    unit = STIFFNESS_UNIT
+    sums[k + 1] += sign * np.int64(np.rint(own * unit))
+    sums[k + 2] += sign * np.int64(np.rint(own * exact))
+    sums[k + 3] += sign * np.int64(np.rint(own * own * unit))
+    sums[k + 4] += sign * np.int64(np.rint(own * own * exact))
+    sums[k + 5] += sign * np.int64(np.rint(own * own * exact * exact * square))
+
+
+@_compiled
+def _bearing(word, more):  # type: ignore[no-untyped-def]
+    """A draw of the exponential law of mean 1 from 64 bits; the top bit is the side, the rest counts from its end."""
+    v = (np.float64(((_U(word) & _U(_LOW)) << _HALF) | more) + 0.5) * 2.0**-64
+    return -np.log(v) if word >> np.uint32(31) else -np.log1p(-v)
+
+
+@_compiled
+def _conditional(stretch, word, more, table):  # type: ignore[no-untyped-def]
+    """A threshold beyond a stretch, with a uniform number of 64 bits: by the quantile, bisected."""
+    _, _, _, factor, sides, fine, edges, cubics = table
+    w = (np.float64((_U(word) << _HALF) | more) + 0.5) * 2.0**-64
+    above = _fine(0.5, 1, factor, sides, fine, edges, cubics) <= stretch
+    low, high = -54.0, -1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        value = _fine(2.0**middle, 1 if above else 0, factor, sides, fine, edges, cubics)
+        if (value > stretch) == above:
+            low = middle
+        else:
+            high = middle
+    v = 2.0 ** (0.5 * (low + high))
+    left = (v if above else 1.0 - v) * w
+    if left <= 0.5:
+        found = _fine(left, 1, factor, sides, fine, edges, cubics)
+    else:
+        found = _fine(1.0 - left, 0, factor, sides, fine, edges, cubics)
+    return max(found, stretch + 1)
+
+
+@_compiled
+def _fine(v, side, factor, sides, first, edges, cubics):  # type: ignore[no-untyped-def]
+    """Whole value of the fine cells at v of a side."""
+    number = np.int64(np.floor(v * 2.0**64)) if v < 0.5 else np.int64(0x7FFFFFFFFFFFFFFF)
+    word = np.uint32(number >> 32) | np.uint32(side << 31)
+    return _exact(word, _U(number & 0xFFFFFFFF), factor, sides, first, edges, cubics)
+
+
+@_compiled
+def run(first, n, n_contacts, key, table, again, births, thresholds, physics, course, lattice, reference, sums):  # type: ignore[no-untyped-def]
+    """Follow contacts first ... first + n - 1 to the drive's end; the number of breaks on the way.
+
+    again : table of the stretches of re-forming, or its single whole value with an empty table; births, thresholds :
+    the contacts' starting positions and first thresholds; physics : (law, tables, delay, stiff, mean threshold).
+    sums : shape (columns * bins,), increased by the events of each bin.
+    """
+    law, tables, delay, stiff, mean, reform, single = physics
+    hot, hot_shift, pieces, factor, sides, fine, edges, cubics = table
+    (k0, k1), many = key, _U(n_contacts)
+    end = lattice[2]
+    second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
+    clock, legs = np.empty(LANES, np.int64), np.zeros(LANES, np.int64)
+    words = np.empty(4 * ROW, np.uint32)
+    cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
+    count, base = np.empty(LANES, np.uint32), np.empty(LANES, np.uint32)
+    limit, start = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
+    breaks, taken, lanes = 0, 0, 0
+    while True:
+        # lanes whose contact is done are at the end: give them the next ones
+        kept = lanes
+        while lanes < LANES and taken < n:
+            index = _U(first + taken)
+            replica = index // many
+            second[lanes], contact[lanes] = _LIVES | replica, index - replica * many
+            block[lanes], clock[lanes], legs[lanes] = 0, 0, 0
+            start[lanes], limit[lanes] = -births[taken], thresholds[taken]
+            lanes += 1
+            taken += 1
+        if lanes == 0:
+            return breaks
+        _draw(lanes, block, second, contact, k0, k1, words)
+        if kept:
+            _find(kept, 0, words, hot_shift, hot, pieces, count, base, cell, place, got)
+            _values(kept, got, place, factor, _U(0), limit)
+            if reform:
+                _find(kept, 2, words, again[1], again[0], again[2], count, base, cell, place, got)
+                _values(kept, got, place, again[3], _U(0), start)
+        left = 0
+        for i in range(lanes):
+            tail = second[i] ^ _LIVES ^ _LIFE_TAILS
+            born, threshold, leg = start[i], limit[i], legs[i]
+            fresh = block[i] > 0
+            if fresh:
+                if threshold >= MISSING:
+                    more = _more(words[i], 0, block[i], tail, contact[i], k0, k1)
+                    threshold = _exact(words[i], more, factor, sides, fine, edges, cubics)
+                if reform and born >= MISSING:
+                    more = _more(words[i + 2 * ROW], 2, block[i], tail, contact[i], k0, k1)
+                    born = _exact(words[i + 2 * ROW], more, again[3], again[4], again[5], again[6], again[7])
+                if not reform:
+                    born = single
+                if threshold <= abs(born):
+                    more = philox(_U(block[i]), tail, contact[i] & _MASK, contact[i] >> _HALF, k0, k1)[3]
+                    threshold = _conditional(abs(born), words[i + 3 * ROW], more, table)
+            stiffness = threshold / mean if stiff else 1.0
+            birth = _place(clock[i], leg, course) - born
+            _event(1, stiff, stiffness, birth, clock[i], lattice, reference, sums)
+            bears, a = 0.0, law[1]
+            if law[0]:
+                more = _more(words[i + ROW], 1, block[i], tail, contact[i], k0, k1)
+                bears = _bearing(words[i + ROW], more)
+                if stiff:
+                    a *= np.sqrt(stiffness)
+            then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course)
+            if then > end:
+                continue
+            _event(-1, stiff, stiffness, birth, then, lattice, reference, sums)
+            breaks += 1
+            if delay > 0.0:
+                then, leg = _later(then, leg, delay, course)
+                if then > end:
+                    continue
+            second[left], contact[left], block[left] = second[i], contact[i], block[i] + np.uint32(1)
+            clock[left], legs[left] = then, leg
+            left += 1
+        lanes = left

@@ -1,0 +1,140 @@
+"""Contacts with laws of their own, or on a path that turns or takes its time: the ensemble's second engine."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import dawsn
+
+from eq_model.beginning import Beginning, reforming_table
+from eq_model.compiled_table import kernel_table
+from eq_model.course import Course, make_course
+from eq_model.lattice import Whole, split
+from origins import Contacts, Drive
+from origins.dawson import inverse_log_growth
+
+Array = npt.NDArray[np.float64]
+
+LAWS = ("thermal", "delay", "reforming", "stiffness")
+_KINDS = {"soft": 1, "stiff": 2}
+_STEP = 1.0 / 64.0
+
+
+def growth_tables() -> tuple[float, Array, Array, float, Array, Array]:
+    """Dawson's integral and the inverse of its growth, each as step, values and slopes on the kernel's nodes."""
+    y = _STEP * np.arange(6 * 64 + 1)
+    level = -4.0 + _STEP * np.arange(40 * 64 + 1)
+    inverse = inverse_log_growth(level)
+    return _STEP, dawsn(y), 1.0 - 2.0 * y * dawsn(y), _STEP, inverse, dawsn(inverse)
+
+
+def physics(contacts: Contacts, unit: float) -> tuple[Any, ...]:
+    """Laws as the kernel takes them: thermal, tables for it, delay, whether stiffness is linked, mean threshold."""
+    thermal, delay = contacts.thermal, contacts.delay
+    law = (0, 0.0, 0.0)
+    if thermal is not None:
+        law = (_KINDS[thermal.law], unit / np.sqrt(2.0 * thermal.temperature), thermal.attempt_frequency)
+    wait = 0.0 if delay is None else delay.time
+    return law, growth_tables(), wait, contacts.stiffness == "linked", contacts.mean_threshold / unit
+
+
+def columns(linked: bool) -> int:
+    """Sums of each bin: contacts, stretch and its square, where stiffnesses differ with these as well."""
+    return 6 if linked else 3
+
+
+def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, Array, Array]:
+    """Fraction of n contacts that hold, mean force (a length) and its variance between contacts, at the path's points.
+
+    limbs : shape (2, columns * bins), of the events of each bin; whole numbers to the end, so nothing cancels.
+    """
+    from eq_model.life_kernel import STIFFNESS_UNIT
+
+    lattice, part = course.lattice, int(STIFFNESS_UNIT)
+    order = np.lexsort((lattice.bin_point, lattice.bin_cell))
+    last = np.searchsorted(lattice.bin_point[order], np.arange(lattice.points.size), side="right")[lattice.place] - 1
+    rows = (limbs[0].astype(object) * (1 << 32) + limbs[1].astype(object)).reshape(-1, columns(linked))[order]
+    reference = course.reference[order].astype(object)
+    # columns of stretches are whole lengths, those of stiffnesses parts of STIFFNESS_UNIT
+    weight, squared = (rows[:, 1], rows[:, 3]) if linked else (rows[:, 0] * part, rows[:, 0] * part)
+    first, first_squared = (rows[:, 2], rows[:, 4]) if linked else (rows[:, 1], rows[:, 1])
+    second = (rows[:, 5] if linked else rows[:, 2]) * (round(1.0 / lattice.square) * part)
+    count, held, born, squares, squares_born, squares_far = (
+        np.cumsum(change)[last]
+        for change in (
+            rows[:, 0],
+            weight,
+            first * part + weight * reference,
+            squared,
+            first_squared * part + squared * reference,
+            second + reference * (2 * part * first_squared + squared * reference),
+        )
+    )
+    at = np.rint(course.path / lattice.unit).astype(np.int64)
+    beside = course.path - at * lattice.unit
+    x = at.astype(object)
+    force = held * x - born
+    spread = (squares * x - 2 * squares_born) * x + squares_far
+    variance = (spread * (part * n) - force * force).astype(float) * (lattice.unit / part) ** 2 / n
+    mean = (force.astype(float) * lattice.unit + held.astype(float) * beside) / (part * n)
+    return count.astype(float) / n, mean, np.maximum(variance, 0.0) / max(n - 1, 1)
+
+
+class Lives:
+    """The sums of such contacts, and what they say of the force.
+
+    sums : shape (2, columns * bins), limbs of the events of each bin. breaks : so far.
+    """
+
+    def __init__(self, drive: Drive, beginning: Beginning) -> None:
+        contacts, table = beginning.contacts, beginning.table
+        self._beginning, self.linked = beginning, contacts.stiffness == "linked"
+        reforming = contacts.reforming
+        furthest = max(map(abs, contacts.start.span))
+        if reforming is not None:
+            furthest = max(furthest, *map(abs, reforming.law.span))
+        longest = max(float(table.upper(0.0)) * table.scale, furthest)
+        stiffest = max(longest / contacts.mean_threshold, 1.0) if self.linked else 1.0
+        # a bin holds births as well as breaks
+        exact = contacts.thresholds.atoms[0].size > 0
+        self.course = make_course(drive, table.scale, 2.0 * longest * stiffest, exact)
+        unit = self.course.lattice.unit
+        beginning.compile(unit)
+        self._again, single = beginning.compiled, 0
+        if reforming is not None and reforming.law.is_single:
+            single = round(reforming.law.mean() / unit)
+        spread = reforming is not None and not reforming.law.is_single
+        if spread:
+            self._again = kernel_table(reforming_table(contacts), unit)
+        self._physics = (*physics(contacts, unit), spread, single)
+        self.breaks = 0
+        self.sums = np.zeros((2, columns(self.linked) * self.course.lattice.bin_cell.size), np.int64)
+        self._block_sums = np.zeros(self.sums.shape[1], np.int64)
+
+    def follow(self, block: range) -> None:
+        """Follow a block of contacts to the drive's end."""
+        from eq_model import life_kernel
+
+        births, firsts = self._beginning.draw(block)
+        self._block_sums[:] = 0
+        breaks = life_kernel.run(
+            block.start,
+            births.size,
+            self._beginning.n_contacts,
+            self._beginning.words,
+            self._beginning.compiled,
+            self._again,
+            births,
+            firsts,
+            self._physics,
+            self.course.for_kernel,
+            self.course.lattice.for_kernel,
+            self.course.reference,
+            self._block_sums,
+        )
+        self.sums += split(self._block_sums)
+        self.breaks += int(breaks)
+
+    def moments(self, n: int, sums: Whole) -> tuple[Array, Array, Array]:
+        """Fraction that holds, mean force (a length) of n contacts and its variance between them, at the points."""
+        return moments(self.course, self.linked, n, sums)
