@@ -81,6 +81,11 @@ class Ensemble:
                 'contacts.thermal: closure = "paper" is an approximation of the master equation; single contacts break '
                 'each at its own rate, so use closure = "exact"'
             )
+        if contacts.ageing is not None and contacts.ageing.closure == "paper":
+            raise InputError(
+                'contacts.ageing: closure = "paper" gives all contacts one law, which single contacts do not have; use '
+                'closure = "exact"'
+            )
         started = clock.perf_counter()
         self.contacts, self.comm = contacts, comm
         self.n_contacts, replicas = whole("n_contacts", n_contacts, 1), whole("n_replicas", n_replicas, 1)

@@ -25,13 +25,14 @@ from eq_model.kernel import (
     philox,
 )
 from eq_model.kernel import _bin as _find_bin
-from origins.streams import LIFE_TAILS, LIVES, PURPOSE_SHIFT
+from origins.streams import LIFE_STEPS, LIFE_TAILS, LIVES, PURPOSE_SHIFT
 
 _U = np.uint64
 _HALF, _MASK = _U(32), _U(0xFFFFFFFF)
-_LIVES, _LIFE_TAILS = (_U(purpose << PURPOSE_SHIFT) for purpose in (LIVES, LIFE_TAILS))
+_LIVES, _LIFE_TAILS, _LIFE_STEPS = (_U(purpose << PURPOSE_SHIFT) for purpose in (LIVES, LIFE_TAILS, LIFE_STEPS))
 _LOW = np.uint32(0x7FFFFFFF)
-_SOFT = 1
+_SOFT, _PARABOLA = 1, 1
+_FAR, _THERMAL = 8.0, 0.1
 STIFFNESS_UNIT = 2.0**36
 _SERIES, _LAST = 0.02, 6.0
 _LOW_LEVEL, _HIGH_LEVEL = -4.0, 36.0
@@ -214,6 +215,131 @@ def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: igno
 
 
 @_compiled
+def _uniform(high, low):  # type: ignore[no-untyped-def]
+    """Between 0 and 1, neither itself, from two words."""
+    return (np.float64(((high << _HALF) | low) >> _U(11)) + 0.5) * 2.0**-53
+
+
+@_compiled
+def _normal(a, b, c):  # type: ignore[no-untyped-def]
+    """A draw of the standard normal law from three words."""
+    return np.sqrt(-2.0 * np.log(_uniform(a, b))) * np.cos(2.0 * np.pi * (np.float64(c) + 0.5) * 2.0**-32)
+
+
+@_compiled
+def _drift(y, ageing):  # type: ignore[no-untyped-def]
+    """Mean change of a threshold per time, over D."""
+    _, _, _, _, _, first, step, values, slopes = ageing
+    return _hermite(min(max(y, first), first + step * (values.size - 1)), first, step, values, slopes)
+
+
+@_compiled
+def _moved(y, time, normal, ageing):  # type: ignore[no-untyped-def]
+    """A threshold a time later: in an exact step towards a normal law, else by Heun's, of second order in the mean."""
+    kind, mean, width, relaxing, diffusion = ageing[:5]
+    if kind == _PARABOLA:
+        lost = -np.expm1(-relaxing * time)
+        return y + (mean - y) * lost + width * np.sqrt(lost * (2.0 - lost)) * normal
+    kick, slope = np.sqrt(2.0 * diffusion * time) * normal, _drift(y, ageing)
+    there = _drift(y + diffusion * time * slope + kick, ageing)
+    return y + 0.5 * diffusion * time * (slope + there) + kick
+
+
+@_compiled
+def _safe(gap, y, x, speed, ageing):  # type: ignore[no-untyped-def]
+    """A time within which a threshold y does not come down to a stretch |x| that grows with `speed`."""
+    kind, mean, _, _, diffusion = ageing[:5]
+    if kind != _PARABOLA:
+        return 0.0
+    # what is above the mean may come down to it
+    gap = min(y, max(mean, 0.0)) - x
+    if gap <= 0.0:
+        return 0.0
+    spread = _FAR * np.sqrt(2.0 * diffusion)
+    root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
+    return root * root
+
+
+@_compiled
+def _first_meeting(above, below, spread, normal, uniform):  # type: ignore[no-untyped-def]
+    """Part of a step after which a Brownian bridge from `above` zero first meets it, when it does.
+
+    I/(1 + I), I of the inverse Gaussian law of mean above/|below| and shape above²/spread², spread² the variance of
+    the step without ends.
+    """
+    if below == 0.0:
+        return 1.0
+    mean, shape = above / abs(below), (above / spread) ** 2
+    w = 0.5 * mean * normal * normal / shape
+    first = mean / (1.0 + w + np.sqrt(w * (2.0 + w)))
+    if uniform * (mean + first) > mean:
+        first = mean * (mean / first)
+    return first / (1.0 + first)
+
+
+@_compiled
+def grow_old(clock, leg, x, threshold, bears, law, a, course, ageing, pace_of_steps, place, stream):  # type: ignore[no-untyped-def]
+    """As live, of a contact whose threshold diffuses meanwhile; besides, the steps taken.
+
+    pace_of_steps : the longest step in time near the threshold; stream : key, second counter word and contact, from
+    the draw `place` on.
+    """
+    begins, _, directions, paces = course
+    k0, k1, second, contact = stream
+    legs, y, steps, diffusion = directions.size, threshold, 0, ageing[4]
+    while leg < legs:
+        at, d, pace = clock, directions[leg], paces[leg]
+        end, stretch = begins[leg + 1], x
+        # on a leg the stretch is followed as a number, and rounded where the contact breaks
+        passed, room = 0.0, np.float64(end - at)
+        while passed < room:
+            now = np.float64(stretch) + d * passed
+            outward = d * now >= 0.0
+            left = (room - passed) * pace
+            if d != 0 and not outward:
+                left = min(left, max(-d * now, 1.0) * pace)
+            here, speed = abs(now), (1.0 / pace if d != 0 and outward else 0.0)
+            time = min(max(pace_of_steps, _safe(y - here, y, here, speed, ageing)), left)
+            if law[0]:
+                time = min(time, _THERMAL / max(_rate(min(here, y), y, law, a), 1e-300))
+                time = min(max(time, 1e-3 * pace_of_steps), left)
+            words = philox(_U(place + steps), second, contact & _MASK, contact >> _HALF, k0, k1)
+            steps += 1
+            ticks = time / pace
+            then = abs(np.float64(stretch) + d * (passed + ticks))
+            later = _moved(y, time, _normal(words[0], words[1], words[2]), ageing)
+            above, below = y - here, later - then
+            part, broken = 1.0, below <= 0.0
+            if not broken:
+                broken = (np.float64(words[3]) + 0.5) * 2.0**-32 < np.exp(-above * below / (diffusion * time))
+            if broken:
+                words = philox(_U(place + steps), second, contact & _MASK, contact >> _HALF, k0, k1)
+                steps += 1
+                uniform = (np.float64(words[3]) + 0.5) * 2.0**-32
+                normal = _normal(words[0], words[1], words[2])
+                part = _first_meeting(above, below, np.sqrt(2.0 * diffusion * time), normal, uniform)
+            if law[0]:
+                first = _rate(min(here, y), y, law, a)
+                last = first if broken else _rate(min(then, later), later, law, a)
+                spent = 0.5 * (first + last) * time * part
+                if spent >= bears:
+                    part *= bears / spent
+                    broken = True
+                bears -= spent
+            if broken:
+                gone = min(np.int64(np.floor(passed + part * ticks + 0.5)), end - at)
+                return at + gone, stretch + d * gone, leg, steps
+            passed += ticks
+            y = later
+            if room - passed < 0.5:
+                break
+        x = stretch + d * (end - at)
+        leg += 1
+        clock = end
+    return begins[legs] + 1, x, leg, steps
+
+
+@_compiled
 def _later(clock, leg, time, course):  # type: ignore[no-untyped-def]
     """The clock when `time` has passed, and the leg; beyond the drive's end where it is over by then."""
     begins, _, directions, paces = course
@@ -295,13 +421,14 @@ def _fine(v, side, factor, sides, first, edges, cubics):  # type: ignore[no-unty
 
 @_compiled
 def run(first, n, n_contacts, key, table, again, births, thresholds, physics, course, lattice, reference, sums):  # type: ignore[no-untyped-def]
-    """Follow contacts first ... first + n - 1 to the drive's end; the number of breaks on the way.
+    """Follow contacts first ... first + n - 1 to the drive's end; the numbers of breaks and of inner steps.
 
     again : table of the stretches of re-forming, or its single whole value with an empty table; births, thresholds :
-    the contacts' starting positions and first thresholds; physics : (law, tables, delay, stiff, mean threshold).
+    the contacts' starting positions and first thresholds; physics : what lives.physics
+    gives, whether stretches of re-forming are drawn, and the single one.
     sums : shape (columns * bins,), increased by the events of each bin.
     """
-    law, tables, delay, stiff, mean, reform, single = physics
+    law, tables, delay, stiff, mean, ageing, longest, reform, single = physics
     hot, hot_shift, pieces, factor, sides, fine, edges, cubics = table
     (k0, k1), many = key, _U(n_contacts)
     end = lattice[2]
@@ -311,7 +438,8 @@ def run(first, n, n_contacts, key, table, again, births, thresholds, physics, co
     cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
     count, base = np.empty(LANES, np.uint32), np.empty(LANES, np.uint32)
     limit, start = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
-    breaks, taken, lanes = 0, 0, 0
+    drawn = np.zeros(LANES, np.uint32)
+    breaks, steps, taken, lanes = 0, 0, 0, 0
     while True:
         # lanes whose contact is done are at the end: give them the next ones
         kept = lanes
@@ -319,12 +447,12 @@ def run(first, n, n_contacts, key, table, again, births, thresholds, physics, co
             index = _U(first + taken)
             replica = index // many
             second[lanes], contact[lanes] = _LIVES | replica, index - replica * many
-            block[lanes], clock[lanes], legs[lanes] = 0, 0, 0
+            block[lanes], clock[lanes], legs[lanes], drawn[lanes] = 0, 0, 0, 0
             start[lanes], limit[lanes] = -births[taken], thresholds[taken]
             lanes += 1
             taken += 1
         if lanes == 0:
-            return breaks
+            return breaks, steps
         _draw(lanes, block, second, contact, k0, k1, words)
         if kept:
             _find(kept, 0, words, hot_shift, hot, pieces, count, base, cell, place, got)
@@ -358,7 +486,15 @@ def run(first, n, n_contacts, key, table, again, births, thresholds, physics, co
                 bears = _bearing(words[i + ROW], more)
                 if stiff:
                     a *= np.sqrt(stiffness)
-            then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course)
+            if ageing[0]:
+                stream = k0, k1, second[i] ^ _LIVES ^ _LIFE_STEPS, contact[i]
+                then, _, leg, done = grow_old(
+                    clock[i], leg, born, float(threshold), bears, law, a, course, ageing, longest, drawn[i], stream
+                )
+                drawn[i] += np.uint32(done)
+                steps += done
+            else:
+                then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course)
             if then > end:
                 continue
             _event(-1, stiff, stiffness, birth, then, lattice, reference, sums)
@@ -368,6 +504,7 @@ def run(first, n, n_contacts, key, table, again, births, thresholds, physics, co
                 if then > end:
                     continue
             second[left], contact[left], block[left] = second[i], contact[i], block[i] + np.uint32(1)
+            drawn[left] = drawn[i]
             clock[left], legs[left] = then, leg
             left += 1
         lanes = left

@@ -4,19 +4,22 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import CubicSpline
 from scipy.special import dawsn
 
 from eq_model.beginning import Beginning, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
 from eq_model.lattice import Whole, split
-from origins import Contacts, Drive
+from origins import Ageing, Contacts, Drive
 from origins.dawson import inverse_log_growth
 
 Array = npt.NDArray[np.float64]
 
-LAWS = ("thermal", "delay", "reforming", "stiffness")
+LAWS = ("thermal", "ageing", "delay", "reforming", "stiffness")
 _KINDS = {"soft": 1, "stiff": 2}
+STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
+_STEP_ELSE = 0.004
 _STEP = 1.0 / 64.0
 
 
@@ -35,7 +38,26 @@ def physics(contacts: Contacts, unit: float) -> tuple[Any, ...]:
     if thermal is not None:
         law = (_KINDS[thermal.law], unit / np.sqrt(2.0 * thermal.temperature), thermal.attempt_frequency)
     wait = 0.0 if delay is None else delay.time
-    return law, growth_tables(), wait, contacts.stiffness == "linked", contacts.mean_threshold / unit
+    linked, mean = contacts.stiffness == "linked", contacts.mean_threshold / unit
+    return law, growth_tables(), wait, linked, mean, *_ageing(contacts.ageing, unit)
+
+
+def _ageing(ageing: Ageing | None, unit: float) -> tuple[tuple[Any, ...], float]:
+    """How a threshold diffuses, and the longest step in time near the stretch that it must not meet."""
+    nothing = np.zeros(2)
+    if ageing is None:
+        return (0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, nothing, nothing), 0.0
+    diffusion, width = ageing.rate / unit**2, ageing.final.std() / unit
+    if ageing.normal is not None:
+        normal = ageing.normal
+        settings = (1, normal.mean / unit, normal.std / unit, normal.rate, diffusion, 0.0, 1.0, nothing, nothing)
+        return settings, STEP / normal.rate
+    low, high = (float(ageing.final.isf(q)) for q in (1.0 - 1e-14, 1e-14))
+    x = np.linspace(low, high, 4097)
+    step = x[1] - x[0]
+    drift = CubicSpline(x, ageing.final.logpdf(x)).derivative()
+    settings = (2, 0.0, 0.0, 0.0, diffusion, low / unit, step / unit, drift(x) * unit, drift(x, 1) * unit**2)
+    return settings, _STEP_ELSE * width**2 / diffusion
 
 
 def columns(linked: bool) -> int:
@@ -83,7 +105,7 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
 class Lives:
     """The sums of such contacts, and what they say of the force.
 
-    sums : shape (2, columns * bins), limbs of the events of each bin. breaks : so far.
+    sums : shape (2, columns * bins), limbs of the events of each bin. breaks, steps : so far; inner steps of ageing.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning) -> None:
@@ -107,7 +129,7 @@ class Lives:
         if spread:
             self._again = kernel_table(reforming_table(contacts), unit)
         self._physics = (*physics(contacts, unit), spread, single)
-        self.breaks = 0
+        self.breaks, self.steps = 0, 0
         self.sums = np.zeros((2, columns(self.linked) * self.course.lattice.bin_cell.size), np.int64)
         self._block_sums = np.zeros(self.sums.shape[1], np.int64)
 
@@ -117,7 +139,7 @@ class Lives:
 
         births, firsts = self._beginning.draw(block)
         self._block_sums[:] = 0
-        breaks = life_kernel.run(
+        breaks, steps = life_kernel.run(
             block.start,
             births.size,
             self._beginning.n_contacts,
@@ -134,6 +156,7 @@ class Lives:
         )
         self.sums += split(self._block_sums)
         self.breaks += int(breaks)
+        self.steps += int(steps)
 
     def moments(self, n: int, sums: Whole) -> tuple[Array, Array, Array]:
         """Fraction that holds, mean force (a length) of n contacts and its variance between them, at the points."""
