@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from eq_model import layout
 from eq_model.beginning import Beginning
-from eq_model.forward import Forward
+from eq_model.forward import Forward, takes
 from eq_model.lives import LAWS, Lives
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
@@ -96,8 +96,7 @@ class Ensemble:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
         self.drive = Drive(path, velocity, time)
         beginning = Beginning(contacts, self.n_contacts, key_of(seed))
-        plain = self.drive.forward and all(getattr(contacts, law) in (None, "independent") for law in LAWS)
-        self._engine: Forward | Lives = (Forward if plain else Lives)(self.drive, beginning)
+        self._engine: Forward | Lives = (Forward if takes(contacts, self.drive) else Lives)(self.drive, beginning)
         self._run_time = clock.perf_counter() - started
         started = clock.perf_counter()
         layout.in_turn(comm, lambda: self._engine.follow(range(0)))

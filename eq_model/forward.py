@@ -1,4 +1,8 @@
-"""Contacts without laws of their own on a path that moves forward: thresholds add up, and nothing else is needed."""
+"""Contacts that hold all the time, alike in stiffness, on a path that moves forward at one speed.
+
+The stretches at which each of them breaks, its thresholds or at a temperature less, add up to where it stands: nothing
+else is needed of it.
+"""
 
 import numpy as np
 import numpy.typing as npt
@@ -7,9 +11,16 @@ from eq_model import layout
 from eq_model.beginning import Beginning
 from eq_model.lattice import force, joined, make_lattice, split, variance
 from eq_model.rare import unseen_variance
-from origins import Drive
+from eq_model.thermal_tables import steady_for_kernel
+from origins import Contacts, Drive
 
 Array = npt.NDArray[np.float64]
+
+
+def takes(contacts: Contacts, drive: Drive) -> bool:
+    """Whether contacts on a drive are such."""
+    always = contacts.delay is None and contacts.ageing is None and contacts.reforming is None
+    return always and contacts.stiffness == "independent" and drive.forward and drive.time is None
 
 
 class Forward:
@@ -22,32 +33,41 @@ class Forward:
     def __init__(self, drive: Drive, beginning: Beginning) -> None:
         self._beginning, table = beginning, beginning.table
         contacts, start = beginning.contacts, beginning.contacts.start
-        self._single, self._stretch = start.is_single, start.mean()
+        self._thermal = contacts.thermal
+        self._single = start.is_single and (self._thermal is None or start.mean() == 0.0)
+        self._stretch = start.mean()
         origin = -self._stretch if self._single else 0.0
         furthest = max(abs(start.span[0]), abs(start.span[1]))
         longest = min(float(table.upper(0.0)) * table.scale, float(drive.path[-1]) + furthest)
         self.lattice = make_lattice(
             drive.path, origin, table.scale, longest + furthest, exact=contacts.thresholds.atoms[0].size > 0
         )
+        self._reached = np.minimum(drive.path + furthest, longest)
         self._bins = self.lattice.bin_cell.size
         self.breaks = 0
         self.sums = np.zeros((2, 3 + 3 * self._bins), np.int64)
         self._block_sums = np.zeros(2 * (self._bins + 1), np.int64)
         beginning.compile(self.lattice.unit)
+        self._steady = steady_for_kernel(self._thermal, drive.velocity, self.lattice.unit)
+        self._pace = self.lattice.unit / drive.velocity
 
     def follow(self, block: range) -> None:
         """Follow a block of contacts to the path's end."""
-        from eq_model import kernel
+        from eq_model import kernel, life_kernel
 
         relaxed = self._single and self._stretch == 0.0
         births, firsts = self._beginning.draw(block, none=relaxed)
+        many, key = self._beginning.n_contacts, self._beginning.words
+        if self._thermal is not None:
+            law, tables = self._steady[5:7]
+            life_kernel.first_breaks(block.start, many, key, births, firsts, law, tables, self._pace)
         if self._single:
             births[:] = 0  # positions are counted from where all contacts were born
         total, squares = kernel.spread(births, self._expected_birth(), self.lattice.square)
         self._block_sums[:] = 0
         path, measured, sums = self.lattice.for_kernel, layout.is_measured(block.start), self._block_sums
-        many, key, table = self._beginning.n_contacts, self._beginning.words, self._beginning.compiled
-        breaks = kernel.run(block.start, len(block), many, key, table, births, firsts, path, measured, sums)
+        table, thermal = self._beginning.compiled, self._steady
+        breaks = kernel.run(block.start, len(block), many, key, table, thermal, births, firsts, path, measured, sums)
         bins, split_at = split(sums[:-2]), self._bins + 1
         self.sums[:, :split_at] += np.concatenate([split(np.array([total])), bins[:, ::2]], axis=1)
         if measured:
@@ -61,7 +81,10 @@ class Forward:
         # squared distances were taken from the expected mean: this brings them to the mean found
         from_expected = joined(births) - measured * self._expected_birth()
         square_births = float(joined(squares) / self.lattice.square - from_expected**2 / measured)
-        unseen = unseen_variance(self._beginning.contacts, self.lattice.path, measured)
+        if self._thermal is None:
+            unseen = unseen_variance(self._beginning.contacts, self.lattice.path, measured)
+        else:
+            unseen = self._reached**2 / n  # one break that might have been
         spread = variance(self.lattice, measured, births, square_births, part[:, 2::2], part[:, 3::2], unseen)
         mean = force(self.lattice, n, total[:, 0], total[:, 1:])
         return np.ones(mean.size), mean, spread

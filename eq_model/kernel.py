@@ -5,21 +5,20 @@ shows in the result. A batch of contacts takes four thresholds each per round, i
 turns into vector code: random words, hot cells, values, second moments, and then the sums. Draws that the hot
 cells do not hold, and contacts that end, take a slower way one at a time. twin.py is the same in plain numpy.
 
-All that is compiled stands in this one file, because numba's cache on disk notices changes in a function's own file
-only: when a constant that comes from origins changes, clear the cache (__pycache__/*.nb?).
+numba's cache on disk notices changes in a function's own file only: when another kernel's file changes, or a constant
+that comes from origins, clear the cache (__pycache__/*.nb?).
 """
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
-from numba import njit, types
-from numba.extending import intrinsic
 
-from origins.hot_cells import HOT_MISSING, HOT_OCTAVES
+from eq_model.compiling import bits_of, compiled, double_of, inlined, single_of
+from eq_model.thermal_kernel import LEVEL_UNIT, MISSING, SOFT, outward, soften, stiffen
+from origins.hot_cells import HOT_OCTAVES
 from origins.quantile import FINE_BITS
 from origins.streams import (
     KEY_STEPS,
+    LIFE_TAILS,
+    LIVES,
     MULTIPLIERS,
     PURPOSE_SHIFT,
     ROUNDS,
@@ -33,7 +32,6 @@ LANES = 1024
 # rows of the scratch arrays do not share a cache set
 ROW = LANES + 24
 FAR = 1 << 58  # beyond every path, in units of the lattice
-MISSING = int(HOT_MISSING)
 
 _U = np.uint64
 _ONE, _TWO, _HALF, _MASK = _U(1), _U(2), _U(32), _U(0xFFFFFFFF)
@@ -47,39 +45,12 @@ _TAIL, _HALF_WAY = np.uint32(1 << (31 - HOT_OCTAVES)), _U(1 << 31)
 _EXPONENT_ONE = np.int64(0x3FF0000000000000)
 _FINE_SHIFT = np.int64(52 - FINE_BITS)
 _FIRST_OCTAVE = np.int64(1023 + 31 - HOT_OCTAVES)
-_THRESHOLDS, _START, _THRESHOLD_TAILS, _START_TAILS = (
-    _U(purpose << PURPOSE_SHIFT) for purpose in (THRESHOLDS, START, THRESHOLD_TAILS, START_TAILS)
+_THRESHOLDS, _START, _THRESHOLD_TAILS, _START_TAILS, _LIVES, _LIFE_TAILS = (
+    _U(purpose << PURPOSE_SHIFT) for purpose in (THRESHOLDS, START, THRESHOLD_TAILS, START_TAILS, LIVES, LIFE_TAILS)
 )
 
 
-def _compiled(function: Callable[..., Any]) -> Any:
-    """`function` compiled when first called and kept on disk; in memory only where no folder can be written."""
-    try:
-        return njit(cache=True)(function)
-    except RuntimeError:  # numba found no folder for its cache
-        return njit(function)
-
-
-_inlined = njit(inline="always")
-
-
-def _bitcast(source: Any, target: Any) -> Any:
-    @intrinsic
-    def cast(typing_context, value):  # type: ignore[no-untyped-def]
-        def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-            return builder.bitcast(arguments[0], context.get_value_type(target))
-
-        return target(source), generate
-
-    return cast
-
-
-_bits = _bitcast(types.float64, types.int64)
-_double = _bitcast(types.int64, types.float64)
-_single = _bitcast(types.int32, types.float32)
-
-
-@_inlined
+@inlined
 def philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
     """Philox4x32-10 of one counter; all words as uint64."""
     for _ in range(ROUNDS):
@@ -89,7 +60,7 @@ def philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
     return c0, c1, c2, c3
 
 
-@_compiled
+@compiled
 def _draw(n, block, second, contact, k0, k1, words):  # type: ignore[no-untyped-def]
     """Four words for each of n lanes, in rows of ROW."""
     for i in range(n):
@@ -100,7 +71,7 @@ def _draw(n, block, second, contact, k0, k1, words):  # type: ignore[no-untyped-
         words[i + 3 * ROW] = d
 
 
-@_compiled
+@compiled
 def _count(n, row, words, pieces, count, base):  # type: ignore[no-untyped-def]
     """Where a row of n words lies in pieces: the distance from the piece's end in 2^-32, and its first place.
 
@@ -130,7 +101,7 @@ def _count(n, row, words, pieces, count, base):  # type: ignore[no-untyped-def]
         base[i] = first
 
 
-@_compiled
+@compiled
 def _find(n, row, words, shift, hot, pieces, count, base, cell, place, got):  # type: ignore[no-untyped-def]
     """The hot cells of a row of n words, side by side, and the place of each word in its cell.
 
@@ -142,17 +113,17 @@ def _find(n, row, words, shift, hot, pieces, count, base, cell, place, got):  # 
     if pieces.shape[0] == 2:
         for i in range(_U(n)):
             word = words[i + start]
-            bits = _bits(np.float64(np.int32(word & _LOW31)) + 0.5)
+            bits = bits_of(np.float64(np.int32(word & _LOW31)) + 0.5)
             k = max((bits >> shift) - least, np.int64(-1)) + 1
             cell[i] = np.uint32(k + (np.int64(np.int32(word) >> _SIGN) & stride))
-            place[i] = _double((bits & fraction) | _EXPONENT_ONE) - 1.0
+            place[i] = double_of((bits & fraction) | _EXPONENT_ONE) - 1.0
     else:
         _count(n, row, words, pieces, count, base)
         for i in range(_U(n)):
-            bits = _bits(np.float64(np.int32(count[i])) + 0.5)
+            bits = bits_of(np.float64(np.int32(count[i])) + 0.5)
             k = max((bits >> shift) - least, np.int64(-1)) + 1
             cell[i] = np.uint32(k + np.int64(base[i]))
-            place[i] = _double((bits & fraction) | _EXPONENT_ONE) - 1.0
+            place[i] = double_of((bits & fraction) | _EXPONENT_ONE) - 1.0
     # sixteen bytes copied at a time are faster than what a vector unit gathers
     for i in range(_U(n)):
         k, j = _U(cell[i]) << _ONE, i << _ONE
@@ -161,23 +132,23 @@ def _find(n, row, words, shift, hot, pieces, count, base, cell, place, got):  # 
         got[j + _ONE] = slopes
 
 
-@_compiled
+@compiled
 def _values(n, got, place, factor, start, values):  # type: ignore[no-untyped-def]
     """Values of n hot cells, in whole numbers of the lattice's unit, from values[start] on."""
     for i in range(_U(n)):
         j, t = i << _ONE, place[i]
         slopes = got[j + _ONE]
-        c1, c2 = np.float64(_single(np.int32(slopes))), np.float64(_single(np.int32(slopes >> 32)))
-        values[i + start] = np.int64(np.floor((_double(got[j]) + t * (c1 + t * c2)) * factor + 0.5))
+        c1, c2 = np.float64(single_of(np.int32(slopes))), np.float64(single_of(np.int32(slopes >> 32)))
+        values[i + start] = np.int64(np.floor((double_of(got[j]) + t * (c1 + t * c2)) * factor + 0.5))
 
 
-@_inlined
+@inlined
 def _moment(x, c, low, square):  # type: ignore[no-untyped-def]
     """(b - r)^2 - (b - x - r)^2 in units of 1 / square, r the last position of the cell in which c = b + offset is."""
     return np.int64(np.rint(np.float64(x) * np.float64(2 * ((c & low) - low) - x) * square))
 
 
-@_compiled
+@compiled
 def _advance(n, position, offset, shift, top, work, bins):  # type: ignore[no-untyped-def]
     """Move n lanes on by four thresholds each; twice the lattice cells of the breaks, at most `top`."""
     for i in range(_U(n)):
@@ -192,7 +163,7 @@ def _advance(n, position, offset, shift, top, work, bins):  # type: ignore[no-un
         position[i] = c - offset
 
 
-@_compiled
+@compiled
 def _measure(n, position, offset, shift, square, work):  # type: ignore[no-untyped-def]
     """Second moments of the four breaks of n lanes, from where these have moved to."""
     low = (np.int64(1) << shift) - np.int64(1)
@@ -207,7 +178,7 @@ def _measure(n, position, offset, shift, square, work):  # type: ignore[no-untyp
         work[i + _MOMENTS + _X0] = _moment(x, c, low, square)
 
 
-@_compiled
+@compiled
 def _bin(b, lattice):  # type: ignore[no-untyped-def]
     """Bin of a break at b, not beyond the end."""
     offset, shift, _, _, _, bound, crowds, points = lattice
@@ -230,7 +201,7 @@ def _bin(b, lattice):  # type: ignore[no-untyped-def]
     return base + low
 
 
-@_compiled
+@compiled
 def _bin_all(n, position, work, lattice, bins):  # type: ignore[no-untyped-def]
     """Twice the bins of the four breaks of n lanes, where cells are not bins: path points are anywhere in them."""
     end, top = lattice[2], lattice[3]
@@ -241,7 +212,7 @@ def _bin_all(n, position, work, lattice, bins):  # type: ignore[no-untyped-def]
             b -= work[i + k * ROW]
 
 
-@_compiled
+@compiled
 def spread(births, expected, square):  # type: ignore[no-untyped-def]
     """Sum of the starting positions, and of their squared distances from `expected` in units of 1 / square."""
     total, squares = np.int64(0), np.int64(0)
@@ -252,7 +223,7 @@ def spread(births, expected, square):  # type: ignore[no-untyped-def]
     return total, squares
 
 
-@_compiled
+@compiled
 def _collect(n, work, rows, bins, sums, column):  # type: ignore[no-untyped-def]
     """Sum four rows of n lanes, from work[rows] on, into a column of their bins."""
     for i in range(_U(n)):
@@ -262,7 +233,7 @@ def _collect(n, work, rows, bins, sums, column):  # type: ignore[no-untyped-def]
         sums[_U(bins[i + _X3]) + column] += work[i + rows + _X3]
 
 
-@_compiled
+@compiled
 def _add(x, b, lattice, sums):  # type: ignore[no-untyped-def]
     """Sum one break into its bin."""
     low = (np.int64(1) << lattice[1]) - np.int64(1)
@@ -271,7 +242,7 @@ def _add(x, b, lattice, sums):  # type: ignore[no-untyped-def]
     sums[h + 1] += _moment(x, b + lattice[0], low, lattice[4])
 
 
-@_compiled
+@compiled
 def _more(word, k, block, second, contact, k0, k1):  # type: ignore[no-untyped-def]
     """The word that continues draw k of a block in the tails, v < 2^-12; elsewhere 32 bits are fine enough."""
     if word & _LOW31 >= _TAIL:
@@ -284,7 +255,7 @@ def _more(word, k, block, second, contact, k0, k1):  # type: ignore[no-untyped-d
     return c if k == 2 else d
 
 
-@_compiled
+@compiled
 def _exact(word, more, factor, sides, first, edges, cubics):  # type: ignore[no-untyped-def]
     """Whole value, from the fine cells, of a draw of 64 bits.
 
@@ -293,7 +264,7 @@ def _exact(word, more, factor, sides, first, edges, cubics):  # type: ignore[no-
     """
     v = (np.float64(((_U(word) & _U(_LOW31)) << _HALF) | more) + 0.5) * 2.0**-64
     side = np.int64(word >> _TOP)
-    place = min(max((_bits(v) >> _FINE_SHIFT) - sides[side, 2], np.int64(0)), sides[side, 1] - 1)
+    place = min(max((bits_of(v) >> _FINE_SHIFT) - sides[side, 2], np.int64(0)), sides[side, 1] - 1)
     k = first[sides[side, 0] + place]
     while k < sides[side, 3] and v >= edges[k + 1]:
         k += 1
@@ -302,7 +273,7 @@ def _exact(word, more, factor, sides, first, edges, cubics):  # type: ignore[no-
     return np.int64(min(np.floor(min(max(y, cubics[k, 4]), cubics[k, 5]) * factor + 0.5), np.float64(FAR)))
 
 
-@_compiled
+@compiled
 def begin(first, n_contacts, key, table, start_table, single, births, thresholds):  # type: ignore[no-untyped-def]
     """Where contacts first, first + 1, ... begin.
 
@@ -344,8 +315,17 @@ def begin(first, n_contacts, key, table, start_table, single, births, thresholds
                 thresholds[j] = -1
 
 
-@_compiled
-def _finish(n, words, work, position, block, second, contact, key, table, lattice, sums, free):  # type: ignore[no-untyped-def]
+@compiled
+def _own_break(threshold, word, k, block, second, contact, key, thermal):  # type: ignore[no-untyped-def]
+    """Where a contact of a threshold breaks, that bears what draw k of a block says."""
+    _, _, a, _, (_, _, _, factor, sides, fine, edges, cubics), law, tables, log_speed = thermal
+    more = _more(word, k, block, second ^ _THRESHOLDS ^ _LIFE_TAILS, contact, key[0], key[1])
+    level = np.float64(_exact(word, more, factor, sides, fine, edges, cubics)) * LEVEL_UNIT
+    return np.int64(np.floor(outward(level + log_speed, 0.0, np.float64(threshold), law, a, tables) + 0.5))
+
+
+@compiled
+def _finish(n, words, levels, work, position, block, second, contact, key, table, thermal, lattice, sums, free):  # type: ignore[no-untyped-def]
     """What _collect() leaves: draws that the hot cells do not hold, and contacts that end.
 
     Lanes whose contact is done are listed in free. Returns their number and that of all breaks of n lanes.
@@ -368,6 +348,8 @@ def _finish(n, words, work, position, block, second, contact, key, table, lattic
                 word = words[i + _U(k * ROW)]
                 more = _more(word, k, block[i], tail, contact[i], k0, k1)
                 x = _exact(word, more, factor, sides, fine, edges, cubics)
+                if thermal[0]:
+                    x = _own_break(x, levels[i + _U(k * ROW)], k, block[i], second[i], contact[i], key, thermal)
             b += x
             if b > end:
                 break
@@ -382,7 +364,7 @@ def _finish(n, words, work, position, block, second, contact, key, table, lattic
     return n_free, breaks
 
 
-@_compiled
+@compiled
 def _refill(n_free, free, taken, n, first, many, births, thresholds, position, block, second, contact, lattice, sums):  # type: ignore[no-untyped-def]
     """Give free lanes the next contacts; a contact that never breaks again leaves its lane at once.
 
@@ -406,10 +388,12 @@ def _refill(n_free, free, taken, n, first, many, births, thresholds, position, b
     return filled, taken, breaks
 
 
-@_compiled
-def run(first, n, n_contacts, key, table, births, thresholds, lattice, measured, sums):  # type: ignore[no-untyped-def]
+@compiled
+def run(first, n, n_contacts, key, table, thermal, births, thresholds, lattice, measured, sums):  # type: ignore[no-untyped-def]
     """Follow contacts first ... first + n - 1 to the path's end; the number of breaks on the way.
 
+    thermal : kind, constant, a, cells as of thermal_kernel.soften, the table of what contacts bear, law, tables and
+    ln(v); of kind 0 all break at their thresholds.
     births, thresholds : the contacts' starting positions and first thresholds; empty where all start relaxed at 0.
     lattice : (offset, shift, end, top, square, bound, crowds, points); sums : shape (2 (top + 1),), increased by
     the thresholds that broke in each bin and by their second moments, in turn; the last bin holds no sense, nor do the
@@ -424,6 +408,7 @@ def run(first, n, n_contacts, key, table, births, thresholds, lattice, measured,
     cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
     count, base = np.empty(LANES, np.uint32), np.empty(LANES, np.uint32)
     work = np.empty(8 * ROW, np.int64)
+    bearing, levels, level = np.empty(LANES, _U), np.empty(4 * ROW, np.uint32), np.empty(LANES, np.int64)
     breaks, taken, lanes, n_free = 0, 0, LANES, LANES
     while True:
         filled, taken, done = _refill(
@@ -444,9 +429,21 @@ def run(first, n, n_contacts, key, table, births, thresholds, lattice, measured,
         if lanes == 0:
             return breaks
         _draw(lanes, block, second, contact, k0, k1, words)
+        if thermal[0]:
+            for i in range(lanes):
+                bearing[i] = second[i] ^ _THRESHOLDS ^ _LIVES
+            _draw(lanes, block, bearing, contact, k0, k1, levels)
         for k in range(4):
             _find(lanes, k, words, hot_shift, hot, pieces, count, base, cell, place, got)
             _values(lanes, got, place, factor, _U(k * ROW), work)
+            if thermal[0]:
+                kind, constant, a, cells, bears = thermal[:5]
+                _find(lanes, k, levels, bears[1], bears[0], bears[2], count, base, cell, place, got)
+                _values(lanes, got, place, bears[3], _U(0), level)
+                if kind == SOFT:
+                    soften(lanes, _U(k * ROW), work, level, constant, a, cells)
+                else:
+                    stiffen(lanes, _U(k * ROW), work, level, constant, a)
         _advance(lanes, position, offset, shift, top if aligned else np.int64(0), work, bins)
         if not aligned:
             _bin_all(lanes, position, work, lattice, bins)
@@ -455,7 +452,7 @@ def run(first, n, n_contacts, key, table, births, thresholds, lattice, measured,
             _measure(lanes, position, offset, shift, square, work)
             _collect(lanes, work, _MOMENTS, bins, sums, _ONE)
         n_free, done = _finish(
-            lanes, words, work, position, block, second, contact, key, table, lattice, sums, free
+            lanes, words, levels, work, position, block, second, contact, key, table, thermal, lattice, sums, free
         )
         breaks += done
         for i in range(lanes):

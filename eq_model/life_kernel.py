@@ -5,170 +5,27 @@ and where either is reached follows in closed form on every leg of the drive. Wh
 birth and a break, each of which counts in the bin of the clock in which it falls. Positions and sums are whole numbers
 (see lattice.py, course.py), so no order of work shows in the result. life_twin.py is the same in plain numpy.
 
-Lengths are in units of the lattice. A thermal contact's law is (kind, a, rate): kind 0 has none, 1 is soft, 2 stiff;
-a² = <k>/2k_BT per squared unit; rate = ω.
+Lengths are in units of the lattice; thermal laws are those of thermal_kernel.py.
 """
 
 import numpy as np
 
-from eq_model.kernel import (
-    LANES,
-    MISSING,
-    ROW,
-    _compiled,
-    _draw,
-    _exact,
-    _find,
-    _inlined,
-    _more,
-    _values,
-    philox,
-)
+from eq_model.compiling import compiled
+from eq_model.kernel import LANES, ROW, _draw, _exact, _find, _more, _values, philox
 from eq_model.kernel import _bin as _find_bin
+from eq_model.thermal_kernel import MISSING, between, hermite, inward, outward, rate
 from origins.streams import LIFE_STEPS, LIFE_TAILS, LIVES, PURPOSE_SHIFT
 
 _U = np.uint64
 _HALF, _MASK = _U(32), _U(0xFFFFFFFF)
 _LIVES, _LIFE_TAILS, _LIFE_STEPS = (_U(purpose << PURPOSE_SHIFT) for purpose in (LIVES, LIFE_TAILS, LIFE_STEPS))
 _LOW = np.uint32(0x7FFFFFFF)
-_SOFT, _PARABOLA = 1, 1
+_PARABOLA = 1
 _FAR, _THERMAL = 8.0, 0.1
 STIFFNESS_UNIT = 2.0**36
-_SERIES, _LAST = 0.02, 6.0
-_LOW_LEVEL, _HIGH_LEVEL = -4.0, 36.0
-_EIGHT = tuple(np.polynomial.legendre.leggauss(8)[0].tolist())
-_WEIGHTS = tuple(np.polynomial.legendre.leggauss(8)[1].tolist())
 
 
-@_inlined
-def _hermite(place, first, step, values, slopes):  # type: ignore[no-untyped-def]
-    """A tabulated function between its nodes, from its values and slopes there."""
-    s = (place - first) / step
-    k = min(max(int(s), 0), values.size - 2)
-    t = s - k
-    rise = values[k + 1] - values[k]
-    p, q = slopes[k] * step - rise, slopes[k + 1] * step - rise
-    return values[k] + t * (rise + (1.0 - t) * (p - t * (p + q)))
-
-
-@_compiled
-def _dawson(y, tables):  # type: ignore[no-untyped-def]
-    """Dawson's integral for y >= 0."""
-    if y < _SERIES:
-        square = y * y
-        return y * (1.0 - square * (2.0 / 3.0 - square * (4.0 / 15.0)))
-    if y < _LAST:
-        return _hermite(y, 0.0, tables[0], tables[1], tables[2])
-    s = 0.5 / (y * y)
-    return (1.0 + s * (1.0 + s * (3.0 + s * (15.0 + s * (105.0 + s * (945.0 + s * 10395.0)))))) / (2.0 * y)
-
-
-@_compiled
-def _inverse_log_growth(level, tables):  # type: ignore[no-untyped-def]
-    """The y at which y² + ln D(y) = level."""
-    if level < _LOW_LEVEL:
-        y = np.exp(level)
-        square = y * y
-        return y * (1.0 - square * (1.0 / 3.0 - square * (7.0 / 30.0)))
-    if level < _HIGH_LEVEL:
-        return _hermite(level, _LOW_LEVEL, tables[3], tables[4], tables[5])
-    square = level + 0.5 * np.log(4.0 * level)
-    for _ in range(5):
-        s = 0.5 / square
-        square = level + 0.5 * np.log(4.0 * square) - np.log1p(s * (1.0 + s * (3.0 + s * (15.0 + s * 105.0))))
-    return np.sqrt(square)
-
-
-@_compiled
-def _log_sum(a, b):  # type: ignore[no-untyped-def]
-    """ln(e^a + e^b)."""
-    high, low = max(a, b), min(a, b)
-    return high if low == -np.inf else high + np.log1p(np.exp(low - high))
-
-
-@_compiled
-def _rate(x, threshold, law, a):  # type: ignore[no-untyped-def]
-    """h at a stretch x >= 0."""
-    if law[0] == _SOFT:
-        return law[2] * np.exp(-a * a * (threshold - x) * (threshold + x))
-    s = max((threshold - x) / threshold, 0.0)
-    return law[2] * np.sqrt(s) * np.exp(-((a * threshold) ** 2) * s * np.sqrt(s))
-
-
-@_compiled
-def _fall(near, far, threshold):  # type: ignore[no-untyped-def]
-    """(1 - near/threshold)^(3/2) - (1 - far/threshold)^(3/2), without cancellation."""
-    first, last = np.sqrt((threshold - near) / threshold), np.sqrt(max((threshold - far) / threshold, 0.0))
-    if first == 0.0:
-        return 0.0
-    return (far - near) / threshold * (first * first + first * last + last * last) / (first + last)
-
-
-@_compiled
-def _between(near, far, threshold, law, a, tables):  # type: ignore[no-untyped-def]
-    """Integral of h over stretches from near >= 0 to far."""
-    if far <= near:
-        return 0.0
-    if law[0] == _SOFT:
-        rise = a * a * (far - near) * (far + near)
-        least = np.exp(-a * a * (threshold - far) * (threshold + far))
-        if rise < 1.0 and near > 0.0:
-            half, total = 0.5 * (far - near), 0.0
-            for k in range(8):
-                back = half * (1.0 + _EIGHT[k])
-                total += _WEIGHTS[k] * np.exp(-a * a * back * (2.0 * far - back))
-            return law[2] * least * half * total
-        return law[2] * least * (_dawson(a * far, tables) - np.exp(-rise) * _dawson(a * near, tables)) / a
-    c, fall = (a * threshold) ** 2, _fall(near, far, threshold)
-    s = max((threshold - far) / threshold, 0.0)
-    lost = -np.expm1(-c * fall) / c if c * fall > 1e-300 else fall
-    return law[2] * 2.0 / 3.0 * threshold * lost * np.exp(-c * s * np.sqrt(s))
-
-
-@_compiled
-def _stretch(u, gone, threshold):  # type: ignore[no-untyped-def]
-    """x from u = (1 - x/threshold)^(3/2) and from gone = 1 - u, whichever is the smaller."""
-    if u < 0.5:
-        return threshold * (1.0 - u ** (2.0 / 3.0))
-    return threshold * -np.expm1(2.0 / 3.0 * np.log1p(-gone))
-
-
-@_compiled
-def _outward(log_amount, near, threshold, law, a, tables):  # type: ignore[no-untyped-def]
-    """Stretch up to which the integral of h from near >= 0 is the amount; the threshold where it stays below."""
-    log_amount -= np.log(law[2])
-    if law[0] == _SOFT:
-        level = log_amount + np.log(a) + (a * threshold) ** 2
-        y = a * near
-        if y > 0.0:
-            level = _log_sum(level, y * y + np.log(_dawson(y, tables)))
-        x = _inverse_log_growth(level, tables) / a
-    else:
-        c, s = (a * threshold) ** 2, (threshold - near) / threshold
-        start, part = c * s * np.sqrt(s), log_amount + np.log(1.5 * c / threshold)
-        gone = _log_sum(0.0, part + start)
-        left = -_log_sum(part, -start) if part + start > 0.0 else start - gone
-        x = _stretch(max(left, 0.0) / c, min(_fall(0.0, near, threshold) + gone / c, 1.0), threshold)
-    return min(max(x, near), threshold)
-
-
-@_compiled
-def _inward(amount, far, threshold, law, a, tables):  # type: ignore[no-untyped-def]
-    """Stretch down to which the integral of h from `far` is the amount, which is at most the one down to 0."""
-    share = min(amount / _between(0.0, far, threshold, law, a, tables), 1.0)
-    if law[0] == _SOFT:
-        y = a * far
-        level = y * y + np.log(_dawson(y, tables)) + np.log1p(-share)
-        x = _inverse_log_growth(level, tables) / a
-    else:
-        c, s, whole = (a * threshold) ** 2, (threshold - far) / threshold, _fall(0.0, far, threshold)
-        back = -np.log1p(share * np.expm1(-c * whole)) / c
-        u = s * np.sqrt(s) + back
-        x = _stretch(min(u, 1.0), max(whole - back, 0.0), threshold)
-    return min(max(x, 0.0), far)
-
-
-@_compiled
+@compiled
 def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: ignore[no-untyped-def]
     """The break of a contact that holds at the stretch x (whole) at a moment of the clock, and can bear the integral
     of its rate up to `bears`: clock, stretch and leg there; a clock beyond the drive's end where it holds so long."""
@@ -178,18 +35,18 @@ def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: igno
         room, d, pace = begins[leg + 1] - clock, directions[leg], paces[leg]
         if d == 0:
             if law[0]:
-                rate = _rate(float(abs(x)), threshold, law, a) * pace
-                if rate * room >= bears:
-                    return clock + min(np.int64(bears / rate), room), x, leg
-                bears -= rate * room
+                hazard = rate(float(abs(x)), threshold, law, a) * pace
+                if hazard * room >= bears:
+                    return clock + min(np.int64(bears / hazard), room), x, leg
+                bears -= hazard * room
         else:
             if d * x < 0:
                 back = min(abs(x), room)
                 if law[0]:
                     far = float(abs(x))
-                    spent = _between(far - back, far, threshold, law, a, tables) * pace
+                    spent = between(far - back, far, threshold, law, a, tables) * pace
                     if spent >= bears:
-                        near = _inward(bears / pace, far, threshold, law, a, tables)
+                        near = inward(bears / pace, far, threshold, law, a, tables)
                         moved = min(np.int64(far - near), back)
                         return clock + moved, x + d * moved, leg
                     bears -= spent
@@ -199,13 +56,13 @@ def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: igno
             if room > 0:
                 near, own = d * x, threshold
                 if law[0]:
-                    own = _outward(np.log(bears / pace), float(near), threshold, law, a, tables)
+                    own = outward(np.log(bears / pace), float(near), threshold, law, a, tables)
                 moved = max(np.int64(np.floor(own + 0.5)) - near, 0)
                 if moved <= room:
                     return clock + moved, x + d * moved, leg
                 if law[0] and leg + 1 < legs:
                     far = min(float(near + room), threshold)
-                    bears -= _between(float(near), far, threshold, law, a, tables) * pace
+                    bears -= between(float(near), far, threshold, law, a, tables) * pace
                     bears = max(bears, 0.0)
                 x += d * room
         leg += 1
@@ -214,26 +71,50 @@ def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: igno
     return begins[legs] + 1, x, leg
 
 
-@_compiled
+@compiled
+def first_breaks(first, n_contacts, key, births, thresholds, law, tables, pace):  # type: ignore[no-untyped-def]
+    """Stretches (whole) at which contacts first, first + 1, ... break for the first time in steady forward motion.
+
+    births : negative starting stretches; thresholds : of each contact, which the stretches replace.
+    """
+    (k0, k1), many = key, _U(n_contacts)
+    for j in range(births.size):
+        index = _U(first + j)
+        replica = index // many
+        contact, second = index - replica * many, _LIFE_STEPS | replica
+        words = philox(_U(0), second, contact & _MASK, contact >> _HALF, k0, k1)
+        bears = _bearing(np.uint32(words[0]), words[1])
+        x, limit = np.float64(-births[j]), np.float64(thresholds[j])
+        if x < 0.0:
+            spent = between(0.0, -x, limit, law, law[1], tables) * pace
+            if spent >= bears:
+                thresholds[j] = -np.int64(np.floor(inward(bears / pace, -x, limit, law, law[1], tables) + 0.5))
+                continue
+            bears -= spent
+        own = outward(np.log(bears / pace), max(x, 0.0), limit, law, law[1], tables)
+        thresholds[j] = np.int64(np.floor(own + 0.5))
+
+
+@compiled
 def _uniform(high, low):  # type: ignore[no-untyped-def]
     """Between 0 and 1, neither itself, from two words."""
     return (np.float64(((high << _HALF) | low) >> _U(11)) + 0.5) * 2.0**-53
 
 
-@_compiled
+@compiled
 def _normal(a, b, c):  # type: ignore[no-untyped-def]
     """A draw of the standard normal law from three words."""
     return np.sqrt(-2.0 * np.log(_uniform(a, b))) * np.cos(2.0 * np.pi * (np.float64(c) + 0.5) * 2.0**-32)
 
 
-@_compiled
+@compiled
 def _drift(y, ageing):  # type: ignore[no-untyped-def]
     """Mean change of a threshold per time, over D."""
     _, _, _, _, _, first, step, values, slopes = ageing
-    return _hermite(min(max(y, first), first + step * (values.size - 1)), first, step, values, slopes)
+    return hermite(min(max(y, first), first + step * (values.size - 1)), first, step, values, slopes)
 
 
-@_compiled
+@compiled
 def _moved(y, time, normal, ageing):  # type: ignore[no-untyped-def]
     """A threshold a time later: in an exact step towards a normal law, else by Heun's, of second order in the mean."""
     kind, mean, width, relaxing, diffusion = ageing[:5]
@@ -245,7 +126,7 @@ def _moved(y, time, normal, ageing):  # type: ignore[no-untyped-def]
     return y + 0.5 * diffusion * time * (slope + there) + kick
 
 
-@_compiled
+@compiled
 def _safe(gap, y, x, speed, ageing):  # type: ignore[no-untyped-def]
     """A time within which a threshold y does not come down to a stretch |x| that grows with `speed`."""
     kind, mean, _, _, diffusion = ageing[:5]
@@ -260,7 +141,7 @@ def _safe(gap, y, x, speed, ageing):  # type: ignore[no-untyped-def]
     return root * root
 
 
-@_compiled
+@compiled
 def _first_meeting(above, below, spread, normal, uniform):  # type: ignore[no-untyped-def]
     """Part of a step after which a Brownian bridge from `above` zero first meets it, when it does.
 
@@ -277,7 +158,7 @@ def _first_meeting(above, below, spread, normal, uniform):  # type: ignore[no-un
     return first / (1.0 + first)
 
 
-@_compiled
+@compiled
 def grow_old(clock, leg, x, threshold, bears, law, a, course, ageing, pace_of_steps, place, stream):  # type: ignore[no-untyped-def]
     """As live, of a contact whose threshold diffuses meanwhile; besides, the steps taken.
 
@@ -294,14 +175,14 @@ def grow_old(clock, leg, x, threshold, bears, law, a, course, ageing, pace_of_st
         passed, room = 0.0, np.float64(end - at)
         while passed < room:
             now = np.float64(stretch) + d * passed
-            outward = d * now >= 0.0
+            leaving = d * now >= 0.0
             left = (room - passed) * pace
-            if d != 0 and not outward:
+            if d != 0 and not leaving:
                 left = min(left, max(-d * now, 1.0) * pace)
-            here, speed = abs(now), (1.0 / pace if d != 0 and outward else 0.0)
+            here, speed = abs(now), (1.0 / pace if d != 0 and leaving else 0.0)
             time = min(max(pace_of_steps, _safe(y - here, y, here, speed, ageing)), left)
             if law[0]:
-                time = min(time, _THERMAL / max(_rate(min(here, y), y, law, a), 1e-300))
+                time = min(time, _THERMAL / max(rate(min(here, y), y, law, a), 1e-300))
                 time = min(max(time, 1e-3 * pace_of_steps), left)
             words = philox(_U(place + steps), second, contact & _MASK, contact >> _HALF, k0, k1)
             steps += 1
@@ -319,8 +200,8 @@ def grow_old(clock, leg, x, threshold, bears, law, a, course, ageing, pace_of_st
                 normal = _normal(words[0], words[1], words[2])
                 part = _first_meeting(above, below, np.sqrt(2.0 * diffusion * time), normal, uniform)
             if law[0]:
-                first = _rate(min(here, y), y, law, a)
-                last = first if broken else _rate(min(then, later), later, law, a)
+                first = rate(min(here, y), y, law, a)
+                last = first if broken else rate(min(then, later), later, law, a)
                 spent = 0.5 * (first + last) * time * part
                 if spent >= bears:
                     part *= bears / spent
@@ -339,7 +220,7 @@ def grow_old(clock, leg, x, threshold, bears, law, a, course, ageing, pace_of_st
     return begins[legs] + 1, x, leg, steps
 
 
-@_compiled
+@compiled
 def _later(clock, leg, time, course):  # type: ignore[no-untyped-def]
     """The clock when `time` has passed, and the leg; beyond the drive's end where it is over by then."""
     begins, _, directions, paces = course
@@ -356,13 +237,13 @@ def _later(clock, leg, time, course):  # type: ignore[no-untyped-def]
     return begins[legs] + 1, leg
 
 
-@_compiled
+@compiled
 def _place(clock, leg, course):  # type: ignore[no-untyped-def]
     """The slider's position (whole)."""
     return course[1][leg] + course[2][leg] * (clock - course[0][leg])
 
 
-@_compiled
+@compiled
 def _event(sign, stiff, stiffness, birth, clock, lattice, reference, sums):  # type: ignore[no-untyped-def]
     """Count a birth (sign 1) or a break (-1) at the clock, of a contact relaxed where the slider is at `birth`."""
     row, columns = _find_bin(clock, lattice), 6 if stiff else 3
@@ -381,14 +262,14 @@ def _event(sign, stiff, stiffness, birth, clock, lattice, reference, sums):  # t
     sums[k + 5] += sign * np.int64(np.rint(own * own * exact * exact * square))
 
 
-@_compiled
+@compiled
 def _bearing(word, more):  # type: ignore[no-untyped-def]
     """A draw of the exponential law of mean 1 from 64 bits; the top bit is the side, the rest counts from its end."""
     v = (np.float64(((_U(word) & _U(_LOW)) << _HALF) | more) + 0.5) * 2.0**-64
     return -np.log(v) if word >> np.uint32(31) else -np.log1p(-v)
 
 
-@_compiled
+@compiled
 def _conditional(stretch, word, more, table):  # type: ignore[no-untyped-def]
     """A threshold beyond a stretch, with a uniform number of 64 bits: by the quantile, bisected."""
     _, _, _, factor, sides, fine, edges, cubics = table
@@ -411,7 +292,7 @@ def _conditional(stretch, word, more, table):  # type: ignore[no-untyped-def]
     return max(found, stretch + 1)
 
 
-@_compiled
+@compiled
 def _fine(v, side, factor, sides, first, edges, cubics):  # type: ignore[no-untyped-def]
     """Whole value of the fine cells at v of a side."""
     number = np.int64(np.floor(v * 2.0**64)) if v < 0.5 else np.int64(0x7FFFFFFFFFFFFFFF)
@@ -419,7 +300,7 @@ def _fine(v, side, factor, sides, first, edges, cubics):  # type: ignore[no-unty
     return _exact(word, _U(number & 0xFFFFFFFF), factor, sides, first, edges, cubics)
 
 
-@_compiled
+@compiled
 def run(first, n, n_contacts, key, table, again, births, thresholds, physics, course, lattice, reference, sums):  # type: ignore[no-untyped-def]
     """Follow contacts first ... first + n - 1 to the drive's end; the numbers of breaks and of inner steps.
 

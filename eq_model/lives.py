@@ -5,39 +5,25 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
-from scipy.special import dawsn
 
 from eq_model.beginning import Beginning, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
 from eq_model.lattice import Whole, split
+from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive
-from origins.dawson import inverse_log_growth
 
 Array = npt.NDArray[np.float64]
 
 LAWS = ("thermal", "ageing", "delay", "reforming", "stiffness")
-_KINDS = {"soft": 1, "stiff": 2}
 STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 _STEP_ELSE = 0.004
-_STEP = 1.0 / 64.0
-
-
-def growth_tables() -> tuple[float, Array, Array, float, Array, Array]:
-    """Dawson's integral and the inverse of its growth, each as step, values and slopes on the kernel's nodes."""
-    y = _STEP * np.arange(6 * 64 + 1)
-    level = -4.0 + _STEP * np.arange(40 * 64 + 1)
-    inverse = inverse_log_growth(level)
-    return _STEP, dawsn(y), 1.0 - 2.0 * y * dawsn(y), _STEP, inverse, dawsn(inverse)
 
 
 def physics(contacts: Contacts, unit: float) -> tuple[Any, ...]:
     """Laws as the kernel takes them: thermal, tables for it, delay, whether stiffness is linked, mean threshold."""
-    thermal, delay = contacts.thermal, contacts.delay
-    law = (0, 0.0, 0.0)
-    if thermal is not None:
-        law = (_KINDS[thermal.law], unit / np.sqrt(2.0 * thermal.temperature), thermal.attempt_frequency)
-    wait = 0.0 if delay is None else delay.time
+    law = law_for_kernel(contacts.thermal, unit)
+    wait = 0.0 if contacts.delay is None else contacts.delay.time
     linked, mean = contacts.stiffness == "linked", contacts.mean_threshold / unit
     return law, growth_tables(), wait, linked, mean, *_ageing(contacts.ageing, unit)
 
@@ -99,7 +85,9 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
     spread = (squares * x - 2 * squares_born) * x + squares_far
     variance = (spread * (part * n) - force * force).astype(float) * (lattice.unit / part) ** 2 / n
     mean = (force.astype(float) * lattice.unit + held.astype(float) * beside) / (part * n)
-    return count.astype(float) / n, mean, np.maximum(variance, 0.0) / max(n - 1, 1)
+    if n == 1:
+        return count.astype(float), mean, np.full(mean.size, np.inf)
+    return count.astype(float) / n, mean, np.maximum(variance, 0.0) / (n - 1)
 
 
 class Lives:
@@ -117,6 +105,9 @@ class Lives:
             furthest = max(furthest, *map(abs, reforming.law.span))
         longest = max(float(table.upper(0.0)) * table.scale, furthest)
         stiffest = max(longest / contacts.mean_threshold, 1.0) if self.linked else 1.0
+        path = np.append(0.0, drive.path)
+        span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
+        self._reached = np.minimum(span + furthest, longest) * stiffest
         # a bin holds births as well as breaks
         exact = contacts.thresholds.atoms[0].size > 0
         self.course = make_course(drive, table.scale, 2.0 * longest * stiffest, exact)
@@ -160,4 +151,5 @@ class Lives:
 
     def moments(self, n: int, sums: Whole) -> tuple[Array, Array, Array]:
         """Fraction that holds, mean force (a length) of n contacts and its variance between them, at the points."""
-        return moments(self.course, self.linked, n, sums)
+        holding, force, variance = moments(self.course, self.linked, n, sums)
+        return holding, force, np.maximum(variance, self._reached**2 / n)  # one break that might have been

@@ -7,7 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.lattice import Lattice, Whole
-from origins import streams
+from eq_model.thermal_kernel import LEVEL_UNIT
+from eq_model.thermal_tables import bearing_table
+from origins import Thermal, streams
 from origins.hot_cells import HOT_MISSING, HOT_OCTAVES
 from origins.quantile import QuantileTable
 
@@ -55,8 +57,14 @@ def run(
     births: Whole,
     thresholds: Whole,
     lattice: Lattice,
+    thermal: Thermal | None = None,
+    velocity: float = 1.0,
 ) -> tuple[int, Whole]:
-    """Breaks of contacts first ... first + n - 1, and the sums of each bin, shape (bins, 2)."""
+    """Breaks of contacts first ... first + n - 1, and the sums of each bin, shape (bins, 2).
+
+    With `thermal` by its own inverse, which rounds otherwise than the kernel's tables: there no bit by bit.
+    """
+    unit = lattice.unit
     sums = np.zeros((lattice.bin_cell.size, 2), np.int64)
     replica, contact = address(first, n, n_contacts)
     position, breaks = np.zeros(n, np.int64), 0
@@ -71,13 +79,20 @@ def run(
     while position.size:
         words = streams.words(key, streams.THRESHOLDS, replica, contact, block)
         more = streams.words(key, streams.THRESHOLD_TAILS, replica, contact, block)
+        bears, rest = words, more
+        if thermal is not None:
+            bears = streams.words(key, streams.LIVES, replica, contact, block)
+            rest = streams.words(key, streams.LIFE_TAILS, replica, contact, block)
         for k in range(4):
-            x = values(table, lattice.unit, words[k], more[k])
+            x = values(table, unit, words[k], more[k])
+            if thermal is not None:
+                amount = velocity * np.exp(values(bearing_table(), LEVEL_UNIT, bears[k], rest[k]) * LEVEL_UNIT)
+                x = np.rint(thermal.inverse(amount, x * unit) / unit).astype(np.int64)
             position = position + x
             going = position <= lattice.end
             breaks += _add(x[going], position[going], lattice, sums)
             position, replica, contact = position[going], replica[going], contact[going]
-            words, more = words[:, going], more[:, going]
+            words, more, bears, rest = words[:, going], more[:, going], bears[:, going], rest[:, going]
         block += 1
     return breaks, sums
 

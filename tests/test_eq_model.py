@@ -14,13 +14,14 @@ from scipy.special import ndtr
 
 import eq_model
 import origins
-from eq_model import kernel, layout, simulate, twin
+from eq_model import compiling, kernel, layout, simulate, twin
 from eq_model.beginning import redraw, tables
 from eq_model.closest import closest, draw_start
 from eq_model.compiled_table import kernel_table
 from eq_model.ensemble import Ensemble
 from eq_model.lattice import joined, make_lattice
 from eq_model.rare import unseen_variance
+from eq_model.thermal_tables import steady_for_kernel
 from origins import streams
 from origins.quantile import quantile_table
 
@@ -76,10 +77,32 @@ def test_kernel_equals_its_plain_twin_bit_by_bit(law: Any, path: np.ndarray) -> 
     none = np.empty(0, np.int64)
     for births, thresholds in ((begins, np.maximum(firsts, np.abs(begins))), (none, none)):
         sums = np.zeros(2 * lattice.bin_cell.size + 2, np.int64)
-        breaks = kernel.run(first, n, n_contacts, words, compiled, births, thresholds, lattice.for_kernel, True, sums)
+        steady = steady_for_kernel(None, 1.0, lattice.unit)
+        breaks = kernel.run(
+            first, n, n_contacts, words, compiled, steady, births, thresholds, lattice.for_kernel, True, sums
+        )
         expected_breaks, expected_sums = twin.run(first, n, n_contacts, key, table, births, thresholds, lattice)
         assert breaks == expected_breaks > 0
         assert (sums[:-2].reshape(-1, 2) == expected_sums).all()
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+@pytest.mark.parametrize(("temperature", "velocity"), [(0.05, 1.0), (1e-3, 1e-8), (30.0, 0.3)])
+def test_kernel_with_temperature_against_its_plain_twin(law: Any, temperature: float, velocity: float) -> None:
+    table, path, thermal = quantile_table(GAP), np.linspace(0.0, 4.0, 36), origins.Thermal(law, temperature)
+    lattice = make_lattice(path, 0.0, table.scale, 4.0, exact=False)
+    key, n_contacts, first, n = streams.key_of(7), 700, 500, 3000
+    steady = steady_for_kernel(thermal, velocity, lattice.unit)
+    none, sums = np.empty(0, np.int64), np.zeros(2 * lattice.bin_cell.size + 2, np.int64)
+    words, compiled = tuple(np.uint64(word) for word in key), kernel_table(table, lattice.unit)
+    breaks = kernel.run(first, n, n_contacts, words, compiled, steady, none, none, lattice.for_kernel, True, sums)
+    expected_breaks, expected = twin.run(
+        first, n, n_contacts, key, table, none, none, lattice, thermal, velocity
+    )
+    assert breaks == expected_breaks > 0
+    moved = (sums[:-2:2] - expected[:, 0]) * lattice.unit
+    # each of some breaks of a bin is off by at most 1e-8
+    assert np.abs(moved).max() < 1e-8 * n and abs(moved.sum()) < 1e-9 * breaks
 
 
 def test_many_draws_follow_the_law_into_its_tails() -> None:
@@ -361,7 +384,7 @@ def test_the_kernel_works_where_no_folder_can_be_written() -> None:
     # a function without a file has no folder for its compiled code either
     namespace: dict[str, Any] = {}
     exec("def double(x): return 2 * x", namespace)
-    assert kernel._compiled(namespace["double"])(21) == 42
+    assert compiling.compiled(namespace["double"])(21) == 42
 
 
 def test_the_face_imports_no_compiler() -> None:

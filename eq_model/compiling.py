@@ -1,0 +1,34 @@
+"""How kernels are compiled: by numba when first called, kept on disk, and with numpy's rules for division."""
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import njit, types
+from numba.extending import intrinsic
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """`function` compiled when first called and kept on disk; in memory only where no folder can be written."""
+    try:
+        return njit(cache=True, error_model="numpy")(function)
+    except RuntimeError:  # numba found no folder for its cache
+        return njit(error_model="numpy")(function)
+
+
+inlined = njit(inline="always")
+
+
+def _bitcast(source: Any, target: Any) -> Any:
+    @intrinsic
+    def cast(typing_context, value):  # type: ignore[no-untyped-def]
+        def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+            return builder.bitcast(arguments[0], context.get_value_type(target))
+
+        return target(source), generate
+
+    return cast
+
+
+bits_of = _bitcast(types.float64, types.int64)
+double_of = _bitcast(types.int64, types.float64)
+single_of = _bitcast(types.int32, types.float32)
