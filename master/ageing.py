@@ -53,8 +53,13 @@ def steady_ageing(contacts: Contacts, velocity: float) -> "SteadyState | AgeingS
     passage = first_passage(contacts.thresholds, contacts.ageing, velocity)
     force, error = passage.kinetic_force()
     # at rest, contacts of the law of breaks slide alike
+    reach = float(passage.law.isf(1e-9))
+    steady = steady_state(Contacts(passage.law))
     return replace(
-        steady_state(Contacts(passage.law)), force=force, force_error=error / contacts.mean_threshold
+        steady,
+        force=force,
+        force_error=error / contacts.mean_threshold,
+        cycle_length_error=(passage.error * reach + 1e-14 * steady.cycle_length) / contacts.mean_threshold,
     )
 
 

@@ -44,6 +44,8 @@ class SteadyState:
         <x_s>, a length.
     cycle_length : float
         C, how far the slider moves between a contact's birth and its break on the average: <x_b - r>.
+    cycle_length_error : float
+        Its error in units of the mean threshold.
     """
 
     force: float
@@ -51,6 +53,7 @@ class SteadyState:
     holding: float
     mean_threshold: float
     cycle_length: float
+    cycle_length_error: float
     _contacts: Contacts = field(repr=False)
     _cycle: Cycle = field(repr=False)
 
@@ -109,6 +112,7 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         holding=length / (length + wait),
         mean_threshold=contacts.mean_threshold,
         cycle_length=length,
+        cycle_length_error=(abs(length - again_length) + rounding * length) / contacts.mean_threshold,
         _contacts=contacts,
         _cycle=cycle,
     )
