@@ -18,7 +18,10 @@ Array = npt.NDArray[np.float64]
 
 _CANDIDATES = 8
 _REACH = 6.0
-_TAILS = np.array([1e-50, 1e-150, 1e-290])
+_TAILS = np.array([1e-50, 1e-290])
+_TERMS = 5  # of the tail's logarithm
+_SLOW = 1e3
+_SETTLED, _ROUNDED, _MARGIN, _LITTLE = 0.2, 1e-9, 10.0, 0.2
 _FAR = 10.0 ** -np.arange(20.0, 300.0, 1.5)
 _MOST_NODES = 2**18
 _ASTRAY = 3.0  # from a guess: other guesses are nearer to what lies there
@@ -42,7 +45,7 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
     slowest, error = _slowest_root(law, cycle, rate)
     if slowest > rate:
         # between 0.9 and 1 of the rate a root could hide from the far tail's round-off
-        slowest, error = rate, rate_error + 0.1 * rate
+        slowest, error = rate, rate_error + 0.1 * rate  # inf where the rate is a guess
     return law.unit / slowest, law.unit * error / slowest**2
 
 
@@ -56,20 +59,31 @@ def _tail_rate(cycle: Cycle) -> tuple[float, float]:
     log_survival = thresholds.logsf(x)
     known = np.isfinite(log_survival)
     x, log_survival = x[known], log_survival[known]
-    at = np.minimum(np.searchsorted(-log_survival, -np.log(_TAILS)), x.size - 1)
-    if at[0] == at[1] or at[1] == at[2]:
-        return np.inf, 0.0  # from hardly any decay to underflow within a quarter octave
-    x, log_survival = x[at], log_survival[at]
-    # log S = -rate x + power log x: the differences leave the rate to second order
-    slopes = -np.diff(log_survival) / np.diff(x)
-    change = slopes[1] / slopes[0]
-    if change > 1.02:
-        return np.inf, 0.0
-    if change < 0.8:
+    # beyond the smallest numbers there are, a part of a mixture may be all that is left
+    first, last = np.searchsorted(-log_survival, -np.log(_TAILS)) - [0, 1]
+    if first >= last:
+        return np.inf, 0.0  # from hardly any decay to underflow within half an octave
+    if x[last] > _SLOW * x[first]:
         return 0.0, 0.0
-    middle = 0.5 * (x[1:] + x[:-1])
-    rate = (middle[1] * slopes[1] - middle[0] * slopes[0]) / (middle[1] - middle[0])
-    return float(rate), float(abs(rate - slopes[1])) * 0.1 + 1e-12 * float(rate)
+    x = np.geomspace(x[first], x[last], _TERMS)
+    log_survival = thresholds.logsf(x)
+    # log S = a - rate x + power log x + b/x + ...: with a term more each the rate settles, or it is no exponential
+    u = x / x[-1]
+    terms = np.stack([np.ones(u.size), -u, np.log(u), 1.0 / u, 1.0 / u**2])
+    rates = [float(np.linalg.solve(terms[:n, -n:].T, log_survival[-n:])[1] / x[-1]) for n in (3, 4, _TERMS)]
+    rounding = _ROUNDED * float(-log_survival[-1] / x[-1])
+    change, rest = abs(rates[1] - rates[0]), abs(rates[2] - rates[1])
+    if rates[2] > 0.0 and rest <= max(_SETTLED * change, rounding):
+        return rates[2], rest + rounding
+    slopes = -np.diff(log_survival) / np.diff(x)
+    fall = -np.diff(slopes)
+    if slopes[-1] > slopes[0]:
+        return np.inf, 0.0
+    if fall.sum() > _LITTLE * slopes[-1]:
+        return 0.0, 0.0
+    # exponentials whose rates are nearly the same, or something slower than any that looks like one as far as seen
+    settles = (fall > 0.0).all() and fall[-1] < 0.5 * fall[0]
+    return float(slopes[-1]), _MARGIN * float(fall[-1]) if settles else np.inf
 
 
 def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
