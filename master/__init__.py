@@ -1,5 +1,6 @@
 """What the distribution of contacts does: the master equation, solved as a renewal equation."""
 
+from master.decoherence_spectrum import DecoherenceSpectrum, decoherence_spectrum
 from master.kinetic import KineticCurve, kinetic_curve
 from master.propensity import Propensity, propensity
 from master.solution import Solution
@@ -7,10 +8,12 @@ from master.solve import solve
 from master.steady import SteadyState, steady_state
 
 __all__ = [
+    "DecoherenceSpectrum",
     "KineticCurve",
     "Propensity",
     "Solution",
     "SteadyState",
+    "decoherence_spectrum",
     "kinetic_curve",
     "propensity",
     "solve",
