@@ -9,6 +9,8 @@ of contacts that form again at once, relaxed, and are equally stiff, c_n = -2 b_
 integral along Re s = -γ, left of those roots: it is below its modulus' integral times e^{-γX}.
 """
 
+from __future__ import annotations
+
 import time
 from dataclasses import dataclass, field
 
