@@ -1,5 +1,6 @@
 """What the distribution of contacts does: the master equation, solved as a renewal equation."""
 
+from master.ageing_slip import CriticalVelocity, critical_velocity
 from master.kinetic import KineticCurve, kinetic_curve
 from master.propensity import Propensity, propensity
 from master.solution import Solution
@@ -7,10 +8,12 @@ from master.solve import solve
 from master.steady import SteadyState, steady_state
 
 __all__ = [
+    "CriticalVelocity",
     "KineticCurve",
     "Propensity",
     "Solution",
     "SteadyState",
+    "critical_velocity",
     "kinetic_curve",
     "propensity",
     "solve",

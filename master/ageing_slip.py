@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import root_scalar
 
 from master.ageing_start import AgeingStart
 from master.ageing_stepper import PaperStepper, check_closure, enough_cells
 from master.first_passage import first_passage
 from master.series import renew
 from origins import Contacts, InputError
+from origins.contacts import check_contacts
 from origins.errors import positive
 
 _LEVELS = {"paper": (4.0, 8.0, 16.0), "exact": (12.0, 20.0)}  # steps to the narrower of start and fresh thresholds
@@ -45,15 +45,39 @@ class CriticalVelocity:
 
 
 def critical_velocity(contacts: Contacts, spring: float, slowest: float, fastest: float) -> CriticalVelocity:
-    """v_c between `slowest` and `fastest` for the spring K/(N_c <k>), in the closure that contacts.ageing names.
+    """Speed v_c above which a soft slider whose contacts age no longer sticks and slips (paper, Fig. A06).
 
-    Raises InputError where the drop is steeper than the spring at both speeds, or at neither.
+    With the paper's reset each run up to a slip repeats the first, from Q_ini and fresh thresholds of age 0: v_c is
+    where the steepest -F'(X) of the first drop just reaches the spring, D_X = D/v on the slider's own X.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With `ageing`, in the closure that it names, and any start; no other law of the contact.
+    spring : float
+        K/(N_c <k>).
+    slowest, fastest : float
+        Two speeds, a length per time, that v_c lies between.
+
+    Returns
+    -------
+    CriticalVelocity
+        With the error that finer steps tell.
+
+    Raises
+    ------
+    InputError
+        Where the drop is steeper than the spring at both speeds, or at neither; for contacts that do not age, and for
+        other laws of the contact beside ageing.
     """
+    from scipy.optimize import root_scalar
+
     spring = positive("spring", spring)
     slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
     ageing = contacts.ageing
     if ageing is None:
         raise InputError("contacts.ageing: is None; without ageing nothing depends on the speed")
+    check_contacts(contacts, "master.critical_velocity", ("ageing",))
     if ageing.closure == "paper":
         check_closure(contacts)
     fall = _exact_fall if ageing.closure == "exact" else _paper_fall
