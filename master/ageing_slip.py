@@ -14,16 +14,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from master.ageing_start import AgeingStart
 from master.ageing_stepper import PaperStepper, check_closure, enough_cells
-from master.first_passage import first_passage
-from master.series import renew
+from master.cycle import Cycle
+from master.problem import Problem
+from master.renewal import LaterReleased
 from origins import Contacts, InputError
 from origins.contacts import check_contacts
 from origins.errors import positive
 
 _LEVELS = {"paper": (4.0, 8.0, 16.0), "exact": (12.0, 20.0)}  # steps to the narrower of start and fresh thresholds
 _CLOSE = 1e-7
+_TOLERANCE = 1e-9
 _BEYOND = 1e-3
 
 
@@ -119,15 +120,13 @@ def _narrow(contacts: Contacts) -> float:
 
 def _exact_fall(contacts: Contacts, velocity: float, step: float) -> tuple[float, float]:
     """Steepest -F' of the first drop, and where: each contact's own threshold diffuses."""
-    starting = AgeingStart(contacts, velocity)
-    law = first_passage(contacts.thresholds, contacts.ageing, velocity).law  # type: ignore[arg-type]
-    end = float(law.isf(_BEYOND)) - min(contacts.start.span[0], 0.0)
-    x = step * np.arange(int(end / step) + 2)
-    kernel = step * np.where(x > 0.0, law.pdf(np.maximum(x, 1e-9 * step)), 0.0)
-    source = step * starting.breaks(np.maximum(x, 1e-9 * step))
-    source[0] = 0.0
-    later = renew(source, kernel, kernel * x)[1] / step
-    return _steepest(starting.released(np.maximum(x, 1e-9 * step)) + later - 1.0, x)
+    cycle = Cycle(contacts, velocity, _TOLERANCE)
+    unit = cycle.unit
+    end = (float(cycle.law.isf(_BEYOND)) - min(contacts.start.span[0], 0.0)) / unit
+    problem = Problem(contacts, end, _TOLERANCE, cycle)
+    x = np.arange(0.0, end, step / unit)[1:]
+    later = LaterReleased(problem, step / unit, x, _TOLERANCE)
+    return _steepest(later.rate(x) - problem.known_rate(x), x * unit)
 
 
 def _paper_fall(contacts: Contacts, velocity: float, step: float) -> tuple[float, float]:

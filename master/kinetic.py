@@ -79,7 +79,7 @@ def kinetic_curve(contacts: Contacts, velocity: npt.ArrayLike) -> KineticCurve:
     for i in np.flatnonzero(np.isnan(force)):
         steady = steady_of(contacts, Cycle(contacts, float(speeds[i])))
         force[i], error[i], holding[i] = steady.force, steady.force_error, steady.holding
-        if thermal is None and contacts.delay is None:
+        if thermal is None and contacts.delay is None and contacts.ageing is None:
             force[:], error[:], holding[:] = steady.force, steady.force_error, steady.holding
             break
     return KineticCurve(speeds, force, error, holding, time.perf_counter() - began)
