@@ -1,5 +1,6 @@
 """What the distribution of contacts does: the master equation, solved as a renewal equation."""
 
+from master.ageing_slip import CriticalVelocity, critical_velocity
 from master.decoherence_spectrum import DecoherenceSpectrum, decoherence_spectrum
 from master.kinetic import KineticCurve, kinetic_curve
 from master.propensity import Propensity, propensity
@@ -8,11 +9,13 @@ from master.solve import solve
 from master.steady import SteadyState, steady_state
 
 __all__ = [
+    "CriticalVelocity",
     "DecoherenceSpectrum",
     "KineticCurve",
     "Propensity",
     "Solution",
     "SteadyState",
+    "critical_velocity",
     "decoherence_spectrum",
     "kinetic_curve",
     "propensity",

@@ -20,7 +20,7 @@ from master.effective_law import EffectiveLaw
 from master.piecewise import Piecewise
 from master.potential import Potential
 from master.spectral_elements import SpectralElements
-from origins import Ageing, Thresholds
+from origins import Ageing, Contacts, InputError, Thresholds
 from origins.errors import positive
 from origins.frozen import as_thresholds
 from origins.quadrature import panel_edges
@@ -73,6 +73,16 @@ class AgeingSteadyState:
         """Q_s(x) = S(x)/C per length for x >= 0 (a length), S the survival of P_c; 0 below; same shape as x."""
         x = np.asarray(x, dtype=float)
         return np.where(x >= 0.0, self.thresholds.sf(x) / self.mean_threshold, 0.0)[()]
+
+
+def check_alone(contacts: Contacts) -> None:
+    """Raise InputError for what (Q15) does not have."""
+    for name in ("thermal", "delay", "reforming"):
+        if getattr(contacts, name) is not None:
+            raise InputError(
+                f"contacts.{name}: (Q15), the paper's closure of ageing, does not have it; leave {name} out of the "
+                'contacts, or use closure = "exact"'
+            )
 
 
 def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> AgeingSteadyState:

@@ -26,7 +26,7 @@ from master.problem import Problem
 from master.steady import steady_state
 from origins import Contacts
 from origins.contacts import check_contacts
-from origins.errors import InputError, positive, refuse, whole
+from origins.errors import InputError, positive, whole
 
 Array = npt.NDArray[np.float64]
 
@@ -135,10 +135,8 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     paper's closure of ageing, where contacts do not break by a law of their own; and as `steady_state` does.
     """
     began = time.perf_counter()
-    check_contacts(contacts, "master.decoherence_spectrum", (*LAWS, "ageing"))
+    check_contacts(contacts, "master.decoherence_spectrum", LAWS)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
-    if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        refuse("contacts.ageing.closure", "paper", 'one P_c for all contacts has no such roots; use closure = "exact"')
     steady = steady_state(contacts, velocity=velocity)
     problem, noise = _problem(contacts, velocity)
     law = problem.law
@@ -177,20 +175,10 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
 
 def _problem(contacts: Contacts, velocity: float) -> tuple[Problem, float]:
     """The problem up to where all first breaks are over, and the error of its law."""
-    if contacts.ageing is not None:
-        from master.ageing import check_alone
-        from master.ageing_problem import AgeingProblem
-        from master.first_passage import first_passage
-
-        check_alone(contacts)
-        law = first_passage(contacts.thresholds, contacts.ageing, velocity).law
-        reach = float(law.isf(_ROUND_OFF)) - min(contacts.start.span[0], 0.0)
-        aged = AgeingProblem(contacts, velocity, reach, _ACCURACY)
-        return aged, aged.law_error / (1.0 + aged.end)
     cycle = Cycle(contacts, velocity)
     reach = float(cycle.law.isf(_ROUND_OFF)) - min(contacts.start.span[0], 0.0)
     tables = cycle.breaking is not None or cycle.release.born is not None
-    return Problem(contacts, reach / cycle.unit, _ACCURACY, cycle), _TABLE if tables else 0.0
+    return Problem(contacts, reach / cycle.unit, _ACCURACY, cycle), max(cycle.error, _TABLE) if tables else 0.0
 
 
 def _ends(problem: Problem) -> float:

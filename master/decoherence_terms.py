@@ -84,7 +84,7 @@ def _released(problem: Problem, nodes: Array) -> tuple[Array, Array]:
 def _first(problem: Problem, s: complex, finer: int) -> tuple[complex, float]:
     """b_0^(s) and its error."""
     first, release = problem.first, problem.release
-    if problem.contacts.start.span == (0.0, 0.0) and release.born is None and problem.starting is None:
+    if problem.contacts.start.span == (0.0, 0.0) and release.born is None:
         # the first breaks come as the later ones do, without a wait
         return complex(np.exp(s * release.delay)), 0.0
     table: Piecewise = first.density

@@ -91,7 +91,7 @@ def kinetic_curve(
     and for a temperature or a rate of contacts without that law.
     """
     began = time.perf_counter()
-    check_contacts(contacts, "master.kinetic_curve", (*LAWS, "ageing"))
+    check_contacts(contacts, "master.kinetic_curve", LAWS)
     thermal, ageing = contacts.thermal, contacts.ageing
     if temperature is not None and thermal is None:
         raise InputError('temperature: these contacts have no law for it; give them thermal = Thermal("soft", 0.1)')
