@@ -12,16 +12,16 @@ all speeds of one temperature together.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from master.cycle import LAWS
+from master.points import Points, changed
 from master.steady import steady_state
-from origins import Ageing, Contacts
+from origins import Contacts
 from origins.contacts import check_contacts
-from origins.errors import InputError, refuse
 from origins.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
@@ -92,33 +92,13 @@ def kinetic_curve(
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.kinetic_curve", LAWS)
-    thermal, ageing = contacts.thermal, contacts.ageing
-    if temperature is not None and thermal is None:
-        raise InputError('temperature: these contacts have no law for it; give them thermal = Thermal("soft", 0.1)')
-    if rate is not None and ageing is None:
-        raise InputError("rate: these contacts do not age; give them ageing = Ageing(final, rate)")
-    own = {
-        "velocity": velocity,
-        "temperature": thermal.temperature if thermal is not None and temperature is None else temperature,
-        "rate": ageing.rate if ageing is not None and rate is None else rate,
-        "delay": contacts.delay.time if contacts.delay is not None and delay is None else delay,
-    }
-    asked = {name: _numbers(name, value) for name, value in own.items() if value is not None}
-    try:
-        arrays = dict(zip(asked, np.broadcast_arrays(*asked.values()), strict=True))
-    except ValueError as error:
-        shapes = ", ".join(f"{name} {value.shape}" for name, value in asked.items())
-        raise InputError(f"{', '.join(asked)}: have shapes that do not fit together: {shapes}") from error
-    speeds, heat, spread, wait = (
-        arrays[name].ravel() if name in arrays else np.zeros(arrays["velocity"].size) for name in own
-    )
-    found = _points(contacts, speeds, heat, spread, wait)
-    force, force_error, holding, holding_error = (row.reshape(arrays["velocity"].shape) for row in found)
+    points = Points(contacts, velocity, temperature, rate, delay)
+    force, force_error, holding, holding_error = (row.reshape(points.shape) for row in _along(contacts, points))
     return KineticCurve(
-        arrays["velocity"],
-        arrays.get("temperature"),
-        arrays.get("rate"),
-        arrays.get("delay"),
+        points.velocity,
+        points.temperature,
+        points.rate,
+        points.delay,
         force,
         force_error / contacts.mean_threshold,
         holding,
@@ -127,22 +107,9 @@ def kinetic_curve(
     )
 
 
-def _numbers(name: str, value: npt.ArrayLike) -> Array:
-    try:
-        numbers = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        refuse(name, value, "must be a number or an array of numbers")
-    if not numbers.size:
-        refuse(name, numbers, "must not be empty")
-    bad = ~np.isfinite(numbers) | (numbers < 0.0) | ((numbers == 0.0) & (name == "velocity"))
-    if bad.any():
-        rule = "must be finite and above zero" if name == "velocity" else "must be finite and zero or above"
-        refuse(name, float(numbers[bad][0]), rule)
-    return numbers
-
-
-def _points(contacts: Contacts, speeds: Array, heat: Array, spread: Array, wait: Array) -> Array:
+def _along(contacts: Contacts, points: Points) -> Array:
     """Force, its error (lengths), fraction that holds and its error, shape (4, n)."""
+    speeds, heat, spread, wait = points.rows
     if contacts.thermal is None:  # only D/v tells, or nothing does
         columns = np.ones(speeds.size), heat, spread / speeds
     else:
@@ -151,23 +118,12 @@ def _points(contacts: Contacts, speeds: Array, heat: Array, spread: Array, wait:
     steady = np.empty((4, len(cases)))
     for temperature, diffusion in np.unique(cases[:, 1:], axis=0):
         these = np.flatnonzero((cases[:, 1] == temperature) & (cases[:, 2] == diffusion))
-        steady[:, these] = _at_once(_with(contacts, float(temperature), float(diffusion)), cases[these, 0])
+        single = changed(contacts, float(temperature), float(diffusion), 0.0)
+        steady[:, these] = _at_once(single, cases[these, 0])
     force, force_error, length, length_error = steady[:, which.reshape(-1)]
     holding = length / (length + speeds * wait)
     off = holding * (1.0 - holding) * length_error / length
     return np.stack([force * holding, force_error * holding + force * off, holding, off + _ROUND_OFF])
-
-
-def _with(contacts: Contacts, temperature: float, diffusion: float) -> Contacts:
-    """The same, relaxed at first, at that temperature and rate of ageing, and without a delay."""
-    thermal, ageing, again = contacts.thermal, contacts.ageing, contacts.reforming
-    return Contacts(
-        contacts.thresholds,
-        thermal=replace(thermal, temperature=temperature) if thermal is not None and temperature > 0.0 else None,
-        ageing=None if ageing is None else Ageing(ageing.final, diffusion, ageing.closure),
-        reforming=None if again is None else again.law,
-        stiffness=contacts.stiffness,
-    )
 
 
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
