@@ -9,7 +9,7 @@ import numpy.typing as npt
 from master.cycle import LAWS
 from master.forward import solve_forward
 from master.solution import Solution
-from origins import Contacts, Drive
+from origins import Contacts, Drive, InputError
 from origins.contacts import check_contacts
 from origins.drive import SlipRule
 from origins.errors import positive
@@ -61,8 +61,8 @@ def solve(
     Parameters
     ----------
     contacts : Contacts
-        Thresholds, starting stretches and, for a rigid slider that moves forward at one speed, either temperature in
-        either closure, delay, re-forming and linked stiffness, or ageing in either closure.
+        Thresholds, starting stretches and, for a rigid slider that moves forward at one speed, temperature, ageing,
+        delay, re-forming and linked stiffness; the paper's closure of ageing goes with none of the others.
     path : array of shape (n,)
         Slider positions X (lengths), any spacing, straight between points; where they turn round contacts break at
         -x_s as well. With a spring, positions X_T of the drive, which begins where it balances the start.
@@ -94,10 +94,13 @@ def solve(
     """
     tolerance = positive("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip)
-    if isinstance(contacts, Contacts) and contacts.ageing is not None:
-        from master.ageing import solve_ageing
+    if isinstance(contacts, Contacts) and contacts.ageing is not None and contacts.ageing.closure == "paper":
+        from master.ageing_transient import solve_paper
 
-        return solve_ageing(contacts, drive, tolerance)
+        drive.only_forward("the paper's closure of ageing")
+        if drive.time is not None:
+            raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
+        return solve_paper(contacts, drive, tolerance)
     steady = drive.spring is None and drive.forward and drive.time is None
     check_contacts(contacts, "master.solve" if steady else f"master.solve {_why(drive)}", LAWS if steady else ())
     if drive.spring is not None:

@@ -8,6 +8,7 @@ temper4): not conditioned on survival. So, with barriers of |x| and thresholds a
 """
 
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ import numpy.typing as npt
 from master.piecewise import Piecewise, tabulate
 from origins import Contacts
 from origins.quadrature import gauss, panel_edges
+from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
@@ -32,6 +34,8 @@ class PaperBreaking:
     thermal_law.ThermalBreaking."""
 
     linked = False
+    error = 0.0
+    panels = np.empty(0)
 
     def __init__(self, contacts: Contacts, velocity: float) -> None:
         assert contacts.thermal is not None
@@ -62,6 +66,14 @@ class PaperBreaking:
 
     def _hazard(self, x: Array) -> Array:
         return self._tables[1](x)
+
+    def of(self, start: Start) -> Self:
+        """The same for contacts that stand at the stretches of `start`: one table does for all."""
+        return self
+
+    def bends(self, travel: Array) -> Array:
+        """Origins beside which `rows` bends at each travel, shape (n, any): where stretches turn at 0."""
+        return -travel[:, None]
 
     def rows(self, x: Array, origin: Array | float = 0.0) -> Array:
         """p and E, times S(|origin|), at stretches x > `origin`; shape (2, n) for x of shape (n,)."""
