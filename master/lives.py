@@ -25,13 +25,16 @@ class Lives(Protocol):
     pull : array of shape (n,)
         Its force, the sum of k x over those that hold, per contact born and <k> (a length).
     length : float
-        Travel over which shares and births change, at t = 0 (a length): steps begin at a part of it.
+        Travel over which shares and births change (a length): steps are a part of it.
     time : float
-        The same of a slider that stands still (a time); inf where nothing happens then.
+        The shortest time over which they change on a slider that stands still; inf where nothing happens then.
+    rate : float
+        At which fresh contacts break (per time): what a moving slider's steps resolve as well; 0 where they do not.
     """
 
     length: float
     time: float
+    rate: float
 
     @property
     def held(self) -> Array: ...
