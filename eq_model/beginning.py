@@ -1,5 +1,7 @@
 """How contacts begin: starting stretches, and first thresholds that exceed them."""
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 import numpy.typing as npt
 
@@ -14,6 +16,10 @@ Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
 _FAINTEST = 1e-290
+
+Tables = tuple[QuantileTable, QuantileTable | None]
+# many seeds ask the same
+_KNOWN: WeakKeyDictionary[Contacts, Tables] = WeakKeyDictionary()
 
 
 class Beginning:
@@ -55,12 +61,18 @@ class Beginning:
         return births, firsts
 
 
-def tables(contacts: Contacts) -> tuple[QuantileTable, QuantileTable | None]:
-    """Quantile tables of the thresholds and, unless all contacts start from one stretch, of the start.
+def tables(contacts: Contacts) -> Tables:
+    """Quantile tables of the thresholds and, unless all contacts start from one stretch, of the start, made once.
 
     Raises InputError where they cannot be certified, or where the start reaches so far beyond the thresholds
     that their survival is below 1e-290.
     """
+    if contacts not in _KNOWN:
+        _KNOWN[contacts] = _tabulated(contacts)
+    return _KNOWN[contacts]
+
+
+def _tabulated(contacts: Contacts) -> Tables:
     thresholds, start = contacts.thresholds, contacts.start
     survival = _survival("start", start, thresholds)
     table = quantile_table(thresholds, deepest=max(DEEPEST * survival, 1e-300))

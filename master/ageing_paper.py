@@ -20,7 +20,7 @@ from master.effective_law import EffectiveLaw
 from master.piecewise import Piecewise
 from master.potential import Potential
 from master.spectral_elements import SpectralElements
-from origins import Ageing, Thresholds
+from origins import Ageing, Contacts, InputError, Thresholds
 from origins.errors import positive
 from origins.frozen import as_thresholds
 from origins.quadrature import panel_edges
@@ -52,6 +52,8 @@ class AgeingSteadyState:
         P_c. Its density is cut at 0 where the series falls below, by the weight `positivity_defect`.
     positivity_defect : float
         Weight below zero.
+    cycle_length_error : float
+        Error of C in units of the mean fresh threshold.
     """
 
     force: float
@@ -59,12 +61,28 @@ class AgeingSteadyState:
     mean_threshold: float
     thresholds: Thresholds = field(repr=False)
     positivity_defect: float
+    cycle_length_error: float
     holding: float = 1.0
+
+    @property
+    def cycle_length(self) -> float:
+        """C (a length)."""
+        return self.mean_threshold
 
     def distribution(self, x: npt.ArrayLike) -> Array:
         """Q_s(x) = S(x)/C per length for x >= 0 (a length), S the survival of P_c; 0 below; same shape as x."""
         x = np.asarray(x, dtype=float)
         return np.where(x >= 0.0, self.thresholds.sf(x) / self.mean_threshold, 0.0)[()]
+
+
+def check_alone(contacts: Contacts) -> None:
+    """Raise InputError for what (Q15) does not have."""
+    for name in ("thermal", "delay", "reforming"):
+        if getattr(contacts, name) is not None:
+            raise InputError(
+                f"contacts.{name}: (Q15), the paper's closure of ageing, does not have it; leave {name} out of the "
+                'contacts, or use closure = "exact"'
+            )
 
 
 def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> AgeingSteadyState:
@@ -79,15 +97,16 @@ def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> 
     unit = law.mean()
     if diffusion == 0.0:
         force = 0.5 * law.moment(2) / unit
-        return AgeingSteadyState(force, _ROUND_OFF * force / unit, unit, law, 0.0)
+        return AgeingSteadyState(force, _ROUND_OFF * force / unit, unit, law, 0.0, _ROUND_OFF)
     end = ageing.final.support()[1]
     potential = Potential(ageing.final, min(end, max(float(law.isf(_TAIL)), float(ageing.final.isf(_TAIL)))))
     edges = _edges(law, ageing.final, potential, diffusion * unit)
     better = _Histogram(law, ageing.final, potential, diffusion, SpectralElements(edges, _DEGREE))
     worse = _Histogram(law, ageing.final, potential, diffusion, SpectralElements(edges, _LOWER_DEGREE))
     error = abs(better.force - worse.force) / unit + _ROUND_OFF * better.force / unit
+    mean_error = abs(better.mean - worse.mean) / unit + _ROUND_OFF * better.mean / unit
     thresholds, defect = better.thresholds()
-    return AgeingSteadyState(better.force, error, better.mean, thresholds, defect)
+    return AgeingSteadyState(better.force, error, better.mean, thresholds, defect, mean_error)
 
 
 def gaussian_force(

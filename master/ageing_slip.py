@@ -13,17 +13,18 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import root_scalar
 
-from master.ageing_start import AgeingStart
 from master.ageing_stepper import PaperStepper, check_closure, enough_cells
-from master.first_passage import first_passage
-from master.series import renew
+from master.cycle import Cycle
+from master.problem import Problem
+from master.renewal import LaterReleased
 from origins import Contacts, InputError
+from origins.contacts import check_contacts
 from origins.errors import positive
 
 _LEVELS = {"paper": (4.0, 8.0, 16.0), "exact": (12.0, 20.0)}  # steps to the narrower of start and fresh thresholds
 _CLOSE = 1e-7
+_TOLERANCE = 1e-9
 _BEYOND = 1e-3
 
 
@@ -45,15 +46,39 @@ class CriticalVelocity:
 
 
 def critical_velocity(contacts: Contacts, spring: float, slowest: float, fastest: float) -> CriticalVelocity:
-    """v_c between `slowest` and `fastest` for the spring K/(N_c <k>), in the closure that contacts.ageing names.
+    """Speed v_c above which a soft slider whose contacts age no longer sticks and slips (paper, Fig. A06).
 
-    Raises InputError where the drop is steeper than the spring at both speeds, or at neither.
+    With the paper's reset each run up to a slip repeats the first, from Q_ini and fresh thresholds of age 0: v_c is
+    where the steepest -F'(X) of the first drop just reaches the spring, D_X = D/v on the slider's own X.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With `ageing`, in the closure that it names, and any start; no other law of the contact.
+    spring : float
+        K/(N_c <k>).
+    slowest, fastest : float
+        Two speeds, a length per time, that v_c lies between.
+
+    Returns
+    -------
+    CriticalVelocity
+        With the error that finer steps tell.
+
+    Raises
+    ------
+    InputError
+        Where the drop is steeper than the spring at both speeds, or at neither; for contacts that do not age, and for
+        other laws of the contact beside ageing.
     """
+    from scipy.optimize import root_scalar
+
     spring = positive("spring", spring)
     slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
     ageing = contacts.ageing
     if ageing is None:
         raise InputError("contacts.ageing: is None; without ageing nothing depends on the speed")
+    check_contacts(contacts, "master.critical_velocity", ("ageing",))
     if ageing.closure == "paper":
         check_closure(contacts)
     fall = _exact_fall if ageing.closure == "exact" else _paper_fall
@@ -95,15 +120,13 @@ def _narrow(contacts: Contacts) -> float:
 
 def _exact_fall(contacts: Contacts, velocity: float, step: float) -> tuple[float, float]:
     """Steepest -F' of the first drop, and where: each contact's own threshold diffuses."""
-    starting = AgeingStart(contacts, velocity)
-    law = first_passage(contacts.thresholds, contacts.ageing, velocity).law  # type: ignore[arg-type]
-    end = float(law.isf(_BEYOND)) - min(contacts.start.span[0], 0.0)
-    x = step * np.arange(int(end / step) + 2)
-    kernel = step * np.where(x > 0.0, law.pdf(np.maximum(x, 1e-9 * step)), 0.0)
-    source = step * starting.breaks(np.maximum(x, 1e-9 * step))
-    source[0] = 0.0
-    later = renew(source, kernel, kernel * x)[1] / step
-    return _steepest(starting.released(np.maximum(x, 1e-9 * step)) + later - 1.0, x)
+    cycle = Cycle(contacts, velocity, _TOLERANCE)
+    unit = cycle.unit
+    end = (float(cycle.law.isf(_BEYOND)) - min(contacts.start.span[0], 0.0)) / unit
+    problem = Problem(contacts, end, _TOLERANCE, cycle)
+    x = np.arange(0.0, end, step / unit)[1:]
+    later = LaterReleased(problem, step / unit, x, _TOLERANCE)
+    return _steepest(later.rate(x) - problem.known_rate(x), x * unit)
 
 
 def _paper_fall(contacts: Contacts, velocity: float, step: float) -> tuple[float, float]:

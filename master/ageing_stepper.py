@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from master.ageing_paper import AgeingSteadyState
+from master.ageing_paper import AgeingSteadyState, check_alone
 from master.ageing_propagator import AgeingPropagator
 from origins import Contacts, InputError
 from origins.diffusion import Diffusion
@@ -181,9 +181,7 @@ def check_closure(contacts: Contacts) -> None:
             " by what it empties; use a start with a width, such as origins.gaussian_start(mean=0.1, std=0.025), or "
             'closure = "exact"'
         )
-    for name in ("thermal", "delay", "reforming"):
-        if getattr(contacts, name) is not None:
-            raise InputError(f"contacts.{name}: (Q15) does not have it; leave {name} out of the contacts")
+    check_alone(contacts)
 
 
 def _unchanged(weights: Array) -> Array:

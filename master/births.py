@@ -12,7 +12,7 @@ from master.starting import StartSum
 from origins import Contacts, Thresholds
 
 if TYPE_CHECKING:
-    from master.thermal_first import Breaking
+    from master.origin_breaks import Breaking
 
 Array = npt.NDArray[np.float64]
 
@@ -49,15 +49,16 @@ def born(contacts: Contacts, unit: float, breaking: "Breaking | None", law: Thre
     """Breaks after births by `contacts.reforming`, over the travel since the birth in `unit`s."""
     assert contacts.reforming is not None
     law_of = contacts.reforming.law
-    again = Contacts(contacts.thresholds, law_of, thermal=contacts.thermal, stiffness=contacts.stiffness)
+    again = Contacts(contacts.thresholds, law_of, contacts.thermal, contacts.ageing, stiffness=contacts.stiffness)
     if breaking is None:
         far = Law(again, np.inf)
         end = float(np.concatenate([far.edges, far.atoms]).max()) - min(law_of.span[0] / unit, 0.0)
         return FirstBreaks(again, far, end, _ACCURACY)
-    from master.thermal_first import ThermalFirstBreaks
+    from master.origin_breaks import OriginBreaks
 
+    breaking = breaking.of(law_of)
     end = (breaking.top - law_of.span[0]) / unit
-    return ThermalFirstBreaks(again, Law(again, np.inf, law, unit), breaking, end, _ACCURACY)
+    return OriginBreaks(again, Law(again, np.inf, law, unit), breaking, end, _ACCURACY)
 
 
 class TravelLaw(Thresholds):

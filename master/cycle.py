@@ -6,15 +6,15 @@ import numpy as np
 import numpy.typing as npt
 
 from master.release import PLAIN, Release
-from origins import Contacts, Thresholds
+from origins import Contacts, InputError, Thresholds
+from origins.start import Start, as_start
 
 if TYPE_CHECKING:
-    from master.thermal_law import ThermalBreaking
-    from master.thermal_paper import PaperBreaking
+    from master.origin_breaks import Breaking
 
 Array = npt.NDArray[np.float64]
 
-LAWS = ("thermal", "delay", "reforming", "stiffness")
+LAWS = ("thermal", "ageing", "delay", "reforming", "stiffness")
 
 
 class Cycle:
@@ -25,27 +25,48 @@ class Cycle:
     contacts : Contacts
     velocity : float
         v, length per time.
+    accuracy : float
+        Error of the survival of contacts that age which is aimed at.
 
     Attributes
     ----------
     law : Thresholds
         Of the travel from one break to the next.
+    births : Start
+        Stretches at which broken contacts form again.
     relaxed : Thresholds
         Of the stretch at a break of contacts that form relaxed.
     unit : float
         A length: the mean of `relaxed`.
     release : Release
         What breaks and births do to the force, lengths in `unit`s.
-    breaking : ThermalBreaking, PaperBreaking or None
-        How contacts break at a temperature.
+    breaking : Breaking or None
+        How contacts break at a temperature, or as they age.
+    error : float
+        Estimate of the error of the survival, where the law is known by a numerical solution.
+
+    Raises InputError for the paper's closure of ageing, which is no law of single contacts.
     """
 
-    def __init__(self, contacts: Contacts, velocity: float = 1.0) -> None:
+    def __init__(self, contacts: Contacts, velocity: float = 1.0, accuracy: float = 1e-8) -> None:
         self._thresholds = contacts.thresholds
+        self.births = as_start(None) if contacts.reforming is None else contacts.reforming.law
         self.law: Thresholds = contacts.thresholds
         self.unit = contacts.mean_threshold
-        self.breaking: ThermalBreaking | PaperBreaking | None = None
-        if contacts.thermal is not None:
+        self.breaking: Breaking | None = None
+        self.error = 0.0
+        if contacts.ageing is not None:
+            from master.ageing_breaking import AgeingBreaking
+
+            if contacts.ageing.closure == "paper":
+                raise InputError(
+                    'contacts.ageing: closure = "paper" (Q15) has one P_c for all contacts at each X, so that single '
+                    'contacts have no law of their own; use closure = "exact"'
+                )
+            ageing = AgeingBreaking(contacts, velocity, accuracy)
+            self.law, self.breaking, self.error = ageing.effective, ageing, ageing.error
+            self.unit = self.law.mean()
+        elif contacts.thermal is not None:
             from master.thermal_law import BreakingLaw
 
             law = BreakingLaw(contacts, velocity)
@@ -82,11 +103,12 @@ class Cycle:
         if after is not None or wait > 0.0:
             self.law = TravelLaw(self.relaxed, after, wait, unit)
 
-    def survived(self, origin: Array, x: Array) -> Array:
-        """Fraction of the contacts that stood at `origin` which hold at x; 0 where no threshold is left. Lengths."""
+    def survived(self, start: Start, origin: Array, x: Array) -> Array:
+        """Fraction of the contacts that stood at `origin`, stretches of `start`, which hold at x; 0 where no threshold
+        is left. Lengths."""
         held = self._thresholds.sf(np.abs(origin))
         if self.breaking is None:
             left = self._thresholds.sf(np.maximum(np.abs(origin), x))
         else:
-            left = self.breaking.rows(x.ravel(), origin.ravel())[1].reshape(x.shape)
+            left = self.breaking.of(start).rows(x.ravel(), origin.ravel())[1].reshape(x.shape)
         return np.divide(left, held, out=np.zeros(x.shape), where=held > 0.0)

@@ -18,10 +18,14 @@ Array = npt.NDArray[np.float64]
 
 _CANDIDATES = 8
 _REACH = 6.0
-_TAILS = np.array([1e-50, 1e-150, 1e-290])
+_TAILS = np.array([1e-50, 1e-290])
+_TERMS = 5  # of the tail's logarithm
+_SLOW = 1e3
+_SETTLED, _ROUNDED, _MARGIN, _LITTLE = 0.2, 1e-9, 10.0, 0.2
 _FAR = 10.0 ** -np.arange(20.0, 300.0, 1.5)
-_MOST_NODES = 2**18
+MOST_NODES = 2**18
 _ASTRAY = 3.0  # from a guess: other guesses are nearer to what lies there
+_NOISE = 1e-15  # of the terms of p^
 _RESOLVED, _TIMES = 4.0, 6.0  # |s| that the nodes resolve beside a guess, and as many times the guess if that is less
 
 
@@ -35,18 +39,18 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
     law = Law(contacts, np.inf, cycle.law, cycle.unit)
     if law.atomic:
         return np.inf, 0.0
-    rate, rate_error = _tail_rate(cycle)
+    rate, rate_error = tail_rate(cycle)
     rate, rate_error = rate * law.unit, rate_error * law.unit
     if rate == 0.0:
         return np.inf, 0.0
     slowest, error = _slowest_root(law, cycle, rate)
     if slowest > rate:
         # between 0.9 and 1 of the rate a root could hide from the far tail's round-off
-        slowest, error = rate, rate_error + 0.1 * rate
+        slowest, error = rate, rate_error + 0.1 * rate  # inf where the rate is a guess
     return law.unit / slowest, law.unit * error / slowest**2
 
 
-def _tail_rate(cycle: Cycle) -> tuple[float, float]:
+def tail_rate(cycle: Cycle) -> tuple[float, float]:
     """Rate (per length) at which log S falls far out, and its error: inf above, 0 below every exponential."""
     thresholds = cycle.law
     if np.isfinite(thresholds.support()[1]):
@@ -56,20 +60,31 @@ def _tail_rate(cycle: Cycle) -> tuple[float, float]:
     log_survival = thresholds.logsf(x)
     known = np.isfinite(log_survival)
     x, log_survival = x[known], log_survival[known]
-    at = np.minimum(np.searchsorted(-log_survival, -np.log(_TAILS)), x.size - 1)
-    if at[0] == at[1] or at[1] == at[2]:
-        return np.inf, 0.0  # from hardly any decay to underflow within a quarter octave
-    x, log_survival = x[at], log_survival[at]
-    # log S = -rate x + power log x: the differences leave the rate to second order
-    slopes = -np.diff(log_survival) / np.diff(x)
-    change = slopes[1] / slopes[0]
-    if change > 1.02:
-        return np.inf, 0.0
-    if change < 0.8:
+    # beyond the smallest numbers there are, a part of a mixture may be all that is left
+    first, last = np.searchsorted(-log_survival, -np.log(_TAILS)) - [0, 1]
+    if first >= last:
+        return np.inf, 0.0  # from hardly any decay to underflow within half an octave
+    if x[last] > _SLOW * x[first]:
         return 0.0, 0.0
-    middle = 0.5 * (x[1:] + x[:-1])
-    rate = (middle[1] * slopes[1] - middle[0] * slopes[0]) / (middle[1] - middle[0])
-    return float(rate), float(abs(rate - slopes[1])) * 0.1 + 1e-12 * float(rate)
+    x = np.geomspace(x[first], x[last], _TERMS)
+    log_survival = thresholds.logsf(x)
+    # log S = a - rate x + power log x + b/x + ...: with a term more each the rate settles, or it is no exponential
+    u = x / x[-1]
+    terms = np.stack([np.ones(u.size), -u, np.log(u), 1.0 / u, 1.0 / u**2])
+    rates = [float(np.linalg.solve(terms[:n, -n:].T, log_survival[-n:])[1] / x[-1]) for n in (3, 4, _TERMS)]
+    rounding = _ROUNDED * float(-log_survival[-1] / x[-1])
+    change, rest = abs(rates[1] - rates[0]), abs(rates[2] - rates[1])
+    if rates[2] > 0.0 and rest <= max(_SETTLED * change, rounding):
+        return rates[2], rest + rounding
+    slopes = -np.diff(log_survival) / np.diff(x)
+    fall = -np.diff(slopes)
+    if slopes[-1] > slopes[0]:
+        return np.inf, 0.0
+    if fall.sum() > _LITTLE * slopes[-1]:
+        return 0.0, 0.0
+    # exponentials whose rates are nearly the same, or something slower than any that looks like one as far as seen
+    settles = (fall > 0.0).all() and fall[-1] < 0.5 * fall[0]
+    return float(slopes[-1]), _MARGIN * float(fall[-1]) if settles else np.inf
 
 
 def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
@@ -78,18 +93,18 @@ def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
     Where none lies right of -rate and of -6 (in units of the mean threshold), inf, or the middle of what is left.
     """
     reach = min(0.9 * rate, _REACH)
-    edges = _edges(law, cycle, reach)
+    edges = tail_edges(law, cycle, reach)
     best = complex(-reach)
     for start in _dips(law) + _slow(law):
-        best = _better(best, _newton(law, edges, start, 1))
+        best = _better(best, newton(law, edges, start, 1))
     if best.real < -0.3:  # roots this far from the axis leave no dip on it
         for start in _grid(law, edges, -best.real):
             if start.real < best.real - 0.5:
                 break
-            best = _better(best, _newton(law, edges, start, 1))
+            best = _better(best, newton(law, edges, start, 1))
     if best == -reach:
         return (2.0 * _REACH, _REACH) if rate > _REACH else (np.inf, 0.0)
-    fine = _newton(law, edges, best, 2)
+    fine = newton(law, edges, best, 2)
     return -fine.real, abs(fine - best) + 2e-15 * (1.0 + abs(fine))
 
 
@@ -99,7 +114,7 @@ def _better(best: complex, root: complex) -> complex:
     return root if counts else best
 
 
-def _edges(law: Law, cycle: Cycle, reach: float) -> Array:
+def tail_edges(law: Law, cycle: Cycle, reach: float) -> Array:
     """Panels out to where e^{reach x} P_c(x) is nothing: left of the imaginary axis the far tail counts."""
     if np.isfinite(law.support[1]):
         return law.edges
@@ -125,7 +140,7 @@ def _grid(law: Law, edges: Array, reach: float) -> list[complex]:
     """Guesses within `reach` of the imaginary axis, nearest first: where a Newton step from a grid stays near."""
     real, imaginary = -np.arange(0.25, reach + 0.25, 0.25), np.arange(0.0, 10.1, 0.4)
     s = real + 1j * imaginary[:, None]
-    nodes, log_mass = _nodes(law, edges, 12.0)
+    nodes, log_mass = wave_nodes(law, edges, 12.0)
     with np.errstate(over="ignore", invalid="ignore"):
         # e^{-sx} is a growth times a wave: few of either make the whole grid
         growth, waves = np.exp(log_mass - real[:, None] * nodes).T, np.exp(-1j * imaginary[:, None] * nodes)
@@ -139,7 +154,7 @@ def _grid(law: Law, edges: Array, reach: float) -> list[complex]:
 def _dips(law: Law) -> list[complex]:
     """Guesses left of the deepest dips of |1 - p^| along the imaginary axis, as a lattice transform shows them."""
     top = float(law.edges[-1])
-    step = max(law.narrowest / 8.0, top / _MOST_NODES)
+    step = max(law.narrowest / 8.0, top / MOST_NODES)
     size = int(np.ceil(top / step)) + 16
     kernel = lay(lambda x: [law.pdf(x)], 1, law.edges, step, size)[0]
     kernel += deposit_atoms(law.atoms, law.atom_weights, step, size)
@@ -152,7 +167,7 @@ def _dips(law: Law) -> list[complex]:
     return [complex(guess) for guess in guesses[np.argsort(-guesses.real)][:_CANDIDATES]]
 
 
-def _nodes(law: Law, edges: Array, fastest: float) -> tuple[Array, Array]:
+def wave_nodes(law: Law, edges: Array, fastest: float) -> tuple[Array, Array]:
     """Nodes and log weights of P_c, close enough for waves e^{-sx} with |s| up to `fastest`."""
     left, right = edges[:-1], edges[1:]
     pieces = np.minimum(np.maximum(np.ceil((right - left) * fastest / 1.5), 1), 20_000).astype(int)
@@ -165,19 +180,20 @@ def _nodes(law: Law, edges: Array, fastest: float) -> tuple[Array, Array]:
     return nodes[keep], np.log(mass[keep] / mass.sum())
 
 
-def _newton(law: Law, edges: Array, s: complex, finer: int) -> complex:
+def newton(law: Law, edges: Array, s: complex, finer: int) -> complex:
     """Newton's method for p^(s) = 1; NaN where it does not settle. `finer` multiplies the nodes per wave."""
     start, fastest = s, max(abs(s), min(_RESOLVED, _TIMES * abs(s)))
     # slow guesses belong to long tails: nodes for waves that they never get to would be most of the work
-    nodes, log_mass = _nodes(law, edges, finer * fastest)
+    nodes, log_mass = wave_nodes(law, edges, finer * fastest)
     for _ in range(40):
         with np.errstate(over="ignore", invalid="ignore"):
             # one exponential of the sum: e^{-sx} alone overflows where P_c underflows
             wave = np.exp(log_mass - s * nodes)
-            step = (wave.sum() - 1.0) / (wave * nodes).sum()  # no @: threads cost more than so short a sum
+            slope = (wave * nodes).sum()  # no @: threads cost more than so short a sum
+            step = (wave.sum() - 1.0) / slope
         if not np.isfinite(step) or abs(s - start) > min(_ASTRAY, fastest):
             break
         s += step / max(1.0, 2.0 * abs(step))
-        if abs(step) < 1e-13 * (1.0 + abs(s)):
+        if abs(step) < 1e-13 * (1.0 + abs(s)) or abs(step * slope) < _NOISE * np.abs(wave).sum():
             return complex(s)
     return complex(np.nan, np.nan)

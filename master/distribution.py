@@ -42,13 +42,11 @@ class StretchDistribution:
 
     def _starting(self, x: Array) -> Array:
         """Contacts that hold since X = 0: Q_ini(x_0) S(max(|x_0|, x)) / S(|x_0|), x_0 = x - X."""
-        contacts, starting, unit = self._problem.contacts, self._problem.starting, self._problem.unit
-        if starting is not None and not starting.is_single:
-            return starting.standing(x * unit, self._at * unit) * unit
+        contacts = self._problem.contacts
         if contacts.start.is_single:
             return np.zeros(x.shape)
         origin = x - self._at
-        kept = self._problem.cycle.survived(origin * self._problem.unit, x * self._problem.unit)
+        kept = self._problem.cycle.survived(contacts.start, origin * self._problem.unit, x * self._problem.unit)
         return contacts.start.pdf(origin * self._problem.unit) * self._problem.unit * kept / (1.0 - contacts.cut_weight)
 
     def _reborn(self, x: Array) -> Array:
@@ -58,7 +56,7 @@ class StretchDistribution:
         inside = (x >= release.birth) & (birth >= release.delay)
         start = np.full(int(inside.sum()), release.birth * problem.unit)
         out = np.zeros(x.shape)
-        held = problem.cycle.survived(start, x[inside] * problem.unit)
+        held = problem.cycle.survived(problem.cycle.births, start, x[inside] * problem.unit)
         out[inside] = held * birth_density(problem, self._later, birth[inside] - release.delay)
         return out
 
@@ -81,21 +79,18 @@ def distribution_at(problem: Problem, later: LaterReleased | None, position: flo
     again = problem.contacts.reforming
     if again is not None and not again.law.is_single:
         raise InputError("contacts.reforming: Q(x;X) is not known yet where contacts form again at many stretches")
-    births = chain.births + release.delay
+    cycle, births = problem.cycle, chain.births + release.delay
     born = births <= at * (1.0 + _SLACK)
     positions = np.maximum(at - births[born], 0.0) + release.birth
     # a contact whose stretch has reached its threshold is broken: survival past rounding of the sum
     reached = positions + _SLACK * np.abs(positions)
-    held = problem.cycle.survived(np.full(positions.size, release.birth * unit), reached * unit)
+    held = cycle.survived(cycle.births, np.full(positions.size, release.birth * unit), reached * unit)
     weights = chain.weights[born] * held
-    start, starting = problem.contacts.start, problem.starting
-    if starting is not None and starting.is_single:
-        held = starting.holding(at * unit)
-        positions, weights = np.append(positions, starting.stretches / unit + at), np.append(weights, held)
-    elif starting is None and start.is_single:
+    start = problem.contacts.start
+    if start.is_single:
         origin = float(start.mean() / problem.unit)
         furthest = origin + at + _SLACK * abs(origin + at)
-        held = problem.cycle.survived(np.array([origin]) * problem.unit, np.array([furthest]) * problem.unit)
+        held = cycle.survived(start, np.array([origin]) * unit, np.array([furthest]) * unit)
         positions, weights = np.append(positions, origin + at), np.append(weights, held)
     keep = weights > 0.0
     return StretchDistribution(positions[keep] * problem.unit, weights[keep], problem, later, at)

@@ -25,6 +25,8 @@ _ROUND_OFF = 1e-14
 _SPENT = 1e-12
 _AT_REST = 1e-28
 _FINEST = 1e-10  # of the diffusion equation: beyond, steps grow in number and rounding comes through
+_PER_PANEL = 1e-2  # of the accuracy, for each panel of the integral equation
+_PANELS = 1e-13, 1e-10
 _NODES = 16
 _X, _W = legendre.leggauss(_NODES)
 _T = 0.5 * (_X + 1.0)
@@ -75,8 +77,7 @@ def first_passage(
     start : float
         Stretch at t = 0; from below 0 it comes to 0 first.
     accuracy : float
-        Error of the survival that is aimed at; corners of either law may not allow it. Towards a Gaussian final law
-        it is some 1e-13 anyway.
+        Error of the survival that is aimed at; corners of either law may not allow it.
 
     Raises InputError for thresholds that the final law does not cover, for a start beyond every threshold, and for
     exact single values in `fresh` unless the final law is Gaussian.
@@ -96,7 +97,9 @@ def first_passage(
     if ageing.normal is None:
         passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT, max(0.3 * accuracy, _FINEST))
         return FirstPassage(_from_steps(passage, power), passage.error)
-    normal = OrnsteinPassage(law, ageing.normal.mean, ageing.normal.std, diffusion, start, _SPENT)
+    # all generations rest on the law from 0 on
+    finest = float(np.clip(_PER_PANEL * accuracy, *_PANELS)) if start != 0.0 else _PANELS[0]
+    normal = OrnsteinPassage(law, ageing.normal.mean, ageing.normal.std, diffusion, start, _SPENT, finest)
     effective = EffectiveLaw(normal.series(), 0.0, True, normal.survival, normal.hazard, normal.slope, power)
     return FirstPassage(effective, normal.error + _ROUND_OFF)
 

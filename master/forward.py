@@ -21,6 +21,7 @@ MOST_NODES = 2**20
 SMOOTH = 1.0 / 32.0  # four times what is left of a difference at eighth order would be 1/64
 _CLOSE = 0.5**0.5  # ratio of the steps of two lattices whose difference is at least the error of the finer
 _RESOLVED = 0.3
+_SHARE = 0.3  # of the tolerance, for a law known by a numerical solution
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
 _FEWEST_NODES = 256
 _STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
@@ -32,7 +33,8 @@ _FURTHEST = 1e100  # mean thresholds: its square is still a number
 def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: float = 1.0) -> Solution:
     """Force F(X) on a rigid slider that moves forward from X = 0 (paper Eqs. Q5a-Q6), arguments checked before."""
     began = time.perf_counter()
-    cycle = Cycle(contacts, velocity)
+    generations = 1.0 + float(path[-1]) / contacts.mean_threshold
+    cycle = Cycle(contacts, velocity, _SHARE * tolerance / generations)
     x = path / cycle.unit
     if x[-1] > _FURTHEST:
         refuse("path[-1]", path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
@@ -130,14 +132,19 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
 
 def round_off(problem: Problem) -> float:
     """Error that no lattice goes below: tables, and a kernel's mass off by an ulp, which adds up as a square."""
-    return ROUND_OFF * (1.0 + problem.end) + 2e-16 * problem.end**2 + problem.first.error
+    return ROUND_OFF * (1.0 + problem.end) + 2e-16 * problem.end**2 + known_to(problem)
+
+
+def known_to(problem: Problem) -> float:
+    """What the errors of the first breaks and of the law add to the force up to the path's end."""
+    return problem.first.error + problem.cycle.error * (1.0 + problem.end)
 
 
 def _limit(problem: Problem, reached: float, share: float) -> str:
     """What no finer lattice mends; `share` turns units of the problem into those that are told."""
-    known = problem.first.error
+    known = known_to(problem)
     if known > 0.5 * reached:
-        return f"first breaks are known to {known * share:.1e} only"
+        return f"breaks are known to {known * share:.1e} only"
     return f"round-off allows {reached * share:.1e}"
 
 

@@ -1,8 +1,12 @@
-"""The kinetic force at many speeds, in one call.
+"""The kinetic force along speeds, temperatures, rates of ageing and delays, in one call.
+
+Waiting and what happens between a birth and its break are apart: with C the travel from the one to the other, ΔX_m that
+of the wait and F_0 the force without it, F_k = F_0 C/(C + ΔX_m). So one steady state serves all delays, and one does
+for all points at which nothing else tells.
 
 A contact with the threshold ξ breaks at min(ξ, x), A(x; ξ) = v e with e from the exponential law of mean 1. In ln e the
 stretch x is smooth at any temperature and speed, so two Gauss sums, over ln e and over ξ, give <x_b> and <k x_b^2> for
-all speeds together.
+all speeds of one temperature together.
 """
 
 from __future__ import annotations
@@ -13,11 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.cycle import LAWS, Cycle
-from master.steady import steady_of
+from master.cycle import LAWS
+from master.points import Points, changed
+from master.steady import steady_state
 from origins import Contacts
 from origins.contacts import check_contacts
-from origins.errors import finite_array, refuse
 from origins.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
@@ -26,63 +30,119 @@ _LEAST, _MOST = -32.0, 7.0  # ln e: little is spent below, nothing is left above
 _TOP = np.cbrt([2.0, 1.4, 0.9, 0.45, 0.0])
 _TOLERANCE = 1e-9
 _INVERSE = 1e-10  # relative error of a stretch found from its amount
+_ROUND_OFF = 4e-16
 
 
 @dataclass(frozen=True)
 class KineticCurve:
-    """Smooth sliding at many speeds.
+    """Smooth sliding at many points; arrays have the shape that the quantities asked for have together.
 
     Attributes
     ----------
-    velocity : array of shape (n,)
-    force : array of shape (n,)
+    velocity : array
+        v, length per time.
+    temperature, rate, delay : array or None
+        T = k_BT/<k> (a length squared), D (a length squared per time) and τ_m (a time); None where there is none.
+    force : array
         F_k/(N_c <k>), a length.
-    force_error : array of shape (n,)
+    force_error : array
         Its error in units of the mean threshold.
-    holding : array of shape (n,)
-        Fraction of the contacts that hold.
+    holding, holding_error : array
+        Fraction of the contacts that hold, C/(C + v τ_m), and its error.
     run_time : float
         Seconds.
     """
 
     velocity: Array
+    temperature: Array | None
+    rate: Array | None
+    delay: Array | None
     force: Array
     force_error: Array
     holding: Array
+    holding_error: Array
     run_time: float
 
 
-def kinetic_curve(contacts: Contacts, velocity: npt.ArrayLike) -> KineticCurve:
-    """F_k(v) of `contacts` at speeds of shape (n,), each above zero (length per time).
+def kinetic_curve(
+    contacts: Contacts,
+    velocity: npt.ArrayLike = 1.0,
+    *,
+    temperature: npt.ArrayLike | None = None,
+    rate: npt.ArrayLike | None = None,
+    delay: npt.ArrayLike | None = None,
+) -> KineticCurve:
+    """F_k(v), F_k(T), F_k(D) or N_c(τ_m) of `contacts`, whatever their laws.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With any laws that `steady_state` takes; the start does not matter.
+    velocity : float or array
+        v > 0, length per time.
+    temperature, rate, delay : float or array, optional
+        In place of the contacts' own: T >= 0 of their thermal law, D >= 0 of their ageing, τ_m >= 0, whether they have
+        a delay or not; 0: none. None: their own. Arrays broadcast: velocity[:, None] and temperature give a table.
 
     Temperature with closure "exact" and relaxed births is summed over all speeds together; where that is not good to
-    1e-9 of the force, and with every other law that speed tells, each speed is solved for by itself.
+    1e-9 of the force, and with every other law that the speed tells, each point is solved for by itself.
 
-    Raises InputError as `steady_state` does, and for speeds that are not finite and above zero.
+    Raises InputError as `steady_state` does, for values that are not finite or too small, for shapes that do not fit,
+    and for a temperature or a rate of contacts without that law.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.kinetic_curve", LAWS)
-    speeds = finite_array("velocity", velocity)
-    if (speeds <= 0.0).any():
-        refuse("velocity", float(speeds[speeds <= 0.0][0]), "must be above zero")
-    force, error, holding = (np.full(speeds.size, np.nan) for _ in range(3))
+    points = Points(contacts, velocity, temperature, rate, delay)
+    force, force_error, holding, holding_error = (row.reshape(points.shape) for row in _along(contacts, points))
+    return KineticCurve(
+        points.velocity,
+        points.temperature,
+        points.rate,
+        points.delay,
+        force,
+        force_error / contacts.mean_threshold,
+        holding,
+        holding_error,
+        time.perf_counter() - began,
+    )
+
+
+def _along(contacts: Contacts, points: Points) -> Array:
+    """Force, its error (lengths), fraction that holds and its error, shape (4, n)."""
+    speeds, heat, spread, wait = points.rows
+    if contacts.thermal is None:  # only D/v tells, or nothing does
+        columns = np.ones(speeds.size), heat, spread / speeds
+    else:
+        columns = np.where((heat > 0.0) | (spread > 0.0), speeds, 1.0), heat, spread
+    cases, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
+    steady = np.empty((4, len(cases)))
+    for temperature, diffusion in np.unique(cases[:, 1:], axis=0):
+        these = np.flatnonzero((cases[:, 1] == temperature) & (cases[:, 2] == diffusion))
+        single = changed(contacts, float(temperature), float(diffusion), 0.0)
+        steady[:, these] = _at_once(single, cases[these, 0])
+    force, force_error, length, length_error = steady[:, which.reshape(-1)]
+    holding = length / (length + speeds * wait)
+    off = holding * (1.0 - holding) * length_error / length
+    return np.stack([force * holding, force_error * holding + force * off, holding, off + _ROUND_OFF])
+
+
+def _at_once(contacts: Contacts, speeds: Array) -> Array:
+    """Force, its error, C and its error (lengths) at each speed, shape (4, n)."""
+    out = np.full((4, speeds.size), np.nan)
     thermal = contacts.thermal
-    if thermal is not None and thermal.closure == "exact" and contacts.reforming is None:
-        wait = 0.0 if contacts.delay is None else contacts.delay.time
-        fine, coarse = (_moments(contacts, speeds, fine) for fine in (True, False))
-        found, other = (0.5 * square / (length + wait * speeds) for length, square in (fine, coarse))
+    if thermal is not None and thermal.closure == "exact" and contacts.reforming is None and contacts.ageing is None:
+        (length, square), (other, other_square) = (_moments(contacts, speeds, fine) for fine in (True, False))
+        force = 0.5 * square / length
         # the finer panels are far better than what they differ from
-        off = np.abs(found - other) + _INVERSE * found
-        sure = off <= _TOLERANCE * found
-        force[sure], error[sure] = found[sure], off[sure] / contacts.mean_threshold
-        holding[sure] = (fine[0] / (fine[0] + wait * speeds))[sure]
-    for i in np.flatnonzero(np.isnan(force)):
-        steady = steady_of(contacts, Cycle(contacts, float(speeds[i])))
-        force[i], error[i], holding[i] = steady.force, steady.force_error, steady.holding
-        if thermal is None and contacts.delay is None:
-            force[:], error[:], holding[:] = steady.force, steady.force_error, steady.holding
-            break
-    return KineticCurve(speeds, force, error, holding, time.perf_counter() - began)
+        off = np.abs(force - 0.5 * other_square / other) + _INVERSE * force
+        summed = np.stack([force, off, length, np.abs(length - other) + _INVERSE * length])
+        sure = off <= _TOLERANCE * force
+        out[:, sure] = summed[:, sure]
+    for i in np.flatnonzero(np.isnan(out[0])):
+        steady = steady_state(contacts, velocity=float(speeds[i]))
+        unit = contacts.mean_threshold
+        out[:, i] = steady.force, steady.force_error * unit, steady.cycle_length, steady.cycle_length_error * unit
+    return out
 
 
 def _moments(contacts: Contacts, speeds: Array, fine: bool) -> tuple[Array, Array]:

@@ -1,7 +1,5 @@
 """One scene in units of its mean stretch at a break: the law, the first breaks, the atomic chain."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import numpy.typing as npt
 
@@ -13,9 +11,6 @@ from master.law import Law
 from master.release import PLAIN, Release
 from origins import Contacts
 
-if TYPE_CHECKING:
-    from master.ageing_start import AgeingStart
-
 Array = npt.NDArray[np.float64]
 
 _BEYOND = 1.7  # lattices reach past the last position, at most by 24 of the coarsest steps
@@ -26,7 +21,6 @@ class Problem:
     units of the cycle's length)."""
 
     release: Release = PLAIN
-    starting: "AgeingStart | None" = None  # where contacts that hold at X = 0 do not break as the law says
 
     def __init__(self, contacts: Contacts, end: float, tolerance: float, cycle: Cycle | None = None) -> None:
         self.contacts = contacts
@@ -78,6 +72,6 @@ class Problem:
         relaxed = self.law
         if self.cycle.law is not self.cycle.relaxed:
             relaxed = Law(contacts, end, self.cycle.relaxed, self.unit)
-        from master.thermal_first import ThermalFirstBreaks
+        from master.origin_breaks import OriginBreaks
 
-        return ThermalFirstBreaks(contacts, relaxed, breaking, end, accuracy)
+        return OriginBreaks(contacts, relaxed, breaking, end, accuracy)

@@ -72,9 +72,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     steady = steady_of(contacts, cycle)
     unit = cycle.unit
     kinetic = steady.force / unit
-    lowest = min(contacts.start.span[0] / unit, 0.0)
-    problem = Problem(contacts, _horizon(contacts, cycle) - lowest, tolerance, cycle)
-    spring, spring_error, static, static_error = _extremes(problem, tolerance)
+    spring, spring_error, static, static_error = extremes(contacts, cycle, tolerance)
     length, length_error = decoherence_length(contacts, cycle)
     ratio = max(static / kinetic, 1.0)
     return Propensity(
@@ -88,6 +86,12 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         onset_power_error=contacts.thresholds.onset_power_error,
         run_time=time.perf_counter() - began,
     )
+
+
+def extremes(contacts: Contacts, cycle: Cycle, tolerance: float) -> tuple[float, float, float, float]:
+    """K*/(N_c <k>), its error, the largest force and its error, these in units of the cycle's length."""
+    lowest = min(contacts.start.span[0] / cycle.unit, 0.0)
+    return _extremes(Problem(contacts, _horizon(contacts, cycle) - lowest, tolerance, cycle), tolerance)
 
 
 def _horizon(contacts: Contacts, cycle: Cycle) -> float:

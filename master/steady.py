@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cycle import LAWS, Cycle
+from master.effective_law import EffectiveLaw
 from master.law import Law
 from master.release import Release
 from master.starting import StartSum
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 _ROUND_OFF = 4e-16
+_REACHED = 1e-9
 TABLES = 1e-11  # relative error of what rests on tables of breaks by a rate
 
 
@@ -44,6 +46,8 @@ class SteadyState:
         <x_s>, a length.
     cycle_length : float
         C, how far the slider moves between a contact's birth and its break on the average: <x_b - r>.
+    cycle_length_error : float
+        Its error in units of the mean threshold.
     """
 
     force: float
@@ -51,19 +55,20 @@ class SteadyState:
     holding: float
     mean_threshold: float
     cycle_length: float
+    cycle_length_error: float
     _contacts: Contacts = field(repr=False)
     _cycle: Cycle = field(repr=False)
 
     def distribution(self, x: npt.ArrayLike) -> Array:
         """Q_s(x) per length at stretches x (lengths), of all contacts; same shape as x."""
         x = np.asarray(x, dtype=float)
-        born, survived = self._contacts.reforming, self._cycle.survived
+        born, cycle = self._contacts.reforming, self._cycle
         each = self.holding / self.cycle_length
         if born is None:
             return np.where(x >= 0.0, self._cycle.relaxed.sf(x) * each, 0.0)[()]
         if born.law.is_single:
             start = born.law.mean()
-            held = survived(np.full(x.shape, start), np.maximum(x, start))
+            held = cycle.survived(cycle.births, np.full(x.shape, start), np.maximum(x, start))
             return np.where(x >= start, held * each, 0.0)[()]
         reborn = Contacts(self._contacts.thresholds, born.law)
         spread = StartSum(reborn, Law(reborn, np.inf))
@@ -74,7 +79,7 @@ class SteadyState:
             edges = np.unique(edges[(edges <= at) & (edges >= spread.low)])
             if edges.size > 1:
                 nodes, weights = gauss(edges[:-1], edges[1:])
-                held = survived(nodes * unit, np.full(nodes.shape, at * unit))
+                held = cycle.survived(cycle.births, nodes * unit, np.full(nodes.shape, at * unit))
                 out[i] = float((weights * spread.density(nodes) * held).sum()) * each
         return out.reshape(x.shape)[()]
 
@@ -86,11 +91,12 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | 
     Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force grows for ever and there
     is no steady state.
     """
-    if isinstance(contacts, Contacts) and contacts.ageing is not None:
-        from master.ageing import steady_ageing
-
-        return steady_ageing(contacts, velocity)
     check_contacts(contacts, "master.steady_state", LAWS)
+    if contacts.ageing is not None and contacts.ageing.closure == "paper":
+        from master.ageing_paper import check_alone, paper_steady_state
+
+        check_alone(contacts)
+        return paper_steady_state(contacts.thresholds, contacts.ageing, positive("velocity", velocity))
     return steady_of(contacts, Cycle(contacts, positive("velocity", velocity)))
 
 
@@ -101,14 +107,22 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
     force = area / (length + wait)
     if not np.isfinite(again_area / again_length):
         raise InputError("thresholds: the distribution's own survival is not a number; use milder parameters")
-    rounding = _ROUND_OFF if cycle.breaking is None else TABLES
+    # where the law is a solution with an error of its own, tables are better than that
+    rounding = TABLES if cycle.breaking is not None and cycle.error == 0.0 else _ROUND_OFF
     off = abs(force - again_area / (again_length + wait)) + rounding * abs(force)
+    length_off = abs(length - again_length) + rounding * length
+    if cycle.error > 0.0:
+        # an error of the survival up to where hardly any holds
+        reach = float(cycle.relaxed.isf(_REACHED))
+        off = float(off + cycle.error * (0.5 * reach**2 + force * reach) / (length + wait))
+        length_off += cycle.error * reach
     return SteadyState(
         force=force,
         force_error=off / contacts.mean_threshold,
         holding=length / (length + wait),
         mean_threshold=contacts.mean_threshold,
         cycle_length=length,
+        cycle_length_error=length_off / contacts.mean_threshold,
         _contacts=contacts,
         _cycle=cycle,
     )
@@ -126,7 +140,7 @@ def _cycle_integrals(contacts: Contacts, cycle: Cycle) -> tuple[float, float, fl
             f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever; use a "
             f"law whose tail falls faster than x^-{power + 1}"
         )
-    if isinstance(law, BreakingLaw) and not release.stiffness:
+    if isinstance(law, BreakingLaw | EffectiveLaw) and not release.stiffness:
         nodes, weights = gauss(law.panels[:-1], law.panels[1:])
         held = weights * law.sf(nodes)
         return unit, 0.5 * moment, float(held.sum()), float((held * nodes).sum())

@@ -11,6 +11,7 @@ both to be divided by S(|x_0|). Of relaxed births, x_0 = 0, p is a law of the st
 """
 
 from collections.abc import Callable
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +20,7 @@ from master.piecewise import Piecewise, tabulate
 from master.thermal_paper import PaperBreaking
 from origins import Contacts, Thresholds
 from origins.quadrature import gauss, panel_edges
+from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 Function = Callable[[Array], Array]
@@ -37,6 +39,9 @@ _GONE = 7.0  # e^(-e^7) is nothing
 class ThermalBreaking:
     """p and E of contacts with `thermal` at the speed v > 0 (length per time); lengths as given."""
 
+    error = 0.0
+    panels = np.empty(0)
+
     def __init__(self, contacts: Contacts, velocity: float) -> None:
         if contacts.thermal is None:
             raise ValueError("contacts without temperature break at their thresholds")
@@ -51,6 +56,14 @@ class ThermalBreaking:
         self._heavy = np.abs(np.diff(self.law.cdf(self._panels))) > 1e-13
         marks = np.concatenate([self.law.breakpoints, self.atoms])
         self.marks = np.unique(marks[marks > 0.0])
+
+    def of(self, start: Start) -> Self:
+        """The same for contacts that stand at the stretches of `start`: one table does for all."""
+        return self
+
+    def bends(self, travel: Array) -> Array:
+        """Origins beside which `rows` bends at each travel, shape (n, any): where stretches turn at 0."""
+        return -travel[:, None]
 
     def rows(self, x: Array, origin: Array | float = 0.0) -> Array:
         """p and E at stretches x > `origin`, where stiffnesses differ then both with these under the integral; shape

@@ -8,6 +8,7 @@ temper4): not conditioned on survival. So, with barriers of |x| and thresholds a
 """
 
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ import numpy.typing as npt
 from master.piecewise import Piecewise, tabulate
 from origins import Contacts
 from origins.quadrature import gauss, panel_edges
+from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
@@ -32,6 +34,8 @@ class PaperBreaking:
     thermal_law.ThermalBreaking."""
 
     linked = False
+    error = 0.0
+    panels = np.empty(0)
 
     def __init__(self, contacts: Contacts, velocity: float) -> None:
         assert contacts.thermal is not None
@@ -57,11 +61,19 @@ class PaperBreaking:
         edges = np.unique(np.concatenate([np.linspace(0.0, self.top, 9), self.marks[self.marks < self.top]]))
         return tabulate(lambda x: np.stack(self._integrals(x.ravel())).reshape(2, *x.shape), edges, _ACCURACY)
 
-    def _table(self, x: Array) -> Array:
+    def spent(self, x: Array) -> Array:
         return self._tables[0](x)
 
-    def _hazard(self, x: Array) -> Array:
+    def hazard(self, x: Array) -> Array:
         return self._tables[1](x)
+
+    def of(self, start: Start) -> Self:
+        """The same for contacts that stand at the stretches of `start`: one table does for all."""
+        return self
+
+    def bends(self, travel: Array) -> Array:
+        """Origins beside which `rows` bends at each travel, shape (n, any): where stretches turn at 0."""
+        return -travel[:, None]
 
     def rows(self, x: Array, origin: Array | float = 0.0) -> Array:
         """p and E, times S(|origin|), at stretches x > `origin`; shape (2, n) for x of shape (n,)."""
@@ -76,7 +88,7 @@ class PaperBreaking:
             spent, hazard = self._integrals(np.abs(x))
             before = np.zeros(x.size)
         else:  # many starts, few places
-            spent, hazard, before = self._table(np.abs(x)), self._hazard(np.abs(x)), self._table(np.abs(origin))
+            spent, hazard, before = self.spent(np.abs(x)), self.hazard(np.abs(x)), self.spent(np.abs(origin))
         held = np.exp(np.minimum(np.sign(origin) * before - np.sign(x) * spent, _MOST))
         survival = self.law.sf(least)
         out[1, live] = survival * held

@@ -19,13 +19,17 @@ def drift_of(final):  # type: ignore[no-untyped-def]
     return lambda at: table[(at * 2e4).astype(int).clip(0, x.size - 1)]
 
 
-def slide(fresh, start, diffusion, end, step, count, seed, normal=None, drift=None):  # type: ignore[no-untyped-def]
+def slide(  # type: ignore[no-untyped-def]
+    fresh, start, diffusion, end, step, count, seed, normal=None, drift=None, birth=0.0, wait=0.0
+):
     """Contacts one by one: thresholds diffuse in exact steps towards a normal law, in small ones down a drift else;
-    crossings within a step by the Brownian bridge. Mean stretch and its standard error every 0.05."""
+    crossings within a step by the Brownian bridge. Mean stretch and its standard error every 0.05. What breaks is back
+    at the stretch `birth` after a travel `wait`, some steps."""
     generator = np.random.default_rng(seed)
     x = start.ppf(generator.random(count)) if isinstance(start, origins.start.Start) else np.full(count, start)
     values = fresh.isf(fresh.sf(np.abs(x)) * (1.0 - generator.random(count)))
-    born, used = fresh.isf(1.0 - generator.random(_MOST_BIRTHS * count)), 0
+    born, used = fresh.isf(fresh.sf(abs(birth)) * (1.0 - generator.random(_MOST_BIRTHS * count))), 0
+    back, away = np.zeros(count), np.zeros(count, dtype=bool)
     reach = _REACH * np.sqrt(2.0 * diffusion * step)
     every, told = round(0.05 / step), []
     for n in range(1, round(end / step) + 1):
@@ -39,15 +43,19 @@ def slide(fresh, start, diffusion, end, step, count, seed, normal=None, drift=No
         near = np.flatnonzero(below < reach)
         above = values[near] - np.abs(x[near])
         through = np.exp(-above * np.maximum(below[near], 0.0) / (diffusion * step))
-        broken = near[(below[near] <= 0.0) | (generator.random(near.size) < through)]
+        broken = near[~away[near] & ((below[near] <= 0.0) | (generator.random(near.size) < through))]
         x += step
         values = after
-        x[broken] = step * generator.random(broken.size)
-        values[broken] = born[used : used + broken.size]
-        used += broken.size
+        away[broken], back[broken] = True, n * step - step * generator.random(broken.size) + wait
+        born_now = np.flatnonzero(away & (back <= n * step))
+        away[born_now] = False
+        x[born_now] = birth + n * step - back[born_now]
+        values[born_now] = born[used : used + born_now.size]
+        used += born_now.size
         if n % every == 0:
             # a single break is the least that can be seen
-            told.append((x.mean(), max(x.std() / np.sqrt(count), n * step / count)))
+            force = np.where(away, 0.0, x)
+            told.append((force.mean(), max(force.std() / np.sqrt(count), n * step / count)))
     return np.array(told).T
 
 
@@ -65,6 +73,39 @@ def test_force_on_the_way_against_an_ensemble(start, rate: float, velocity: floa
     force, error = slide(FRESH, start, rate / velocity, 1.5, 1e-3, 12_000, 3, normal=per_length)
     z = (force - solution.force) / error
     assert np.abs(z).max() < 5.0, z
+
+
+@pytest.mark.parametrize(("birth", "wait"), [(0.0, 0.2), (0.15, 0.0), (-0.1, 0.1)])
+def test_delay_and_births_at_other_stretches(birth: float, wait: float) -> None:
+    final = origins.gaussian(0.8, 0.04)
+    ageing, delay = Ageing(final, 0.02), origins.Delay(wait / 2.0)
+    contacts = Contacts(FRESH, -0.1, ageing=ageing, reforming=birth, delay=delay)
+    path = 0.05 * np.arange(1, 31)
+    solution = master.solve(contacts, path, 1e-6, velocity=2.0)
+    assert solution.success
+    force, error = slide(
+        FRESH, -0.1, 0.01, 1.5, 2e-3, 8_000, 5, Ageing(final, 0.01).normal, birth=birth, wait=wait
+    )
+    z = (force - solution.force) / error
+    assert np.abs(z).max() < 5.0, z
+    # wide final thresholds: all is soon forgotten
+    ageing = Ageing(origins.gaussian(0.8, 0.25), 0.1)
+    contacts = Contacts(FRESH, -0.1, ageing=ageing, reforming=birth, delay=delay)
+    steady = master.steady_state(contacts, velocity=2.0)
+    far = master.solve(contacts, np.linspace(40.0, 42.0, 21), 1e-6, velocity=2.0)
+    assert steady.force_error < 1e-8 and np.abs(far.force - steady.force).max() < 1e-6
+    assert far.holding[-1] == pytest.approx(steady.cycle_length / (steady.cycle_length + wait), abs=1e-6)
+
+
+def test_births_at_many_stretches_are_births_at_each_of_them() -> None:
+    """Lengths of lives and the force summed over them are averages over the births, here by Gauss and Hermite."""
+    ageing = Ageing(origins.gaussian(0.8, 0.04), 0.02)
+    many = master.steady_state(Contacts(FRESH, ageing=ageing, reforming=origins.gaussian_start(0.05, 0.01)))
+    nodes, weights = np.polynomial.hermite_e.hermegauss(7)
+    each = [master.steady_state(Contacts(FRESH, ageing=ageing, reforming=float(0.05 + 0.01 * x))) for x in nodes]
+    lengths = weights / weights.sum() * np.array([steady.cycle_length for steady in each])
+    assert many.cycle_length == pytest.approx(lengths.sum(), rel=1e-10)
+    assert many.force == pytest.approx(lengths @ [steady.force for steady in each] / lengths.sum(), rel=1e-10)
 
 
 @pytest.mark.parametrize("final", [origins.gw_plastic(0.6), origins.lubricated(1.0)])

@@ -5,7 +5,7 @@ import pytest
 
 import master
 import origins
-from master.ageing_slip import critical_velocity
+from master import critical_velocity
 from master.ageing_transient import paper_transient
 from origins import Ageing, Contacts, InputError
 

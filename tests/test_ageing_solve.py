@@ -5,8 +5,8 @@ import pytest
 
 import master
 import origins
-from master.ageing_start import AgeingStart, gauss_rule
-from origins import Ageing, Contacts, Delay, InputError, Thermal
+from master.ageing_breaking import AgeingBreaking, gauss_rule
+from origins import Ageing, Contacts, Delay, InputError
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
 NARROW = origins.gaussian(0.5, 0.05)
@@ -51,16 +51,18 @@ def test_start_with_a_width() -> None:
     np.testing.assert_allclose(diagonal, 0.02, atol=1e-12)
     np.testing.assert_allclose(beside[:4], 0.05 * np.sqrt(np.arange(1.0, 5.0)), rtol=1e-10)
     contacts = Contacts(NARROW, start, ageing=Ageing(origins.gaussian(1.0, 0.05), 1e-3))
-    holding, better = AgeingStart(contacts, 1.0, 1e-6), AgeingStart(contacts, 1.0, 1e-11)
-    x = np.linspace(0.2, 0.9, 36)
-    assert better.stretches.size > holding.stretches.size and better.error < holding.error < 1e-6
-    difference = np.abs(holding.holding(x) - better.holding(x)).max()
-    assert difference < holding.error
-    # p = -dG_0/dX, and the stretch that is kept grows by what holds and loses what is released
-    slope = (better.holding(x + 1e-5) - better.holding(x - 1e-5)) / 2e-5
-    np.testing.assert_allclose(better.breaks(x), -slope, atol=1e-6)
-    slope = (better.stretch(x + 1e-5) - better.stretch(x - 1e-5)) / 2e-5
-    np.testing.assert_allclose(better.holding(x) - better.released(x), slope, atol=1e-6)
+    rough = AgeingBreaking(contacts, 1.0, 1e-6, contacts.start)
+    origin, x = (grid.ravel() for grid in np.meshgrid(np.linspace(-0.12, 0.16, 8), np.linspace(0.2, 0.9, 36)))
+    breaks, holds = rough.rows(x, origin)
+    # against the passage from each of the stretches by itself, where there are many of them and where there are few
+    weight = contacts.start.pdf(origin) / contacts.start.pdf(0.02)
+    for at in np.unique(origin):
+        here = origin == at
+        law = rough.passage(float(at)).law
+        held = contacts.thresholds.sf(abs(at))
+        assert np.abs(holds[here] / held - law.sf(x[here] - at)).max() * weight[here][0] < 10.0 * rough.error
+        assert np.abs(breaks[here] / held - law.pdf(x[here] - at)).max() * weight[here][0] < 1e-4
+    assert rough.error < 1e-6
 
 
 def test_error_is_a_promise_here_too() -> None:
@@ -116,32 +118,30 @@ def test_scale_of_lengths_changes_nothing_else(scale: float) -> None:
     np.testing.assert_allclose(forces[1], forces[0], atol=1e-8)
 
 
-AGEING = Ageing(FINAL, 1e-3)
+WIDTH = origins.gaussian_start(0.1, 0.025)
+AGEING, PAPER = Ageing(FINAL, 1e-3), Ageing(FINAL, 1e-3, closure="paper")
 
 
 @pytest.mark.parametrize(
     ("call", "begins"),
     [
         (
-            lambda: master.solve(Contacts(FRESH, ageing=AGEING), [1.0, 0.5]),
-            "path[1] = 0.5: lies behind path[0] = 1; ageing",
-        ),
-        (lambda: master.solve(Contacts(FRESH, ageing=AGEING), [1.0], spring=2.0), "spring = 2.0: ageing takes a rigid"),
-        (lambda: master.solve(Contacts(FRESH, ageing=AGEING), [1.0], time=[1.0]), "time: ageing takes one speed"),
-        (
-            lambda: master.solve(Contacts(FRESH, ageing=AGEING, thermal=Thermal("soft", 0.1)), [1.0]),
-            "contacts.thermal: not solved together with ageing",
+            lambda: master.solve(Contacts(FRESH, WIDTH, ageing=PAPER, delay=Delay(0.1)), [1.0]),
+            "contacts.delay: (Q15), the paper's closure of ageing, does not have it",
         ),
         (
-            lambda: master.steady_state(Contacts(FRESH, ageing=AGEING, delay=Delay(0.1))),
-            "contacts.delay: not solved together with ageing",
+            lambda: master.steady_state(Contacts(FRESH, ageing=PAPER, reforming=0.1)),
+            "contacts.reforming: (Q15), the paper's closure of ageing, does not have it",
         ),
         (
-            lambda: master.solve(Contacts(FRESH, ageing=AGEING, reforming=0.1), [1.0]),
-            "contacts.reforming: not solved together with ageing",
+            lambda: master.solve(Contacts(FRESH, ageing=PAPER), [1.0], time=[1.0]),
+            "time: the paper's closure of ageing takes one speed",
+        ),
+        (
+            lambda: master.propensity(Contacts(FRESH, ageing=PAPER)),
+            'contacts.ageing: closure = "paper" (Q15) has one P_c for all',
         ),
         (lambda: master.steady_state(Contacts(FRESH, ageing=AGEING), velocity=-1.0), "velocity = -1.0: must be above"),
-        (lambda: master.propensity(Contacts(FRESH, ageing=AGEING)), "contacts.ageing: master.propensity does not"),
         (
             lambda: master.steady_state(Contacts(origins.identical(0.5), ageing=Ageing(origins.gw_plastic(1.0), 1.0))),
             "thresholds: hold the single value 0.5",

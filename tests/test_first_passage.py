@@ -77,7 +77,7 @@ def test_figure_a05_by_two_roads() -> None:
 @pytest.mark.parametrize("diffusion", [1e-4, 1e-2, 3.0])
 def test_roads_agree_from_any_start(start: float, diffusion: float) -> None:
     fresh, final = origins.gaussian(0.5, 0.15), origins.gaussian(0.9, 0.08)
-    exact = first_passage(fresh, Ageing(final, diffusion), start=start)
+    exact = first_passage(fresh, Ageing(final, diffusion), start=start, accuracy=1e-11)
     told = diffusion_passage(fresh, final, diffusion, start)
     difference = np.abs(exact.law.sf(told.advance) - told.survival).max()
     assert difference < 1e-7 and difference < told.error + exact.error

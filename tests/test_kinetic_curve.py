@@ -1,25 +1,28 @@
-"""F_k(v) at many speeds in one call, against single steady states."""
+"""F_k along speeds, temperatures, rates of ageing and delays in one call, against single steady states and closed
+forms."""
 
 import numpy as np
 import pytest
 
 import master
-from origins import Contacts, Delay, InputError, Thermal, gaussian, identical, rectangular
+from master.ageing_paper import gaussian_force
+from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian, identical, rectangular
 
 SPEEDS = np.geomspace(1e-6, 1e4, 200)
+NARROW = gaussian(1.0, 0.05)
 
 
 @pytest.mark.parametrize("law", ["soft", "stiff"])
 @pytest.mark.parametrize("temperature", [0.001, 0.1])
 @pytest.mark.parametrize("more", [{}, {"stiffness": "linked"}, {"delay": Delay(0.1)}])
 def test_every_speed_is_the_steady_state_at_that_speed(law: str, temperature: float, more) -> None:
-    contacts = Contacts(gaussian(1.0, 0.05), thermal=Thermal(law, temperature), **more)
+    contacts = Contacts(NARROW, thermal=Thermal(law, temperature), **more)
     curve = master.kinetic_curve(contacts, SPEEDS)
     for i in (3, 60, 120, 190):
         steady = master.steady_state(contacts, velocity=float(SPEEDS[i]))
         assert curve.force[i] == pytest.approx(steady.force, rel=1e-9)
         assert abs(curve.force[i] - steady.force) <= curve.force_error[i] + steady.force_error
-        assert curve.holding[i] == pytest.approx(steady.holding, rel=1e-9)
+        assert abs(curve.holding[i] - steady.holding) <= curve.holding_error[i] + 1e-12
     assert (curve.force_error <= 1e-9 * curve.force).all()
 
 
@@ -31,5 +34,73 @@ def test_laws_summed_speed_by_speed_and_laws_without_speed() -> None:
             curve = master.kinetic_curve(contacts, few)
             single = [master.steady_state(contacts, velocity=float(v)).force for v in few]
             np.testing.assert_allclose(curve.force, single, rtol=1e-12)
-    with pytest.raises(InputError, match="velocity"):
-        master.kinetic_curve(Contacts(gaussian(1.0, 0.1)), [1.0, 0.0])
+
+
+def test_a_table_over_speed_and_temperature() -> None:
+    contacts = Contacts(NARROW, 0.3, thermal=Thermal("stiff", 0.5), reforming=0.1)
+    speeds, temperatures = np.array([0.1, 10.0]), np.array([0.0, 0.05, 0.5])
+    table = master.kinetic_curve(contacts, speeds[:, None], temperature=temperatures)
+    assert table.force.shape == table.force_error.shape == table.holding.shape == (2, 3)
+    cold = master.steady_state(Contacts(NARROW, reforming=0.1)).force
+    np.testing.assert_array_equal(table.force[:, 0], cold)
+    for i, j in ((0, 1), (1, 2)):
+        thermal = Thermal("stiff", float(temperatures[j]))
+        single = Contacts(NARROW, thermal=thermal, reforming=0.1)
+        steady = master.steady_state(single, velocity=float(speeds[i]))
+        assert abs(table.force[i, j] - steady.force) <= table.force_error[i, j] + steady.force_error
+    # left out, the temperature is the contacts' own; one number is a curve of no dimension
+    own = master.kinetic_curve(contacts, 10.0)
+    assert own.force.shape == () and float(own.force) == table.force[1, 2]
+
+
+def test_ageing_in_the_papers_closure_is_the_closed_form_and_depends_on_rate_over_speed_alone() -> None:
+    fresh, final = gaussian(0.5, 0.05), gaussian(1.0, 0.01)
+    contacts = Contacts(fresh, ageing=Ageing(final, 1.0, closure="paper"))
+    diffusion = np.array([0.0, 1e-8, 1e-4, 1e-2, 1e4])
+    curve = master.kinetic_curve(contacts, rate=diffusion)
+    length, force = gaussian_force(fresh.mean(), fresh.moment(2), 1.0, 0.01, diffusion)
+    assert (np.abs(curve.force - force) <= 2.0 * curve.force_error).all()
+    np.testing.assert_allclose(curve.force, force, rtol=1e-9)
+    waiting = master.kinetic_curve(contacts, 4.0, rate=4.0 * diffusion, delay=0.1)
+    np.testing.assert_allclose(waiting.holding, length / (length + 0.4), rtol=1e-9)
+    np.testing.assert_allclose(waiting.force, curve.force * waiting.holding, rtol=1e-12)
+
+
+def test_exact_ageing_is_the_steady_state_at_each_rate() -> None:
+    contacts = Contacts(gaussian(0.5, 0.1), ageing=Ageing(gaussian(1.0, 0.01), 1e-3))
+    curve = master.kinetic_curve(contacts, [1.0, 10.0], rate=[1e-3, 1e-2])
+    steady = master.steady_state(contacts)
+    np.testing.assert_allclose(curve.force, steady.force, rtol=1e-12)
+    # physics at v = 1000 D, four digits
+    assert curve.force[0] == pytest.approx(0.4995, abs=5e-5)
+
+
+def test_what_holds_at_each_delay() -> None:
+    wide = rectangular(0.5, 1.5)
+    waits = np.linspace(0.0, 50.0, 200)
+    curve = master.kinetic_curve(Contacts(wide), 2.0, delay=waits)
+    np.testing.assert_allclose(curve.holding, 1.0 / (1.0 + 2.0 * waits), rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(curve.force, wide.moment(2) / 2.0 * curve.holding, rtol=1e-13)
+    assert (np.abs(curve.holding - 1.0 / (1.0 + 2.0 * waits)) <= curve.holding_error).all()
+    # with temperature C is that of breaks by a rate, to be met by the other road
+    warm = Contacts(wide, thermal=Thermal("soft", 0.1))
+    curve = master.kinetic_curve(warm, 2.0, delay=waits[::50])
+    for wait, held, off in zip(waits[::50], curve.holding, curve.holding_error, strict=True):
+        contacts = Contacts(wide, thermal=Thermal("soft", 0.1), delay=Delay(float(wait)))
+        assert abs(held - master.steady_state(contacts, velocity=2.0).holding) <= off + 1e-12 <= 1e-10
+
+
+@pytest.mark.parametrize(
+    ("told", "arguments"),
+    [
+        (r"velocity = 0\.0: must be finite and above zero", {"velocity": [1.0, 0.0]}),
+        (r"delay = -1\.0: must be finite and zero or above", {"delay": -1.0}),
+        ("temperature: these contacts have no law for it", {"temperature": [0.1]}),
+        ("rate: these contacts do not age", {"rate": [0.1]}),
+        (r"velocity, delay: have shapes that do not fit .*\(3,\), delay", {"velocity": [1, 2, 3], "delay": [0, 1]}),
+        ("velocity .*must not be empty", {"velocity": []}),
+    ],
+)
+def test_what_cannot_be_asked_is_said(told: str, arguments: dict) -> None:
+    with pytest.raises(InputError, match=told):
+        master.kinetic_curve(Contacts(NARROW), **arguments)

@@ -1,6 +1,6 @@
-"""First breaks at a temperature, of contacts that hold at X = 0 with stretches on either side of 0.
+"""First breaks by a temperature or with ageing, of contacts that hold at X = 0 with stretches on either side of 0.
 
-With p(x; x_0) of thermal_law and q(x_0) = Q_ini(x_0)/S(|x_0|),
+With p(x; x_0) of thermal_law or ageing_breaking and q(x_0) = Q_ini(x_0)/S(|x_0|),
 
     b_0(X) = integral of q(x_0) p(x_0 + X; x_0),       dJ_0/dX = the same, times (x_0 + X).
 """
@@ -8,6 +8,7 @@ With p(x; x_0) of thermal_law and q(x_0) = Q_ini(x_0)/S(|x_0|),
 import numpy as np
 import numpy.typing as npt
 
+from master.ageing_breaking import AgeingBreaking
 from master.corners import bends
 from master.first import FirstBreaks, tabulate_rows
 from master.law import Law
@@ -19,19 +20,21 @@ from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 
-Breaking = ThermalBreaking | PaperBreaking
+Breaking = ThermalBreaking | PaperBreaking | AgeingBreaking
 
 _JUMP = 1e-11
 _NARROW = 1e-9
 _CHUNK = 8_000
+_SAME = 1e-14
 _NEGLIGIBLE = 1e-19
 
 
-class ThermalFirstBreaks(FirstBreaks):
+class OriginBreaks(FirstBreaks):
     """Density and atoms of the first breaks over X (in units of `law`), up to X = `end`, the same face as at T = 0."""
 
     def __init__(self, contacts: Contacts, law: Law, breaking: Breaking, end: float, accuracy: float) -> None:
-        self.end, self._accuracy, self._law, self._breaking = end, max(accuracy, 2e-15), law, breaking
+        self.end, self._accuracy, self._law = end, max(accuracy, 2e-15), law
+        self._breaking = breaking = breaking.of(contacts.start)
         unit = law.unit
         self._unit, self._contacts = unit, contacts
         low, high = np.asarray(contacts.start.span) / unit
@@ -65,14 +68,17 @@ class ThermalFirstBreaks(FirstBreaks):
         seeds = np.concatenate([seeds, peak - self.mean_start + across * np.linspace(-2.0, 2.0, 9)])
         top = min(end, breaking.top / unit - low)
         seeds = np.unique(seeds[(seeds > 0.0) & (seeds < top)])
-        edges = np.unique(np.concatenate([np.linspace(0.0, top, 9), seeds]))
+        fast = breaking.panels / unit
+        edges = np.unique(np.concatenate([np.linspace(0.0, top, 9), seeds, fast[fast < top]]))
+        # closer than rounding is once
+        edges = edges[np.append(np.diff(edges) > _SAME, True)]
         self.density, self._released, self.stiffness = tabulate_rows(self._rows, edges, self._accuracy)
         self._find_corners(seeds, law)
         self._order = np.argsort(self.atoms, kind="stable")
         self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
         rest = float(self._integrals(np.array([top]))[1, 0]) if top < breaking.top / unit - low else 0.0
         broken = self.density.total + float(self.atom_weights[self.atoms <= top].sum())
-        self._defect = abs(1.0 - rest - broken)
+        self._defect = abs(1.0 - rest - broken) + breaking.error
 
     def _find_corners(self, seeds: Array, law: Law) -> None:
         """Jumps of b_0 between panels, and bends where the law has atoms."""
@@ -102,7 +108,9 @@ class ThermalFirstBreaks(FirstBreaks):
         start = self._sum
         cuts = self._cuts
         own = np.broadcast_to(start.edges, (x.size, start.edges.size))
-        edges = np.concatenate([own, cuts - x[:, None], -0.5 * x[:, None]], axis=1)
+        # where a stretch turns at 0, and where it is back at what it was
+        turns = self._breaking.bends(x * self._unit) / self._unit
+        edges = np.concatenate([own, cuts - x[:, None], turns, -0.5 * x[:, None]], axis=1)
         edges = np.sort(np.clip(edges, start.low, start.high), axis=1)
         left, right = edges[:, :-1], edges[:, 1:]
         row, piece = np.nonzero(right - left > 1e-15 * (start.high - start.low))

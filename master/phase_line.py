@@ -1,0 +1,96 @@
+"""The line between stick-slip and smooth sliding: the critical spring along speeds, temperatures, ageing, delays."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.cycle import LAWS, Cycle
+from master.points import Points, changed
+from master.propensity import extremes
+from origins import Contacts
+from origins.contacts import check_contacts
+from origins.errors import positive
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PhaseLine:
+    """K* at many points; arrays have the shape that the quantities asked for have together.
+
+    Attributes
+    ----------
+    velocity : array
+        v, length per time.
+    temperature, rate, delay : array or None
+        T = k_BT/<k> (a length squared), D (a length squared per time) and τ_m (a time); None where there is none.
+    critical_spring, critical_spring_error : array
+        K*/(N_c <k>) and its error: below it stick-slip, at and above it smooth sliding. 0 where the force never falls:
+        no spring lets go; inf where it drops at one X: every spring does.
+    run_time : float
+        Seconds.
+    """
+
+    velocity: Array
+    temperature: Array | None
+    rate: Array | None
+    delay: Array | None
+    critical_spring: Array
+    critical_spring_error: Array
+    run_time: float
+
+
+def phase_line(
+    contacts: Contacts,
+    velocity: npt.ArrayLike = 1.0,
+    *,
+    temperature: npt.ArrayLike | None = None,
+    rate: npt.ArrayLike | None = None,
+    delay: npt.ArrayLike | None = None,
+    tolerance: float = 1e-6,
+) -> PhaseLine:
+    """K*(v, T) of `contacts` on a slider that moves forward from their start: max of -dF/dX (paper, Eq. Q16).
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With any laws that `propensity` takes; the start matters.
+    velocity : float or array
+        v > 0 of the slider (length per time).
+    temperature, rate, delay : float or array, optional
+        In place of the contacts' own: T >= 0 of their thermal law, D >= 0 of their ageing, τ_m >= 0, whether they have
+        a delay or not; 0: none. None: their own. Arrays broadcast: velocity[:, None] and temperature give a table.
+    tolerance : float
+        Change of K* between lattices, relative to 1 + K*, below which no finer one is asked; the errors say how far.
+
+    v is the speed of the slider itself: that of a soft slider's drive is higher while the force rises, by 1 + F'/K.
+
+    Raises InputError as `propensity` does, for values that are not finite or too small, for shapes that do not fit, and
+    for a temperature or a rate of contacts without that law.
+    """
+    began = time.perf_counter()
+    check_contacts(contacts, "master.phase_line", LAWS)
+    tolerance = positive("tolerance", tolerance)
+    points = Points(contacts, velocity, temperature, rate, delay)
+    speeds, *others = points.rows
+    # without rates, ageing and delay the speed does not tell
+    speeds = np.where(np.any(others, axis=0), speeds, 1.0)
+    cases, which = np.unique(np.stack([speeds, *others], axis=1), axis=0, return_inverse=True)
+    found = np.empty((2, len(cases)))
+    for i, (speed, heat, spread, wait) in enumerate(cases.tolist()):
+        single = changed(contacts, heat, spread, wait, contacts.start)
+        found[:, i] = extremes(single, Cycle(single, speed), tolerance)[:2]
+    spring, error = (row[which.reshape(-1)].reshape(points.shape) for row in found)
+    return PhaseLine(
+        points.velocity,
+        points.temperature,
+        points.rate,
+        points.delay,
+        spring,
+        error,
+        time.perf_counter() - began,
+    )
