@@ -13,6 +13,7 @@ import numpy.typing as npt
 from eq_model import layout
 from eq_model.beginning import Beginning
 from eq_model.forward import Forward, takes
+from eq_model.histogram import Histogram
 from eq_model.lives import LAWS, Lives
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
@@ -37,6 +38,7 @@ class EnsembleResult:
         ensemble and not in its error: one contact's stretch divided by their number.
     holding : fraction of contacts that hold, shape (n,).
     holding_standard_error : of that, shape (n,).
+    histograms : of stretches and thresholds, at the points asked for.
     breaks : breaks in all; breaks_per_rank : of each rank.
     run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.
     """
@@ -46,6 +48,7 @@ class EnsembleResult:
     force_standard_error: Array
     holding: Array
     holding_standard_error: Array
+    histograms: list[Histogram]
     breaks: int
     breaks_per_rank: list[int]
     run_time: float
@@ -73,6 +76,7 @@ class Ensemble:
         n_contacts: int = 100_000,
         n_replicas: int = 1,
         seed: int = 0,
+        histograms: npt.ArrayLike = (),
         comm: Any = None,
     ) -> None:
         check_contacts(contacts, "eq_model.simulate", LAWS)
@@ -96,7 +100,12 @@ class Ensemble:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
         self.drive = Drive(path, velocity, time)
         beginning = Beginning(contacts, self.n_contacts, key_of(seed))
-        self._engine: Forward | Lives = (Forward if takes(contacts, self.drive) else Lives)(self.drive, beginning)
+        points = _points(histograms, self.drive.path.size)
+        self._engine: Forward | Lives
+        if takes(contacts, self.drive) and not points.size:
+            self._engine = Forward(self.drive, beginning)
+        else:
+            self._engine = Lives(self.drive, beginning, points)
         self._run_time = clock.perf_counter() - started
         started = clock.perf_counter()
         layout.in_turn(comm, lambda: self._engine.follow(range(0)))
@@ -130,11 +139,22 @@ class Ensemble:
             force_standard_error=np.sqrt(variance / self.total),
             holding=holding,
             holding_standard_error=np.sqrt(holding * (1.0 - holding) / self.total),
+            histograms=self._engine.histograms(self.total, sums),
             breaks=sum(breaks_per_rank),
             breaks_per_rank=breaks_per_rank,
             run_time=run_time,
             compile_time=self.compile_time,
         )
+
+
+def _points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
+    points = np.atleast_1d(np.asarray(histograms))
+    if not points.size:
+        return np.empty(0, np.intp)
+    good = points.ndim == 1 and points.dtype.kind in "iu" and ((points >= -size) & (points < size)).all()
+    if not good:
+        refuse("histograms", histograms, f"must be indices of points of the path, below {size}, such as [0, {size - 1}]")
+    return np.asarray(points % size, dtype=np.intp)
 
 
 def simulate(
@@ -146,6 +166,7 @@ def simulate(
     n_contacts: int = 100_000,
     n_replicas: int = 1,
     seed: int = 0,
+    histograms: npt.ArrayLike = (),
     comm: Any = None,
 ) -> EnsembleResult:
     """Follow n_contacts * n_replicas discrete contacts along the path of a rigid slider.
@@ -168,6 +189,8 @@ def simulate(
         Replicas differ in their random numbers only.
     seed : int
         0 <= seed < 2^64. The result depends on these arguments alone, bit by bit, not on the number of ranks.
+    histograms : array of int
+        Indices of points of the path at which stretches and thresholds of the contacts that hold are counted.
     comm : mpi4py communicator, optional
         Its ranks share the work, and all must call; None: this process alone, mpi4py not needed.
 
@@ -181,6 +204,7 @@ def simulate(
         n_contacts=n_contacts,
         n_replicas=n_replicas,
         seed=seed,
+        histograms=histograms,
         comm=comm,
     )
     for _ in ensemble:

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from eq_model import layout
 from eq_model.beginning import Beginning
+from eq_model.histogram import Histogram
 from eq_model.lattice import force, joined, make_lattice, split, variance
 from eq_model.rare import unseen_variance
 from eq_model.thermal_tables import steady_for_kernel
@@ -88,6 +89,10 @@ class Forward:
         spread = variance(self.lattice, measured, births, square_births, part[:, 2::2], part[:, 3::2], unseen)
         mean = force(self.lattice, n, total[:, 0], total[:, 1:])
         return np.ones(mean.size), mean, spread
+
+    def histograms(self, n: int, sums: npt.NDArray[np.int64]) -> list[Histogram]:
+        """None."""
+        return []
 
     def _expected_birth(self) -> int:
         return 0 if self._single else round(-self._stretch / self.lattice.unit)

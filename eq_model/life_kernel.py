@@ -159,12 +159,25 @@ def _first_meeting(above, below, spread, normal, uniform):  # type: ignore[no-un
 
 
 @compiled
-def grow_old(clock, leg, x, threshold, bears, law, a, course, ageing, pace_of_steps, place, stream):  # type: ignore[no-untyped-def]
-    """As live, of a contact whose threshold diffuses meanwhile; besides, the steps taken.
+def _look(at, birth, threshold, watch, counts):  # type: ignore[no-untyped-def]
+    """Count a contact that holds at one of the watched moments: its stretch and its threshold (whole)."""
+    _, places, per, _ = watch
+    bins = counts.shape[2]
+    x = np.int64(np.floor(np.float64(places[at] - birth) * (0.5 * per) + 0.5 * bins))
+    counts[at, 0, min(max(x, 0), bins - 1)] += 1
+    counts[at, 1, min(max(np.int64(np.float64(threshold) * per), 0), bins - 1)] += 1
+
+
+@compiled
+def grow_old(  # type: ignore[no-untyped-def]
+    clock, leg, x, threshold, bears, law, a, course, ageing, pace_of_steps, place, stream, watch, counts, seen
+):
+    """As live, of a contact whose threshold diffuses meanwhile; besides, the steps taken, and the watched moments seen.
 
     pace_of_steps : the longest step in time near the threshold; stream : key, second counter word and contact, from
     the draw `place` on.
     """
+    moments = watch[0]
     begins, _, directions, paces = course
     k0, k1, second, contact = stream
     legs, y, steps, diffusion = directions.size, threshold, 0, ageing[4]
@@ -180,6 +193,8 @@ def grow_old(clock, leg, x, threshold, bears, law, a, course, ageing, pace_of_st
             if d != 0 and not leaving:
                 left = min(left, max(-d * now, 1.0) * pace)
             here, speed = abs(now), (1.0 / pace if d != 0 and leaving else 0.0)
+            if seen < moments.size and moments[seen] < end:
+                left = min(left, max(np.float64(moments[seen] - at) - passed, 1.0) * pace)
             time = min(max(pace_of_steps, _safe(y - here, y, here, speed, ageing)), left)
             if law[0]:
                 time = min(time, _THERMAL / max(rate(min(here, y), y, law, a), 1e-300))
@@ -209,15 +224,18 @@ def grow_old(clock, leg, x, threshold, bears, law, a, course, ageing, pace_of_st
                 bears -= spent
             if broken:
                 gone = min(np.int64(np.floor(passed + part * ticks + 0.5)), end - at)
-                return at + gone, stretch + d * gone, leg, steps
+                return at + gone, stretch + d * gone, leg, steps, seen
             passed += ticks
             y = later
+            while seen < moments.size and np.float64(moments[seen] - at) <= passed + 0.5:
+                _look(seen, _place(moments[seen], leg, course) - stretch - d * (moments[seen] - at), y, watch, counts)
+                seen += 1
             if room - passed < 0.5:
                 break
         x = stretch + d * (end - at)
         leg += 1
         clock = end
-    return begins[legs] + 1, x, leg, steps
+    return begins[legs] + 1, x, leg, steps, seen
 
 
 @compiled
@@ -301,13 +319,17 @@ def _fine(v, side, factor, sides, first, edges, cubics):  # type: ignore[no-unty
 
 
 @compiled
-def run(first, n, n_contacts, key, table, again, births, thresholds, physics, course, lattice, reference, sums):  # type: ignore[no-untyped-def]
+def run(  # type: ignore[no-untyped-def]
+    first, n, n_contacts, key, table, again, births, thresholds, physics, course, lattice, reference, watch, sums, counts
+):
     """Follow contacts first ... first + n - 1 to the drive's end; the numbers of breaks and of inner steps.
 
     again : table of the stretches of re-forming, or its single whole value with an empty table; births, thresholds :
     the contacts' starting positions and first thresholds; physics : what lives.physics
     gives, whether stretches of re-forming are drawn, and the single one.
-    sums : shape (columns * bins,), increased by the events of each bin.
+    watch : moments at which contacts are counted, in order, the slider's places then, bins per unit of thresholds,
+    and the largest threshold. sums : shape (columns * bins,), increased by the events of each bin; counts : shape
+    (moments, 2, bins), by the contacts that hold then, by their stretches of either sign and by their thresholds.
     """
     law, tables, delay, stiff, mean, ageing, longest, reform, single = physics
     hot, hot_shift, pieces, factor, sides, fine, edges, cubics = table
@@ -319,7 +341,7 @@ def run(first, n, n_contacts, key, table, again, births, thresholds, physics, co
     cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
     count, base = np.empty(LANES, np.uint32), np.empty(LANES, np.uint32)
     limit, start = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
-    drawn = np.zeros(LANES, np.uint32)
+    drawn, ahead, moments = np.zeros(LANES, np.uint32), np.zeros(LANES, np.int64), watch[0]
     breaks, steps, taken, lanes = 0, 0, 0, 0
     while True:
         # lanes whose contact is done are at the end: give them the next ones
@@ -328,7 +350,7 @@ def run(first, n, n_contacts, key, table, again, births, thresholds, physics, co
             index = _U(first + taken)
             replica = index // many
             second[lanes], contact[lanes] = _LIVES | replica, index - replica * many
-            block[lanes], clock[lanes], legs[lanes], drawn[lanes] = 0, 0, 0, 0
+            block[lanes], clock[lanes], legs[lanes], drawn[lanes], ahead[lanes] = 0, 0, 0, 0, 0
             start[lanes], limit[lanes] = -births[taken], thresholds[taken]
             lanes += 1
             taken += 1
@@ -355,6 +377,13 @@ def run(first, n, n_contacts, key, table, again, births, thresholds, physics, co
                     born = _exact(words[i + 2 * ROW], more, again[3], again[4], again[5], again[6], again[7])
                 if not reform:
                     born = single
+                attempt = _U(0)
+                while abs(born) >= watch[3]:
+                    # no contact holds there: drawn again, at the same place of the stream but for the attempt
+                    attempt += _U(1)
+                    high = (contact[i] >> _HALF) | (attempt << _U(16))
+                    a0, a1, _, _ = philox(_U(block[i]), tail, contact[i] & _MASK, high, k0, k1)
+                    born = _exact(np.uint32(a0), a1, again[3], again[4], again[5], again[6], again[7])
                 if threshold <= abs(born):
                     more = philox(_U(block[i]), tail, contact[i] & _MASK, contact[i] >> _HALF, k0, k1)[3]
                     threshold = _conditional(abs(born), words[i + 3 * ROW], more, table)
@@ -369,13 +398,35 @@ def run(first, n, n_contacts, key, table, again, births, thresholds, physics, co
                     a *= np.sqrt(stiffness)
             if ageing[0]:
                 stream = k0, k1, second[i] ^ _LIVES ^ _LIFE_STEPS, contact[i]
-                then, _, leg, done = grow_old(
-                    clock[i], leg, born, float(threshold), bears, law, a, course, ageing, longest, drawn[i], stream
+                seen = ahead[i]
+                while seen < moments.size and moments[seen] < clock[i]:
+                    seen += 1
+                then, _, leg, done, seen = grow_old(
+                    clock[i],
+                    leg,
+                    born,
+                    float(threshold),
+                    bears,
+                    law,
+                    a,
+                    course,
+                    ageing,
+                    longest,
+                    drawn[i],
+                    stream,
+                    watch,
+                    counts,
+                    seen,
                 )
+                ahead[i] = seen
                 drawn[i] += np.uint32(done)
                 steps += done
             else:
                 then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course)
+                while ahead[i] < moments.size and moments[ahead[i]] < then:
+                    if moments[ahead[i]] >= clock[i]:
+                        _look(ahead[i], birth, threshold, watch, counts)
+                    ahead[i] += 1
             if then > end:
                 continue
             _event(-1, stiff, stiffness, birth, then, lattice, reference, sums)
@@ -385,7 +436,7 @@ def run(first, n, n_contacts, key, table, again, births, thresholds, physics, co
                 if then > end:
                     continue
             second[left], contact[left], block[left] = second[i], contact[i], block[i] + np.uint32(1)
-            drawn[left] = drawn[i]
+            drawn[left], ahead[left] = drawn[i], ahead[i]
             clock[left], legs[left] = then, leg
             left += 1
         lanes = left

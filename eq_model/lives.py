@@ -9,7 +9,8 @@ from scipy.interpolate import CubicSpline
 from eq_model.beginning import Beginning, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
-from eq_model.lattice import Whole, split
+from eq_model.histogram import BINS, Histogram, histogram
+from eq_model.lattice import Whole, joined, split
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive
 
@@ -93,10 +94,11 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
 class Lives:
     """The sums of such contacts, and what they say of the force.
 
-    sums : shape (2, columns * bins), limbs of the events of each bin. breaks, steps : so far; inner steps of ageing.
+    sums : shape (2, columns * bins + counts), limbs of the events of each bin, then of the counts of the histograms.
+    breaks, steps : so far; inner steps of ageing.
     """
 
-    def __init__(self, drive: Drive, beginning: Beginning) -> None:
+    def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
         contacts, table = beginning.contacts, beginning.table
         self._beginning, self.linked = beginning, contacts.stiffness == "linked"
         reforming = contacts.reforming
@@ -120,16 +122,24 @@ class Lives:
         if spread:
             self._again = kernel_table(reforming_table(contacts), unit)
         self._physics = (*physics(contacts, unit), spread, single)
+        moments = self.course.lattice.points[self.course.lattice.place[points]]
+        self._points, self._order = points, np.argsort(moments, kind="stable")
+        places = np.rint(drive.path[points] / unit).astype(np.int64)[self._order]
+        top = table.upper(0.0) * table.scale if np.isfinite(contacts.thresholds.support()[1]) else np.inf
+        self._longest = longest
+        self._watch = (moments[self._order], places, BINS * unit / longest, min(top / unit, 2.0**58))
         self.breaks, self.steps = 0, 0
-        self.sums = np.zeros((2, columns(self.linked) * self.course.lattice.bin_cell.size), np.int64)
-        self._block_sums = np.zeros(self.sums.shape[1], np.int64)
+        self._events = columns(self.linked) * self.course.lattice.bin_cell.size
+        self.sums = np.zeros((2, self._events + 2 * BINS * points.size), np.int64)
+        self._block_sums = np.zeros(self._events, np.int64)
+        self._counts = np.zeros((points.size, 2, BINS), np.int64)
 
     def follow(self, block: range) -> None:
         """Follow a block of contacts to the drive's end."""
         from eq_model import life_kernel
 
         births, firsts = self._beginning.draw(block)
-        self._block_sums[:] = 0
+        self._block_sums[:], self._counts[:] = 0, 0
         breaks, steps = life_kernel.run(
             block.start,
             births.size,
@@ -143,13 +153,24 @@ class Lives:
             self.course.for_kernel,
             self.course.lattice.for_kernel,
             self.course.reference,
+            self._watch,
             self._block_sums,
+            self._counts,
         )
-        self.sums += split(self._block_sums)
+        self.sums += split(np.concatenate([self._block_sums, self._counts.ravel()]))
         self.breaks += int(breaks)
         self.steps += int(steps)
 
     def moments(self, n: int, sums: Whole) -> tuple[Array, Array, Array]:
         """Fraction that holds, mean force (a length) of n contacts and its variance between them, at the points."""
-        holding, force, variance = moments(self.course, self.linked, n, sums)
+        holding, force, variance = moments(self.course, self.linked, n, sums[:, : self._events])
         return holding, force, np.maximum(variance, self._reached**2 / n)  # one break that might have been
+
+    def histograms(self, n: int, sums: Whole) -> list[Histogram]:
+        """What stood at the chosen points, in their order."""
+        counts = joined(sums[:, self._events :]).reshape(-1, 2, BINS)
+        back = np.argsort(self._order)
+        return [
+            histogram(int(point), float(self.course.path[point]), self._longest, counts[k], n)
+            for point, k in zip(self._points, back, strict=True)
+        ]

@@ -1,0 +1,43 @@
+"""What stretches and thresholds the contacts have that hold: counted where asked for, the contacts not kept."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+BINS = 4096
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """Contacts that hold at one point of the path; all arrays of shape (4096,) but for edges, of one more.
+
+    point : index into the path; position : X there, a length.
+    stretch_edges, threshold_edges : lengths.
+    stretches : Q(x; X), fraction of all contacts per length in each bin of stretches; stretch_error : its standard
+    error. thresholds : P_xs(x), density of the thresholds of those contacts that hold, per length; threshold_error.
+    count : contacts that hold there.
+    """
+
+    point: int
+    position: float
+    stretch_edges: Array
+    stretches: Array
+    stretch_error: Array
+    threshold_edges: Array
+    thresholds: Array
+    threshold_error: Array
+    count: int
+
+
+def histogram(point: int, position: float, longest: float, counts: Array, n: int) -> Histogram:
+    """From counts (2, bins) of n contacts: stretches between -longest and longest, thresholds up to longest."""
+    held = int(counts[0].sum())
+    out = []
+    for row, total, low in ((counts[0], n, -longest), (counts[1], max(held, 1), 0.0)):
+        edges = np.linspace(low, longest, BINS + 1)
+        share, width = row / total, (longest - low) / BINS
+        out += [edges, share / width, np.sqrt(share * (1.0 - share) / total) / width]
+    return Histogram(point, position, *out, count=held)
