@@ -153,7 +153,7 @@ def _points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
         return np.empty(0, np.intp)
     good = points.ndim == 1 and points.dtype.kind in "iu" and ((points >= -size) & (points < size)).all()
     if not good:
-        refuse("histograms", histograms, f"must be indices of points of the path, below {size}, such as [0, {size - 1}]")
+        refuse("histograms", histograms, f"must be indices of points of the path, such as [0, {size - 1}]")
     return np.asarray(points % size, dtype=np.intp)
 
 

@@ -35,9 +35,11 @@ class Histogram:
 def histogram(point: int, position: float, longest: float, counts: Array, n: int) -> Histogram:
     """From counts (2, bins) of n contacts: stretches between -longest and longest, thresholds up to longest."""
     held = int(counts[0].sum())
-    out = []
-    for row, total, low in ((counts[0], n, -longest), (counts[1], max(held, 1), 0.0)):
-        edges = np.linspace(low, longest, BINS + 1)
-        share, width = row / total, (longest - low) / BINS
-        out += [edges, share / width, np.sqrt(share * (1.0 - share) / total) / width]
-    return Histogram(point, position, *out, count=held)
+    stretches, thresholds = _density(counts[0], n, -longest, longest), _density(counts[1], max(held, 1), 0.0, longest)
+    return Histogram(point, position, *stretches, *thresholds, held)
+
+
+def _density(counts: Array, total: int, low: float, high: float) -> tuple[Array, Array, Array]:
+    """Edges, density and its standard error."""
+    share, width = counts / total, (high - low) / BINS
+    return np.linspace(low, high, BINS + 1), share / width, np.sqrt(share * (1.0 - share) / total) / width

@@ -3,7 +3,8 @@
 A contact's life is sampled without a time step: its threshold is drawn, and how much of its breaking rate it can bear,
 and where either is reached follows in closed form on every leg of the drive. What it does to the sums is two events, a
 birth and a break, each of which counts in the bin of the clock in which it falls. Positions and sums are whole numbers
-(see lattice.py, course.py), so no order of work shows in the result. life_twin.py is the same in plain numpy.
+(see lattice.py, course.py), so no order of work shows in the result. life_twin.py
+is the same in plain Python.
 
 Lengths are in units of the lattice; thermal laws are those of thermal_kernel.py.
 """
@@ -320,21 +321,19 @@ def _fine(v, side, factor, sides, first, edges, cubics):  # type: ignore[no-unty
 
 @compiled
 def run(  # type: ignore[no-untyped-def]
-    first, n, n_contacts, key, table, again, births, thresholds, physics, course, lattice, reference, watch, sums, counts
+    first, n, many, key, table, again, births, thresholds, physics, course, lattice, reference, watch, sums, counts
 ):
     """Follow contacts first ... first + n - 1 to the drive's end; the numbers of breaks and of inner steps.
 
-    again : table of the stretches of re-forming, or its single whole value with an empty table; births, thresholds :
-    the contacts' starting positions and first thresholds; physics : what lives.physics
-    gives, whether stretches of re-forming are drawn, and the single one.
-    watch : moments at which contacts are counted, in order, the slider's places then, bins per unit of thresholds,
-    and the largest threshold. sums : shape (columns * bins,), increased by the events of each bin; counts : shape
-    (moments, 2, bins), by the contacts that hold then, by their stretches of either sign and by their thresholds.
+    many : contacts in each replica; again : table of the stretches of re-forming; births, thresholds : negative
+    starting stretches and first thresholds; physics : of lives.physics, whether stretches of re-forming are drawn, and
+    the one there is else. watch : moments at which contacts are counted, in order, the slider's places then, bins per
+    unit of thresholds, and the largest threshold. sums : shape (columns * bins,), increased by the events of each bin;
+    counts : shape (moments, 2, bins), by the contacts that hold then, by stretch of either sign and by threshold.
     """
     law, tables, delay, stiff, mean, ageing, longest, reform, single = physics
     hot, hot_shift, pieces, factor, sides, fine, edges, cubics = table
-    (k0, k1), many = key, _U(n_contacts)
-    end = lattice[2]
+    (k0, k1), many, end = key, _U(many), lattice[2]
     second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
     clock, legs = np.empty(LANES, np.int64), np.zeros(LANES, np.int64)
     words = np.empty(4 * ROW, np.uint32)

@@ -15,7 +15,7 @@ from origins.quantile import QuantileTable, quantile_table
 Array = npt.NDArray[np.float64]
 
 _KINDS = {"soft": 1, "stiff": 2}
-_STEP = 1.0 / 64.0
+_STEP = 1.0 / 128.0
 _OCTAVES = 21
 
 
@@ -44,8 +44,8 @@ class LogBearing:
 @cache
 def growth_tables() -> tuple[float, Array, Array, float, Array, Array]:
     """Dawson's integral and the inverse of its growth, each as step, values and slopes on thermal_kernel's nodes."""
-    y = _STEP * np.arange(6 * 64 + 1)
-    inverse = inverse_log_growth(-4.0 + _STEP * np.arange(40 * 64 + 1))
+    y = _STEP * np.arange(12 * 128 + 1)
+    inverse = inverse_log_growth(-4.0 + _STEP * np.arange(40 * 128 + 1))
     return _STEP, dawsn(y), 1.0 - 2.0 * y * dawsn(y), _STEP, inverse, dawsn(inverse)
 
 

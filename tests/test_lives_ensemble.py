@@ -1,0 +1,185 @@
+"""Contacts with laws of their own, on any path in time: the ensemble against single lives, exact results and itself."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.stats
+
+import eq_model
+import origins
+from eq_model import life_kernel, thermal_kernel
+from eq_model.course import make_course
+from eq_model.life_twin import life
+from eq_model.lives import STEP, physics
+from eq_model.thermal_tables import growth_tables
+from origins import Ageing, Contacts, Delay, Drive, Thermal
+from origins.dawson import inverse_log_growth, log_growth
+
+GAUSSIAN = origins.gaussian(1.0, 0.2)
+TURNING = np.concatenate([np.linspace(0.0, 1.3, 5), np.linspace(-0.9, 0.7, 4), [0.7]])
+HOLDING = np.array([0.0, 0.9, 0.9, 1.2, 0.5, 0.5])
+WHEN = np.array([0.0, 1.0, 40.0, 40.5, 43.0, 60.0])
+
+
+# -- one contact -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+@pytest.mark.parametrize("temperature", [2e-3, 0.05, 20.0])
+def test_rate_its_integral_and_inverse_are_those_of_origins(law: Any, temperature: float) -> None:
+    thermal, tables = Thermal(law, temperature, 3.0), growth_tables()
+    kernel_law = (1 if law == "soft" else 2, 1.0 / np.sqrt(2.0 * temperature), 3.0)
+    generator = np.random.default_rng(5)
+    for _ in range(200):
+        limit = generator.uniform(0.3, 1.7)
+        near, far = np.sort(generator.uniform(0.0, limit, 2))
+        spent = thermal_kernel.between(near, far, limit, kernel_law, kernel_law[1], tables)
+        expected = float(thermal.cumulative(far, limit, near))
+        assert spent == pytest.approx(expected, rel=1e-9, abs=1e-300)
+        assert thermal_kernel.rate(near, limit, kernel_law, kernel_law[1]) == pytest.approx(
+            float(thermal.rate(near, limit)), rel=1e-9, abs=1e-300
+        )
+        amount = expected * generator.uniform(0.05, 0.95)
+        if amount > 1e-280:
+            out = thermal_kernel.outward(np.log(amount), near, limit, kernel_law, kernel_law[1], tables)
+            assert out == pytest.approx(float(thermal.inverse(amount, limit, near)), abs=1e-8 * limit)
+            whole = float(thermal.cumulative(far, limit))
+            back = thermal_kernel.inward(0.3 * whole, far, limit, kernel_law, kernel_law[1], tables)
+            assert float(thermal.cumulative(far, limit, back)) == pytest.approx(0.3 * whole, rel=1e-6)
+
+
+def test_growth_is_tabulated_to_1e_8() -> None:
+    level = np.concatenate([np.linspace(-60.0, 60.0, 2001), 10.0 ** np.arange(2.0, 7.0)])
+    found = np.array([thermal_kernel._inverse_log_growth(z, growth_tables()) for z in level])
+    assert np.abs(found / inverse_log_growth(level) - 1.0).max() < 1e-8
+    y = np.linspace(1e-6, 20.0, 3001)
+    dawson = np.array([thermal_kernel._dawson(z, growth_tables()) for z in y])
+    assert np.abs(np.log(dawson) + y * y - log_growth(y)).max() < 1e-8
+
+
+@pytest.mark.parametrize("thermal", [None, Thermal("soft", 0.05, 0.4), Thermal("stiff", 0.05, 0.4)])
+@pytest.mark.parametrize(("path", "time"), [(TURNING, None), (HOLDING, WHEN)], ids=["turning", "holding"])
+@pytest.mark.parametrize("stiffness", ["independent", "linked"])
+def test_a_life_is_that_of_the_plain_twin(thermal: Any, path: Any, time: Any, stiffness: Any) -> None:
+    contacts, drive = Contacts(GAUSSIAN, thermal=thermal, stiffness=stiffness), Drive(path, time=time)
+    course = make_course(drive, 1.0, 4.0, exact=False)
+    unit = course.lattice.unit
+    law, tables = physics(contacts, unit)[:2]
+    generator = np.random.default_rng(8)
+    clock_of = np.append(0.0, np.cumsum(course.paces * np.diff(course.begins)))
+    for _ in range(60):
+        born = generator.uniform(0.0, 0.7) * clock_of[-1]
+        x, threshold, bears = generator.uniform(-0.3, 0.3), generator.uniform(0.4, 1.4), generator.exponential()
+        leg = int(np.searchsorted(clock_of, born, side="right")) - 1
+        begin = int(course.begins[leg] + (born - clock_of[leg]) / course.paces[leg])
+        a = law[1] * np.sqrt(contacts.relative_stiffness(threshold))
+        then, there, last = life_kernel.live(
+            begin, leg, round(x / unit), threshold / unit, bears, law, a, tables, course.for_kernel
+        )
+        when, stretch = life(contacts, drive, born, x, threshold, bears)
+        if np.isinf(when):
+            assert then > course.begins[-1]
+            continue
+        assert there * unit == pytest.approx(stretch, abs=1e-8)
+        found = clock_of[last] + (then - course.begins[last]) * course.paces[last]
+        assert found == pytest.approx(when, abs=1e-7 * clock_of[-1])
+
+
+# -- many ---------------------------------------------------------------------------------------------------
+
+
+def test_two_engines_agree_where_both_can() -> None:
+    """Contacts that hold all the time, at a temperature: by draws side by side, and life by life."""
+    contacts = Contacts(GAUSSIAN, origins.gaussian_start(-0.1, 0.2), thermal=Thermal("soft", 0.05))
+    path = np.linspace(0.2, 4.0, 12)
+    one = eq_model.simulate(contacts, path, n_contacts=60_000, seed=1)
+    other = eq_model.simulate(contacts, path, n_contacts=60_000, seed=2, time=path)
+    error = np.hypot(one.force_standard_error, other.force_standard_error)
+    assert (np.abs(one.force - other.force) < 4.5 * error).all()
+    assert np.abs(one.force_standard_error / other.force_standard_error - 1.0).max() < 0.05
+
+
+def test_sums_do_not_depend_on_the_cutting() -> None:
+    contacts = Contacts(
+        GAUSSIAN,
+        origins.gaussian_start(0.0, 0.2),
+        thermal=Thermal("stiff", 0.05),
+        delay=Delay(0.2),
+        reforming=origins.gaussian_start(0.0, 0.3),
+        stiffness="linked",
+    )
+    arguments: dict[str, Any] = {"n_contacts": 700, "n_replicas": 3, "seed": 3, "histograms": [2, -1]}
+    whole = eq_model.simulate(contacts, TURNING, **arguments)
+    pieces = eq_model.Ensemble(contacts, TURNING, **arguments)
+    for first in range(0, 2100, 333):
+        pieces._engine.follow(range(first, min(first + 333, 2100)))
+    found = pieces.result()
+    for name in ("force", "force_standard_error", "holding"):
+        assert np.array_equal(getattr(found, name), getattr(whole, name))
+    assert found.breaks == whole.breaks > 0
+    for one, other in zip(found.histograms, whole.histograms, strict=True):
+        assert np.array_equal(one.stretches, other.stretches) and np.array_equal(one.thresholds, other.thresholds)
+        assert one.count == round(found.holding[one.point] * 2100)
+
+
+def test_reported_errors_are_the_scatter_over_seeds() -> None:
+    contacts = Contacts(GAUSSIAN, 0.2, thermal=Thermal("soft", 0.05), delay=Delay(0.3), stiffness="linked")
+    path = np.array([0.3, 0.8, 1.5, 0.5, -0.7])
+    runs = [eq_model.simulate(contacts, path, n_contacts=2000, seed=seed) for seed in range(150)]
+    for value, error in (("force", "force_standard_error"), ("holding", "holding_standard_error")):
+        scatter = np.var([getattr(run, value) for run in runs], axis=0, ddof=1)
+        claimed = np.mean([getattr(run, error) ** 2 for run in runs], axis=0)
+        low, high = scipy.stats.chi2.ppf([1e-6, 1.0 - 1e-6], 149) / 149
+        assert (scatter > low * claimed).all() and (scatter < high * claimed).all()
+
+
+def test_the_steady_state_holds_length_biased_thresholds() -> None:
+    run = eq_model.simulate(Contacts(GAUSSIAN), [20.0], n_contacts=400_000, histograms=[0])
+    (found,) = run.histograms
+    x = np.linspace(0.0, float(found.threshold_edges[-1]), 40_001)
+    biased, held = np.cumsum(x * GAUSSIAN.pdf(x)) * x[1], np.cumsum(GAUSSIAN.sf(x)) * x[1]
+    for counts, edges, exact in (
+        (found.thresholds, found.threshold_edges, biased),
+        (found.stretches, found.stretch_edges, held),
+    ):
+        below = np.cumsum(counts) * np.diff(edges)
+        distance = np.abs(below - np.interp(edges[1:], x, exact, left=0.0)).max()
+        assert scipy.stats.kstwobign.sf(distance * np.sqrt(found.count)) > 1e-3
+
+
+def test_steps_of_ageing_may_be_halved() -> None:
+    fresh, final = origins.gaussian(0.5, 0.1), origins.gaussian(0.8, 0.04)
+    contacts = Contacts(fresh, ageing=Ageing(final, 0.05))
+    ensemble = eq_model.Ensemble(contacts, [0.5, 1.0, 2.0], velocity=2.0, n_contacts=20_000)
+    for _ in ensemble:
+        pass
+    coarse = ensemble.result()
+    other = eq_model.Ensemble(contacts, [0.5, 1.0, 2.0], velocity=2.0, n_contacts=20_000, seed=1)
+    settings, longest = other._engine._physics[5:7]  # type: ignore[union-attr]
+    assert longest == pytest.approx(STEP / settings[3])
+    physics = other._engine._physics  # type: ignore[union-attr]
+    other._engine._physics = (*physics[:6], 0.25 * longest, *physics[7:])  # type: ignore[union-attr]
+    for _ in other:
+        pass
+    fine = other.result()
+    error = np.hypot(coarse.force_standard_error, fine.force_standard_error)
+    assert (np.abs(coarse.force - fine.force) < 4.5 * error).all()
+    assert other._engine.steps > 1.5 * ensemble._engine.steps  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"histograms": [5]}, "histograms"),
+        ({"histograms": [0.5]}, "histograms"),
+        ({"contacts": Contacts(GAUSSIAN, thermal=Thermal("soft", 0.1, closure="paper"))}, "thermal"),
+        ({"contacts": Contacts(GAUSSIAN, ageing=Ageing(GAUSSIAN, 0.1, closure="paper"))}, "ageing"),
+        ({"velocity": -1.0}, "velocity"),
+        ({"time": [0.0, 1.0, 0.5]}, "time"),
+    ],
+)
+def test_bad_input_is_refused_by_name(change: dict[str, Any], complaint: str) -> None:
+    arguments: dict[str, Any] = {"contacts": Contacts(GAUSSIAN), "path": [0.0, 1.0, 2.0], "n_contacts": 10, **change}
+    with pytest.raises(origins.InputError, match=complaint):
+        eq_model.simulate(**arguments)
