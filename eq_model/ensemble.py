@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from eq_model.histogram import Histogram
 from eq_model.lives import LAWS, Lives
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
-from origins.errors import InputError, refuse, whole
+from origins.errors import InputError, positive, refuse, whole
 from origins.streams import MOST_REPLICAS, key_of
 
 Array = npt.NDArray[np.float64]
@@ -39,7 +40,8 @@ class EnsembleResult:
     holding : fraction of contacts that hold, shape (n,).
     holding_standard_error : of that, shape (n,).
     histograms : of stretches and thresholds, at the points asked for.
-    breaks : breaks in all; breaks_per_rank : of each rank.
+    contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
+    success, message : whether the tolerance is reached, or all contacts followed, and in words.
     run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.
     """
 
@@ -49,10 +51,43 @@ class EnsembleResult:
     holding: Array
     holding_standard_error: Array
     histograms: list[Histogram]
+    contacts: int
     breaks: int
     breaks_per_rank: list[int]
     run_time: float
     compile_time: float
+    success: bool
+    message: str
+
+
+@dataclass(frozen=True)
+class State:
+    """What the contacts of some blocks did: whole numbers, so that states may be joined in any order.
+
+    sums : shape (2, m), of the engine; breaks, steps : of these contacts; done : the contacts; run_time : s.
+    """
+
+    sums: npt.NDArray[np.int64]
+    breaks: int
+    steps: int
+    done: list[range]
+    run_time: float
+
+    def after(self, block: range, sums: npt.NDArray[np.int64], breaks: int, steps: int, seconds: float) -> State:
+        """With one block more."""
+        done = layout.joined(self.done, block)
+        return State(self.sums + sums, self.breaks + breaks, self.steps + steps, done, self.run_time + seconds)
+
+    def joined(self, other: State) -> State:
+        """Of both."""
+        if self.sums.shape != other.sums.shape:
+            raise InputError("earlier: was found on another path, or for other contacts; start anew")
+        run_time, steps = max(self.run_time, other.run_time), self.steps + other.steps
+        return State(self.sums + other.sums, self.breaks + other.breaks, steps, self.done + other.done, run_time)
+
+    def without_sums(self) -> State:
+        """The rest alone."""
+        return State(np.zeros((2, 0), np.int64), self.breaks, self.steps, self.done, self.run_time)
 
 
 class Ensemble:
@@ -63,7 +98,8 @@ class Ensemble:
             ...                       # contacts this rank has done, of its share
         result = ensemble.result()    # all ranks together
 
-    Parameters and errors as for `simulate`.
+    Parameters and errors as for `simulate`; besides, `earlier` are the states of all ranks of an ensemble of the same
+    parameters that was cut short: what these did is not done again, and the result is the same to the last bit.
     """
 
     def __init__(
@@ -76,7 +112,10 @@ class Ensemble:
         n_contacts: int = 100_000,
         n_replicas: int = 1,
         seed: int = 0,
+        tolerance: float | None = None,
+        wall_time: float | None = None,
         histograms: npt.ArrayLike = (),
+        earlier: Iterable[State] = (),
         comm: Any = None,
     ) -> None:
         check_contacts(contacts, "eq_model.simulate", LAWS)
@@ -106,45 +145,103 @@ class Ensemble:
             self._engine = Forward(self.drive, beginning)
         else:
             self._engine = Lives(self.drive, beginning, points)
-        self._run_time = clock.perf_counter() - started
+        self._tolerance = None if tolerance is None else positive("tolerance", tolerance)
+        self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
+        ready = clock.perf_counter() - started
         started = clock.perf_counter()
         layout.in_turn(comm, lambda: self._engine.follow(range(0)))
         self.compile_time = clock.perf_counter() - started
+        nothing = State(np.zeros((2, self._engine.size), np.int64), 0, 0, [], ready)
+        found = list(earlier)
+        self._before = [part for state in found for part in state.done]
+        # what was found before counts on one rank
+        first = layout.rank_and_size(comm)[0] == 0
+        self._state = reduce(State.joined, found, nothing) if first else nothing
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
-        """Do this rank's share, once; after each block (contacts done, contacts in the share)."""
-        mine = layout.share(self.total, *layout.rank_and_size(self.comm))
+        """Do this rank's share, once; after each block (contacts done, contacts in the share).
+
+        With a tolerance the shares of further rounds follow while it is not reached. All ranks must go on to the end.
+        """
+        rank, size = layout.rank_and_size(self.comm)
         each = float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum()) / self.contacts.mean_threshold
-        for block in layout.blocks(mine, each):
-            started = clock.perf_counter()
-            self._engine.follow(block)
-            self._run_time += clock.perf_counter() - started
-            yield block.stop - mine.start, len(mine)
+        begun, done = clock.monotonic(), 0
+        for one_round in layout.rounds(self.total, self._tolerance is not None):
+            mine = layout.share(layout.left(one_round, self._before), rank, size)
+            total, late = done + sum(map(len, mine)), False
+            for block in (block for part in mine for block in layout.blocks(part, each)):
+                started = clock.perf_counter()
+                added = self._engine.follow(block)
+                # one assignment: whatever interrupts, the state is that of whole blocks
+                self._state = self._state.after(block, *added, clock.perf_counter() - started)
+                done += len(block)
+                yield done, total
+                late = self._wall_time is not None and clock.monotonic() - begun > self._wall_time
+                if late:
+                    break
+            if self._enough(late):
+                return
+
+    @property
+    def state(self) -> State:
+        """What this rank has found so far, to go on from in another run: see `earlier`."""
+        return self._state
+
+    def _enough(self, late: bool) -> bool:
+        """Whether no further round is wanted; every rank must call."""
+        if self._tolerance is None:
+            return late
+        found = self.result()
+        if self.comm is not None:
+            late = any(self.comm.allgather(late))
+        return late or found.success
 
     def result(self) -> EnsembleResult:
         """What all ranks found; every rank must call, and gets the same bits."""
-        started = clock.perf_counter()
-        sums, breaks_per_rank = self._engine.sums, [self._engine.breaks]
+        started, state = clock.perf_counter(), self._state
+        sums, states = state.sums, [state]
         if self.comm is not None:
-            mine, sums = sums, np.empty_like(sums)
-            self.comm.Allreduce(mine, sums)  # whole numbers: the order does not matter
-            breaks_per_rank = self.comm.allgather(self._engine.breaks)
-        holding, force, variance = self._engine.moments(self.total, sums)
-        run_time = self._run_time + clock.perf_counter() - started
-        if self.comm is not None:
-            run_time = max(self.comm.allgather(run_time))
+            sums = np.empty_like(state.sums)
+            self.comm.Allreduce(state.sums, sums)  # whole numbers: the order does not matter
+            states = self.comm.allgather(state.without_sums())
+        done = sorted((part for one in states for part in one.done), key=lambda part: part.start)
+        contacts = sum(map(len, done))
+        if not contacts:
+            raise InputError("ensemble: no block of contacts is finished yet; iterate over it first")
+        holding, force, variance = self._engine.moments(done, sums)
+        error = np.sqrt(variance / contacts)
+        run_time = max(one.run_time for one in states) + self._slowest(clock.perf_counter() - started)
+        success, message = self._judge(contacts, error)
         return EnsembleResult(
             path=self.drive.path,
             force=force,
-            force_standard_error=np.sqrt(variance / self.total),
+            force_standard_error=error,
             holding=holding,
-            holding_standard_error=np.sqrt(holding * (1.0 - holding) / self.total),
-            histograms=self._engine.histograms(self.total, sums),
-            breaks=sum(breaks_per_rank),
-            breaks_per_rank=breaks_per_rank,
+            holding_standard_error=np.sqrt(holding * (1.0 - holding) / contacts),
+            histograms=self._engine.histograms(contacts, sums),
+            contacts=contacts,
+            breaks=sum(one.breaks for one in states),
+            breaks_per_rank=[one.breaks for one in states],
             run_time=run_time,
             compile_time=self.compile_time,
+            success=success,
+            message=message,
         )
+
+    def _slowest(self, seconds: float) -> float:
+        return seconds if self.comm is None else max(self.comm.allgather(seconds))
+
+    def _judge(self, contacts: int, error: Array) -> tuple[bool, str]:
+        largest = float(error.max()) / self.contacts.mean_threshold
+        found = f"largest standard error {largest:.2e} with {contacts} contacts"
+        if self._tolerance is not None:
+            if largest <= self._tolerance:
+                return True, f"{found}, within the tolerance {self._tolerance:.1e}"
+            more = contacts * (largest / self._tolerance) ** 2 if np.isfinite(largest) else np.inf
+            return False, f"{found}, above the tolerance {self._tolerance:.1e}; it takes about {more:.1e} contacts"
+        if contacts < self.total:
+            return False, f"{found}: stopped before all {self.total} were followed"
+        return True, found
 
 
 def _points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
@@ -166,6 +263,8 @@ def simulate(
     n_contacts: int = 100_000,
     n_replicas: int = 1,
     seed: int = 0,
+    tolerance: float | None = None,
+    wall_time: float | None = None,
     histograms: npt.ArrayLike = (),
     comm: Any = None,
 ) -> EnsembleResult:
@@ -189,6 +288,11 @@ def simulate(
         Replicas differ in their random numbers only.
     seed : int
         0 <= seed < 2^64. The result depends on these arguments alone, bit by bit, not on the number of ranks.
+    tolerance : float, optional
+        Largest standard error of the force wanted, in units of the mean threshold: contacts are added, twice as many
+        each time, until it is reached or all n_contacts * n_replicas are followed.
+    wall_time : float, optional
+        Seconds after which no further block is begun: then the result does depend on the machine.
     histograms : array of int
         Indices of points of the path at which stretches and thresholds of the contacts that hold are counted.
     comm : mpi4py communicator, optional
@@ -204,6 +308,8 @@ def simulate(
         n_contacts=n_contacts,
         n_replicas=n_replicas,
         seed=seed,
+        tolerance=tolerance,
+        wall_time=wall_time,
         histograms=histograms,
         comm=comm,
     )

@@ -27,8 +27,8 @@ def takes(contacts: Contacts, drive: Drive) -> bool:
 class Forward:
     """The sums of such contacts, and what they say of the force.
 
-    sums : shape (2, 3 + 3 bins), limbs of all births and of each bin's thresholds; then, of those contacts that are
-    measured, of births, squared births, and each bin's thresholds and second moments in turn. breaks : so far.
+    size : of the sums, 3 + 3 bins: all births and each bin's thresholds; then, of those contacts that are measured,
+    births, squared births, and each bin's thresholds and second moments in turn.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning) -> None:
@@ -45,15 +45,14 @@ class Forward:
         )
         self._reached = np.minimum(drive.path + furthest, longest)
         self._bins = self.lattice.bin_cell.size
-        self.breaks = 0
-        self.sums = np.zeros((2, 3 + 3 * self._bins), np.int64)
+        self.size = 3 + 3 * self._bins
         self._block_sums = np.zeros(2 * (self._bins + 1), np.int64)
         beginning.compile(self.lattice.unit)
         self._steady = steady_for_kernel(self._thermal, drive.velocity, self.lattice.unit)
         self._pace = self.lattice.unit / drive.velocity
 
-    def follow(self, block: range) -> None:
-        """Follow a block of contacts to the path's end."""
+    def follow(self, block: range) -> tuple[npt.NDArray[np.int64], int, int]:
+        """Follow a block of contacts to the path's end: sums as two limbs, shape (2, size), breaks, and no steps."""
         from eq_model import kernel, life_kernel
 
         relaxed = self._single and self._stretch == 0.0
@@ -70,15 +69,17 @@ class Forward:
         table, thermal = self._beginning.compiled, self._steady
         breaks = kernel.run(block.start, len(block), many, key, table, thermal, births, firsts, path, measured, sums)
         bins, split_at = split(sums[:-2]), self._bins + 1
-        self.sums[:, :split_at] += np.concatenate([split(np.array([total])), bins[:, ::2]], axis=1)
+        out = np.zeros((2, self.size), np.int64)
+        out[:, :split_at] = np.concatenate([split(np.array([total])), bins[:, ::2]], axis=1)
         if measured:
-            self.sums[:, split_at:] += np.concatenate([split(np.array([total, squares])), bins], axis=1)
-        self.breaks += int(breaks)
+            out[:, split_at:] = np.concatenate([split(np.array([total, squares])), bins], axis=1)
+        return out, int(breaks), 0
 
-    def moments(self, n: int, sums: npt.NDArray[np.int64]) -> tuple[Array, Array, Array]:
-        """Fraction that holds, mean stretch (a length) of n contacts and its variance between them, at the points."""
+    def moments(self, done: list[range], sums: npt.NDArray[np.int64]) -> tuple[Array, Array, Array]:
+        """Fraction that holds, mean stretch (a length) of these contacts and its variance between them, at points."""
+        n = sum(map(len, done))
         total, part = sums[:, : self._bins + 1], sums[:, self._bins + 1 :]
-        births, squares, measured = part[:, 0], part[:, 1], layout.measured(n)
+        births, squares, measured = part[:, 0], part[:, 1], layout.measured(done)
         # squared distances were taken from the expected mean: this brings them to the mean found
         from_expected = joined(births) - measured * self._expected_birth()
         square_births = float(joined(squares) / self.lattice.square - from_expected**2 / measured)

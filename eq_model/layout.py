@@ -1,6 +1,7 @@
 """Who does which contacts: contacts of all replicas in one row, a share for each rank, blocks in each share."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 from eq_model.lattice import BLOCK
@@ -9,11 +10,49 @@ _BLOCK_BREAKS = 1 << 24  # a block takes about a twentieth of a second
 # the variance of so many contacts is known to a part in 700: of what comes after, a part of each row will do
 _ALL_MEASURED = 4 * BLOCK
 _ROW = 8 * BLOCK
+_FIRST_ROUND = 1 << 14
 
 
-def share(total: int, rank: int, size: int) -> range:
+def rounds(total: int, several: bool) -> list[range]:
+    """Contacts one round after the other, each as long as all before it; one for all unless `several`.
+
+    After each it may be seen whether more are needed, and no number of ranks shows in that.
+    """
+    ends = [total]
+    while several and ends[0] > _FIRST_ROUND:
+        ends.insert(0, (ends[0] + 1) // 2)
+    return [range(begin, end) for begin, end in pairwise([0, *ends])]
+
+
+def left(contacts: range, done: list[range]) -> list[range]:
+    """The part of `contacts` that is not done, in order."""
+    out, begin = [], contacts.start
+    for part in sorted(done, key=lambda part: part.start):
+        if part.stop > begin and part.start < contacts.stop:
+            out.append(range(begin, part.start))
+            begin = part.stop
+    out.append(range(begin, contacts.stop))
+    return [part for part in out if len(part)]
+
+
+def joined(done: list[range], block: range) -> list[range]:
+    """`done` and one block more; those that follow each other are one."""
+    if done and done[-1].stop == block.start:
+        return [*done[:-1], range(done[-1].start, block.stop)]
+    return [*done, block]
+
+
+def share(contacts: list[range], rank: int, size: int) -> list[range]:
     """The contacts of one rank: shares follow one another and differ by at most one contact."""
-    return range(total * rank // size, total * (rank + 1) // size)
+    total = sum(map(len, contacts))
+    skip, take = total * rank // size, total * (rank + 1) // size - total * rank // size
+    out = []
+    for part in contacts:
+        mine = part[skip : skip + take]
+        skip, take = max(skip - len(part), 0), take - len(mine)
+        if len(mine):
+            out.append(mine)
+    return out
 
 
 def blocks(contacts: range, breaks_each: float) -> Iterator[range]:
@@ -34,10 +73,14 @@ def is_measured(contact: int) -> bool:
     return contact < _ALL_MEASURED or contact % _ROW < BLOCK
 
 
-def measured(total: int) -> int:
-    """How many of `total` contacts are measured."""
-    rows, rest = divmod(total, _ROW)
-    return min(total, _ALL_MEASURED) + max(rows - 1, 0) * BLOCK + (min(rest, BLOCK) if rows else 0)
+def measured(done: list[range]) -> int:
+    """How many of these contacts are measured."""
+    return sum(_measured_before(part.stop) - _measured_before(part.start) for part in done)
+
+
+def _measured_before(contact: int) -> int:
+    rows, rest = divmod(contact, _ROW)
+    return min(contact, _ALL_MEASURED) + max(rows - 1, 0) * BLOCK + (min(rest, BLOCK) if rows else 0)
 
 
 def rank_and_size(comm: Any) -> tuple[int, int]:

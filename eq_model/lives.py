@@ -94,8 +94,7 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
 class Lives:
     """The sums of such contacts, and what they say of the force.
 
-    sums : shape (2, columns * bins + counts), limbs of the events of each bin, then of the counts of the histograms.
-    breaks, steps : so far; inner steps of ageing.
+    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
@@ -128,14 +127,13 @@ class Lives:
         top = table.upper(0.0) * table.scale if np.isfinite(contacts.thresholds.support()[1]) else np.inf
         self._longest = longest
         self._watch = (moments[self._order], places, BINS * unit / longest, min(top / unit, 2.0**58))
-        self.breaks, self.steps = 0, 0
         self._events = columns(self.linked) * self.course.lattice.bin_cell.size
-        self.sums = np.zeros((2, self._events + 2 * BINS * points.size), np.int64)
+        self.size = self._events + 2 * BINS * points.size
         self._block_sums = np.zeros(self._events, np.int64)
         self._counts = np.zeros((points.size, 2, BINS), np.int64)
 
-    def follow(self, block: range) -> None:
-        """Follow a block of contacts to the drive's end."""
+    def follow(self, block: range) -> tuple[Whole, int, int]:
+        """Follow a block of contacts to the drive's end: sums as two limbs, shape (2, size), breaks and inner steps."""
         from eq_model import life_kernel
 
         births, firsts = self._beginning.draw(block)
@@ -157,12 +155,11 @@ class Lives:
             self._block_sums,
             self._counts,
         )
-        self.sums += split(np.concatenate([self._block_sums, self._counts.ravel()]))
-        self.breaks += int(breaks)
-        self.steps += int(steps)
+        return split(np.concatenate([self._block_sums, self._counts.ravel()])), int(breaks), int(steps)
 
-    def moments(self, n: int, sums: Whole) -> tuple[Array, Array, Array]:
-        """Fraction that holds, mean force (a length) of n contacts and its variance between them, at the points."""
+    def moments(self, done: list[range], sums: Whole) -> tuple[Array, Array, Array]:
+        """Fraction that holds, mean force (a length) of these contacts and its variance between them, at the points."""
+        n = sum(map(len, done))
         holding, force, variance = moments(self.course, self.linked, n, sums[:, : self._events])
         return holding, force, np.maximum(variance, self._reached**2 / n)  # one break that might have been
 

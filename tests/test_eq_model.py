@@ -261,7 +261,8 @@ def test_the_result_does_not_depend_on_the_cutting() -> None:
     whole = eq_model.simulate(contacts, IRREGULAR, **arguments)
     pieces = Ensemble(contacts, IRREGULAR, **arguments)
     for first in range(0, 9000, 1234):
-        pieces._engine.follow(range(first, min(first + 1234, 9000)))
+        block = range(first, min(first + 1234, 9000))
+        pieces._state = pieces.state.after(block, *pieces._engine.follow(block), 0.0)
     for name, value in _bits(pieces.result()).items():
         assert np.array_equal(value, _bits(whole)[name])
 
@@ -445,13 +446,14 @@ def test_draws_that_the_hot_cells_do_not_hold_four_in_a_row(monkeypatch: pytest.
 def test_blocks_are_measured_whole_and_counted_once(total: int, size: int) -> None:
     covered, measured = 0, 0
     for rank in range(size):
-        for block in layout.blocks(layout.share(total, rank, size), 100.0):
+        shares = layout.share([range(total)], rank, size)
+        for block in (block for part in shares for block in layout.blocks(part, 100.0)):
             assert block.start == covered
             covered = block.stop
             kinds = {layout.is_measured(contact) for contact in (block.start, block.stop - 1)}
             assert len(kinds) == 1
             measured += len(block) if kinds.pop() else 0
-    assert covered == total and measured == layout.measured(total)
+    assert covered == total and measured == layout.measured([range(total)])
 
 
 @pytest.mark.parametrize("start", [None, GAUSSIAN_START], ids=["relaxed", "gaussian"])

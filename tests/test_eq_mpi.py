@@ -49,6 +49,8 @@ def test_bits_do_not_depend_on_the_number_of_ranks(mpirun: Callable[..., Any]) -
 def test_more_ranks_than_contacts() -> None:
     for total in (1, 3, 4, 1001):
         for size in (1, 2, 3, 4, 7):
-            shares = [share(total, rank, size) for rank in range(size)]
-            assert [i for part in shares for i in part] == list(range(total))
-            assert max(map(len, shares)) - min(map(len, shares)) <= 1
+            gap = [range(total // 3), range(total // 2, total)]
+            for contacts in ([range(total)], [part for part in gap if len(part)]):
+                shares = [[i for part in share(contacts, rank, size) for i in part] for rank in range(size)]
+                assert [i for part in shares for i in part] == [i for part in contacts for i in part]
+                assert max(map(len, shares)) - min(map(len, shares)) <= 1
