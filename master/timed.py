@@ -132,8 +132,8 @@ class Extrapolation:
     def __init__(self) -> None:
         self._rows: list[list[Array]] = []
 
-    def add(self, answer: Array) -> tuple[float, Array]:
-        """Error estimate and best answer, `answer` being the one on the finest steps."""
+    def add(self, answer: Array, watched: npt.NDArray[np.bool_] | slice = slice(None)) -> tuple[float, Array]:
+        """Error estimate and best answer, `answer` being the one on the finest steps; of `watched` ones alone."""
         row = [answer]
         before = self._rows[-1] if self._rows else []
         for k, coarse in enumerate(before[:_COLUMNS]):
@@ -142,7 +142,7 @@ class Extrapolation:
         best, error = answer, np.inf
         for k, coarse in enumerate(before):
             # of two answers of one order the finer is better by far
-            change = float(np.abs(row[k] - coarse).max())
+            change = float(np.abs((row[k] - coarse)[watched]).max(initial=0.0))
             if k > 0 and change < error:
                 best, error = row[k], change
         return error, best
