@@ -118,7 +118,7 @@ def _refine(
         watched[: 2 * asked.size] = np.tile(~near, 2)
         watched[-2 * slips.shape[1] :] = slips.shape[1] == 0
         error, answer = table.add(everything, watched)
-        error += ROUND_OFF * (1.0 + pull.steps) * (1.0 + spring)
+        error += ROUND_OFF * (1.0 + pull.steps) * (1.0 + spring) + lives.error
         if error < best[0] or not level:
             f, h = answer[: asked.size] * unit, answer[asked.size : 2 * asked.size]
             f, h = np.where(near, force, f), np.where(near, holding, h)
