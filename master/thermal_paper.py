@@ -32,6 +32,7 @@ class PaperBreaking:
     thermal_law.ThermalBreaking."""
 
     linked = False
+    bends_at_zero = True
 
     def __init__(self, contacts: Contacts, velocity: float) -> None:
         assert contacts.thermal is not None
