@@ -84,6 +84,10 @@ class PaperBreaking:
         out[0, live] = held * (survival * hazard + np.where(x > np.abs(origin), self.law.pdf(x), 0.0))
         return out
 
+    def hazard(self, x: Array) -> Array:
+        """H/v at x >= 0; 0 beyond all thresholds."""
+        return self._hazard(x)
+
     def held(self, x: Array, threshold: Array, origin: Array) -> Array:
         """exp{-[L(x) - L(x_0)]}, whatever the threshold."""
         spent, before = self._integrals(np.abs(x))[0], self._integrals(np.abs(origin))[0]
