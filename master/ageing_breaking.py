@@ -60,7 +60,7 @@ class AgeingBreaking:
         Travels (lengths) between which breaks from one stretch are one series.
     """
 
-    linked = False
+    linked = bends_at_zero = False  # `bends` says where
     # thresholds diffuse: none keeps an exact value, no density its jumps
     atoms = atom_weights = marks = np.empty(0)
 
