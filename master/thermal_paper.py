@@ -61,10 +61,10 @@ class PaperBreaking:
         edges = np.unique(np.concatenate([np.linspace(0.0, self.top, 9), self.marks[self.marks < self.top]]))
         return tabulate(lambda x: np.stack(self._integrals(x.ravel())).reshape(2, *x.shape), edges, _ACCURACY)
 
-    def _table(self, x: Array) -> Array:
+    def spent(self, x: Array) -> Array:
         return self._tables[0](x)
 
-    def _hazard(self, x: Array) -> Array:
+    def hazard(self, x: Array) -> Array:
         return self._tables[1](x)
 
     def of(self, start: Start) -> Self:
@@ -88,7 +88,7 @@ class PaperBreaking:
             spent, hazard = self._integrals(np.abs(x))
             before = np.zeros(x.size)
         else:  # many starts, few places
-            spent, hazard, before = self._table(np.abs(x)), self._hazard(np.abs(x)), self._table(np.abs(origin))
+            spent, hazard, before = self.spent(np.abs(x)), self.hazard(np.abs(x)), self.spent(np.abs(origin))
         held = np.exp(np.minimum(np.sign(origin) * before - np.sign(x) * spent, _MOST))
         survival = self.law.sf(least)
         out[1, live] = survival * held
