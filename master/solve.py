@@ -103,14 +103,18 @@ def solve(
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
         return solve_paper(contacts, drive, tolerance)
     steady = drive.spring is None and drive.forward and drive.time is None
-    timed = tuple(law for law in LAWS if law != "ageing") if drive.spring is None else ()
-    check_contacts(contacts, "master.solve" if steady else f"master.solve {_why(drive)}", LAWS if steady else timed)
+    timed = tuple(law for law in LAWS if law != "ageing")
+    check_contacts(contacts, "master.solve" if steady else "master.solve on this drive", LAWS if steady else timed)
+    laws = (contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
+    plain = laws == (None, None, None, None) and contacts.stiffness == "independent"
+    if drive.spring is not None and not plain:
+        from master.soft_laws import solve_soft_laws
+
+        return solve_soft_laws(contacts, drive, tolerance)
     if drive.spring is not None:
         from master.soft import solve_soft
 
         return solve_soft(contacts, drive.path, drive.spring, drive.slip, tolerance)
-    laws = (contacts.thermal, contacts.delay, contacts.reforming)
-    plain = laws == (None, None, None) and contacts.stiffness == "independent"
     if drive.forward and (drive.time is None or plain):
         return solve_forward(contacts, drive.path, tolerance, drive.velocity)
     if not plain:
@@ -120,10 +124,3 @@ def solve(
     from master.cohorts import solve_cohorts
 
     return solve_cohorts(contacts, drive.path, tolerance)
-
-
-def _why(drive: Drive) -> str:
-    """What of the drive some laws of single contacts do not go with yet."""
-    if drive.spring is not None:
-        return "with a spring"
-    return "with time along the path" if drive.forward else "on a path that turns round"

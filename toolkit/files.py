@@ -12,12 +12,12 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.folders import write_folder
 from toolkit.interfaces import Number
-from toolkit.results import Result, SimulatedRecord, SoftRecord, SolvedRecord, ThresholdCurve
+from toolkit.results import AgeingRecord, Result, SimulatedRecord, SoftRecord, SolvedRecord, ThresholdCurve
 
 if TYPE_CHECKING:
     import h5py
 
-Record = TypeVar("Record", SolvedRecord, SoftRecord, SimulatedRecord, ThresholdCurve)
+Record = TypeVar("Record", SolvedRecord, SoftRecord, AgeingRecord, SimulatedRecord, ThresholdCurve)
 
 RESULT, SUMMARY, PICTURE = "result.h5", "summary.json", "picture.png"
 
@@ -106,6 +106,13 @@ def summary(result: Result) -> dict[str, Any]:
                 "critical_spring": soft.critical_spring,
                 "critical_spring_error": soft.critical_spring_error,
             }
+        if isinstance(result.master, AgeingRecord):
+            aged = result.master
+            content["master"] |= {
+                "largest_mass_defect": float(np.abs(aged.mass_defect).max()),
+                "largest_positivity_defect": float(aged.positivity_defect.max()),
+                "outrun": float(aged.outrun),
+            }
     if result.eq is not None and asked.eq is not None:
         content["eq"] = {
             "contacts": asked.eq.contacts,
@@ -157,8 +164,10 @@ def _write_result(result: Result, path: Path) -> None:
             _write_interface(store.create_group("interface"), result.interface)
         if result.master is not None:
             solved = result.master
-            kind = SoftRecord if isinstance(solved, SoftRecord) else SolvedRecord
-            _write(store.create_group("master"), solved, kind, unit)
+            for kind in (SoftRecord, AgeingRecord, SolvedRecord):
+                if isinstance(solved, kind) or kind is SolvedRecord:
+                    _write(store.create_group("master"), solved, kind, unit)
+                    break
         if result.eq is not None and result.asked.eq is not None:
             store.attrs["seed"] = result.asked.eq.seed
             _write(store.create_group("eq"), result.eq, SimulatedRecord, unit)
@@ -193,6 +202,8 @@ def _read_interface(group: "h5py.Group") -> dict[str, Number]:
 
 
 def _read_solved(group: "h5py.Group") -> SolvedRecord:
+    if "mass_defect" in group:
+        return _read(group, AgeingRecord)
     return _read(group, SoftRecord) if "position" in group else _read(group, SolvedRecord)
 
 

@@ -10,13 +10,14 @@ from origins.samples import Sampled
 from origins.thresholds import Thresholds
 from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.deviation import deviation, why_not_compared
-from toolkit.results import OWN_UNIT, Result, SoftRecord, ThresholdCurve
+from toolkit.results import OWN_UNIT, AgeingRecord, Result, SoftRecord, ThresholdCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
 _STEPS = 2000  # as many as a picture can show
+_NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
 _BARS = 61  # as many error bars as leave the line in sight
 
 
@@ -50,6 +51,8 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
     if result.master is not None:
         path, force = result.master.path, result.master.force
         axes.plot(path, force, color=_INK["master"], lw=1.4, zorder=3, label="master equation")
+        if isinstance(result.master, AgeingRecord) and result.master.outrun < path[-1]:
+            axes.axvspan(result.master.outrun, path[-1], color="0.9", lw=0, label="contacts outrun $P_c$ (Q15)")
     if result.eq is not None:
         eq = result.eq
         shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
@@ -89,6 +92,19 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     axes.set(ylabel="EQ - ME\n(std. errors)", ylim=(-reach, reach))
     reach = 0.0 if result.master is None else float(np.abs(result.master.path).max())
     Lengths.of(reach, _in_metres(result.thresholds)).write(axes.xaxis, "slider position $X$")
+    return axes
+
+
+def plot_defects(axes: "Axes", result: Result) -> "Axes":
+    """What the paper's closure of ageing does not keep: mass of P_c less 1, and weight below 0."""
+    if isinstance(result.master, AgeingRecord):
+        path = result.master.path
+        axes.plot(path, result.master.mass_defect, color=_INK["master"], lw=1.2, label="mass of $P_c$ less 1")
+        axes.plot(path, result.master.positivity_defect, color=_INK["eq"], lw=1.2, ls="--", label="weight below 0")
+        largest = max(float(np.abs(result.master.mass_defect).max()), float(result.master.positivity_defect.max()))
+        axes.set(ylabel="defects\nof (Q15)", ylim=(-0.15 * max(largest, _NO_DEFECT), 1.3 * max(largest, _NO_DEFECT)))
+        axes.legend(fontsize="small")
+        Lengths.of(float(np.abs(path).max()), _in_metres(result.thresholds)).write(axes.xaxis, "slider position $X$")
     return axes
 
 
@@ -179,12 +195,13 @@ def save_picture(result: Result, path: Path) -> None:
     from matplotlib.figure import Figure
 
     both = result.master is not None and result.eq is not None
-    figure = Figure(figsize=(10, 5 if both else 4), layout="constrained")
-    rows: list[Any] = [["F", "P"], ["z", "P"]] if both else [["F", "P"]]
-    places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=[3, 1] if both else [1])
+    below = plot_deviation if both else plot_defects if isinstance(result.master, AgeingRecord) else None
+    figure = Figure(figsize=(10, 5 if below else 4), layout="constrained")
+    rows: list[Any] = [["F", "P"], ["z", "P"]] if below else [["F", "P"]]
+    places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=[3, 1] if below else [1])
     plot(result, [places["F"], places["P"]])
-    if both:
-        plot_deviation(places["z"], result).sharex(places["F"])
+    if below:
+        below(places["z"], result).sharex(places["F"])
         places["F"].set_xlabel("")
     figure.savefig(path, dpi=150, format="png")
 

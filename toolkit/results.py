@@ -17,6 +17,7 @@ from toolkit.interfaces import Number
 from toolkit.scene import SceneTable, read_table
 
 if TYPE_CHECKING:
+    from master.ageing_transient import AgeingTransient
     from master.soft import SoftSolution
 
 Array = npt.NDArray[np.float64]
@@ -95,6 +96,21 @@ class SoftRecord(SolvedRecord):
     critical_spring_error: float
 
 
+@dataclass(frozen=True)
+class AgeingRecord(SolvedRecord):
+    """That of the paper's closure of ageing (Q15), and what it did not keep: at each X of `path`, which may end early,
+    the mass of P_c less 1 and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if none."""
+
+    mass_defect: Array
+    positivity_defect: Array
+    outrun: float
+
+
+def ageing_record(solution: "AgeingTransient") -> AgeingRecord:
+    """What is kept of a transient in the paper's closure of ageing."""
+    return AgeingRecord(**{field.name: getattr(solution, field.name) for field in fields(AgeingRecord)})
+
+
 def soft_record(solution: "SoftSolution") -> SoftRecord:
     """What is kept of a soft slider's solution."""
     slips, regime = solution.slips, solution.regime
@@ -157,7 +173,8 @@ class Result:
         P_c as drawn: `x`, `density`, `survival`, `atoms`, `atom_weights`, `unit`.
     master : Solved or None
         `path`, `force` = F/(N_c<k>) (lengths), `holding` (a fraction), each of shape (n,); `force_error` (in <x_s>),
-        `success`, `message`, `run_time`; a SoftRecord where a spring pulls. None where not asked for.
+        `success`, `message`, `run_time`; a SoftRecord where a spring pulls, an AgeingRecord in the paper's closure of
+        ageing. None where not asked for.
     eq : Simulated or None
         `path`, `force`, `holding`, `force_standard_error` (a length), each of shape (n,); `breaks`,
         `breaks_per_rank`, `run_time`, `compile_time`. None where not asked for.
@@ -186,7 +203,7 @@ class Result:
     @property
     def success(self) -> bool:
         """Whether every solver reached what was asked of it."""
-        return self.master is None or self.master.success
+        return self.master is None or bool(self.master.success)
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:

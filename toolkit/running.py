@@ -7,7 +7,7 @@ from typing import Any
 import toolkit
 from toolkit import laws
 from toolkit.interfaces import of_interface, remarks
-from toolkit.results import Result, Simulated, Solved, sample_curve, soft_record
+from toolkit.results import Result, Simulated, Solved, ageing_record, sample_curve, soft_record
 from toolkit.scene import EqTable, MasterTable, Scene, load_scene
 
 
@@ -54,7 +54,8 @@ def _solve(scene: Scene, asked: MasterTable) -> Solved:
     drive = scene.drive
     with laws.inside("master", {"tolerance": "tolerance"}):
         if drive.spring is None:
-            return master.solve(scene.contacts, scene.path, asked.tolerance, velocity=drive.velocity)
+            solved: Any = master.solve(scene.contacts, scene.path, asked.tolerance, velocity=drive.velocity)
+            return ageing_record(solved) if hasattr(solved, "mass_defect") else solved
         return soft_record(
             master.solve(
                 scene.contacts,

@@ -42,7 +42,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
     from toolkit.interfaces import in_a_line
-    from toolkit.results import SoftRecord
+    from toolkit.results import AgeingRecord, SoftRecord
 
     lines = [result.title or result.name]
     if result.interface is not None:
@@ -57,6 +57,11 @@ def report(result: Any) -> list[str]:
             slips = f"{solved.slip_drive.size} slips"
             period = f", period {solved.period:.6g}" if solved.slip_drive.size > 1 else ""
             lines.append(f"regime  {solved.verdict}, {slips}{period}: {solved.reason}")
+        if isinstance(solved, AgeingRecord):
+            lines.append(
+                f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
+                f"{solved.positivity_defect.max():.1e}; " + _outrun(solved.outrun)
+            )
     if result.eq is not None:
         eq = result.eq
         error = eq.force_standard_error.max() / result.mean_threshold
@@ -73,3 +78,9 @@ def report(result: Any) -> list[str]:
         else:
             lines.append(f"eq less master: at most {apart:.1f} standard errors over the path; chance makes about 3")
     return [*lines, *(f"note    {note}" for note in result.notes)]
+
+
+def _outrun(position: float) -> str:
+    if position == float("inf"):
+        return "contacts never outrun it"
+    return f"contacts outrun it from X = {position:.4g} on, and what follows is one of many answers"
