@@ -175,6 +175,9 @@ def every_origin() -> None:
         "scipy gamma(.3)": stats.gamma(0.3),
         "scipy lomax(2.5)": stats.lomax(2.5),
         "scipy beta(.5, .5)": stats.beta(0.5, 0.5),
+        "scipy beta(2, .7)": stats.beta(2.0, 0.7),
+        "scipy beta(.3, .3)": stats.beta(0.3, 0.3),
+        "scipy arcsine, from 1 to 2": stats.arcsine(1.0),
     }
     head("every origin, 501 points to X = 5 <x_s>, tolerance 1e-8; goal: success in 50 ms")
     for name, law in laws.items():
