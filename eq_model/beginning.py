@@ -1,5 +1,7 @@
 """How contacts begin: starting stretches, and first thresholds that exceed them."""
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 import numpy.typing as npt
 
@@ -11,13 +13,23 @@ Array = npt.NDArray[np.float64]
 
 _FAINTEST = 1e-290
 
+Tables = tuple[QuantileTable, QuantileTable | None]
+# many seeds ask the same
+_KNOWN: WeakKeyDictionary[Contacts, Tables] = WeakKeyDictionary()
 
-def tables(contacts: Contacts) -> tuple[QuantileTable, QuantileTable | None]:
-    """Quantile tables of the thresholds and, unless all contacts start from one stretch, of the start.
+
+def tables(contacts: Contacts) -> Tables:
+    """Quantile tables of the thresholds and, unless all contacts start from one stretch, of the start, made once.
 
     Raises InputError where they cannot be certified, or where the start reaches so far beyond the thresholds
     that their survival is below 1e-290.
     """
+    if contacts not in _KNOWN:
+        _KNOWN[contacts] = _tabulated(contacts)
+    return _KNOWN[contacts]
+
+
+def _tabulated(contacts: Contacts) -> Tables:
     thresholds, start = contacts.thresholds, contacts.start
     furthest = max(abs(start.span[0]), abs(start.span[1]))
     upper = thresholds.support()[1]

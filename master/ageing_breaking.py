@@ -1,4 +1,5 @@
-"""Breaks at a steady speed of contacts whose thresholds diffuse, closure "exact": of all that stood at one stretch.
+"""Breaks at a steady speed of contacts whose thresholds diffuse, closure "exact": of all that stood at one stretch;
+at a temperature too, where the rate follows the threshold that a contact has by then.
 
 From each stretch x_0 a first passage tells what holds, E(X; x_0), X the travel since. Where contacts stand at many
 stretches a few passages do, from the Gauss nodes x_j of their law: with w(X) from 0 to some number of about 1,
@@ -60,7 +61,7 @@ class AgeingBreaking:
         Travels (lengths) between which breaks from one stretch are one series.
     """
 
-    linked = False
+    linked = bends_at_zero = False  # `bends` says where
     # thresholds diffuse: none keeps an exact value, no density its jumps
     atoms = atom_weights = marks = np.empty(0)
 
@@ -102,7 +103,8 @@ class AgeingBreaking:
         """First passage from one stretch."""
         contacts = self._contacts
         assert contacts.ageing is not None
-        return first_passage(contacts.thresholds, contacts.ageing, self._velocity, origin, self.accuracy)
+        law, thermal = contacts.thresholds, contacts.thermal
+        return first_passage(law, contacts.ageing, self._velocity, origin, self.accuracy, thermal)
 
     def rows(self, x: Array, origin: Array | float = 0.0) -> Array:
         """p and E, times S(|origin|), at stretches x > `origin`; shape (2, n) for x of shape (n,)."""

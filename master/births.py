@@ -107,6 +107,14 @@ class TravelLaw(Thresholds):
         return self._marks
 
     @property
+    def panels(self) -> Array | None:
+        known = self._relaxed.panels
+        if self._after is not None and self._after.density.edges.size > 1:
+            edges = self._after.density.edges * self._unit
+            known = np.sort(np.append(edges, 0.5 * (edges[1:] + edges[:-1])))
+        return None if known is None else known + self._delay
+
+    @property
     def atoms(self) -> tuple[Array, Array]:
         return self._positions, self._weights
 

@@ -45,7 +45,8 @@ class Cycle:
     error : float
         Estimate of the error of the survival, where the law is known by a numerical solution.
 
-    Raises InputError for the paper's closure of ageing, which is no law of single contacts.
+    Raises InputError for the paper's closure of ageing, which is no law of single contacts, and for ageing with the
+    paper's closure of temperature.
     """
 
     def __init__(self, contacts: Contacts, velocity: float = 1.0, accuracy: float = 1e-8) -> None:
@@ -62,6 +63,11 @@ class Cycle:
                 raise InputError(
                     'contacts.ageing: closure = "paper" (Q15) has one P_c for all contacts at each X, so that single '
                     'contacts have no law of their own; use closure = "exact"'
+                )
+            if contacts.thermal is not None and contacts.thermal.closure == "paper":
+                raise InputError(
+                    'contacts.thermal: closure = "paper" averages the rate over one P_c for all contacts, and those '
+                    'that age have no such law; use closure = "exact"'
                 )
             ageing = AgeingBreaking(contacts, velocity, accuracy)
             self.law, self.breaking, self.error = ageing.effective, ageing, ageing.error

@@ -5,10 +5,12 @@ absorbed, and the upper wall. On η = (ξ - |S|)/(wall - |S|) the equation
 
     ∂u/∂t = D_X ∂/∂ξ (U' + ∂/∂ξ) u,     u(|S|, t) = 0,     breaks g = D_X ∂u/∂ξ at |S|
 
-is solved by spectral elements, and in time by collocation at the Radau points of each step (four of them: order 7 at
-the steps' ends, and whatever is stiff is damped). A second, finer solution tells the error.
+is solved by spectral elements, at a temperature with the rate of breaking h(S; ξ)/v beside it, and in time by
+collocation at the Radau points of each step (four of them: order 7 at the steps' ends, and whatever is stiff is
+damped). A second, finer solution tells the error.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -23,6 +25,7 @@ from origins import InputError, Thresholds
 from origins.quadrature import panel_edges
 
 Array = npt.NDArray[np.float64]
+Hazard = Callable[[float, Array], Array]
 
 _STAGES = 4
 _DEGREE = 8
@@ -62,11 +65,14 @@ def diffusion_passage(
     start: float = 0.0,
     spent: float = 1e-12,
     accuracy: float = 1e-7,
+    hazard: Hazard | None = None,
 ) -> DiffusionPassage:
     """Breaks of contacts whose fresh thresholds, from `fresh` above |start|, diffuse towards `final`.
 
-    diffusion is D_X = D/v > 0, a length. Raises InputError for fresh thresholds with exact single values. Corners of
-    either law, and features of less than a 700th of the range, cost accuracy; the error says how much.
+    diffusion is D_X = D/v > 0, a length; hazard(x, ξ), if there is one, the rate per length at which contacts of a
+    stretch x >= 0 and thresholds ξ of shape (n,) break before they meet. Raises InputError for fresh thresholds with
+    exact single values. Corners of either law, and features of less than a 700th of the range, cost accuracy; the
+    error says how much.
     """
     if fresh.atoms[0].size:
         raise InputError(
@@ -75,7 +81,7 @@ def diffusion_passage(
         )
     wall = _wall(fresh, final)
     potential = Potential(final, wall)
-    problem = _Problem(fresh, potential, diffusion, start, wall, _bulk(fresh, final), spent)
+    problem = _Problem(fresh, potential, diffusion, start, wall, _bulk(fresh, final), spent, hazard)
     # corners are blurred until the level comes to them; where it turns away first, the fresh law ends in one
     corners = fresh.breakpoints[fresh.breakpoints > abs(start)]
     corners = np.append(corners, -start) if start < 0.0 and float(fresh.cdf(-start)) > accuracy else corners
@@ -100,6 +106,7 @@ class _Problem:
     wall: float
     bulk: float
     spent: float
+    hazard: Hazard | None = None
 
 
 def _wall(fresh: Thresholds, final: Thresholds) -> float:
@@ -207,11 +214,20 @@ class _Step:
         drift = sign * (1.0 - elements.nodes) / span + problem.diffusion / span * slope
         # nothing stands at the level, where the slope may be infinite
         drift[0] = 0.0
-        return elements.flow(drift, problem.diffusion / span**2)
+        flow = elements.flow(drift, problem.diffusion / span**2)
+        return flow if problem.hazard is None else flow - elements.diagonal(self._early(t))
+
+    def _early(self, t: float) -> Array:
+        """Rate of breaking before the level is met, at the nodes."""
+        problem = self._problem
+        assert problem.hazard is not None
+        level = abs(problem.start + t)
+        return problem.hazard(level, level + (problem.wall - level) * self._elements.nodes)
 
     def breaks(self, q: Array, t: float) -> float:
-        """Breaks per unit of advance: what leaves through the level."""
-        return float(self.flow(t)[0, 0] @ q[: self._elements.degree + 1])
+        """Breaks per unit of advance: what leaves through the level, and before that."""
+        met = float(self.flow(t)[0, 0] @ q[: self._elements.degree + 1])
+        return met if self._problem.hazard is None else met + float(self._elements.weights @ (self._early(t) * q))
 
     def __call__(self, q: Array, t: float, step: float) -> Array:
         """Values at the stages, shape (n, 4); the last one is the end of the step."""

@@ -39,7 +39,7 @@ class ExplicitSolution:
     force : array of shape (n,)
         F/(N_c <k>), Eq. (Q6) (a length); straight between the steps.
     holding : array of shape (n,)
-        Sum of Q over the grid: 1 but for round-off.
+        Sum of Q over the grid: what waits lacks, else 1 but for round-off.
     run_time : float
         Seconds that the solution took.
     """
@@ -50,13 +50,21 @@ class ExplicitSolution:
     run_time: float
 
 
-def explicit(contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Breaking = "survival") -> ExplicitSolution:
-    """Force F(X) on a rigid slider that moves forward from X = 0, at T = 0, with dx = dX = step (Eqs. Q2-Q6).
+def explicit(
+    contacts: Contacts,
+    path: npt.ArrayLike,
+    step: float,
+    breaking: Breaking = "survival",
+    *,
+    velocity: float = 1.0,
+) -> ExplicitSolution:
+    """Force F(X) on a rigid slider that moves forward from X = 0, with dx = dX = step (Eqs. Q2-Q6, Q5adelay, temper4).
 
     Parameters
     ----------
     contacts : Contacts
-        Thresholds and starting stretches. As in the paper, a contact that starts at x < 0 is under P(x) from x = 0
+        Thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to P(x); delay, rounded
+        to whole steps. As in the paper, a contact that starts at x < 0 is under P(x) from x = 0
         on, though its threshold is known to exceed |x|: with weight there the scheme is not the discrete model.
     path : array of shape (n,)
         Slider positions X >= 0 that never turn back (lengths); any spacing.
@@ -66,16 +74,22 @@ def explicit(contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Bre
         Fraction a(x) that breaks in a step. "survival": 1 - S(x)/S(x - dX), what the hazard P takes over the whole
         step, sound for every law. "printed": P(x) dX, Eqs. (Q3) and (PcP), with P = 0 for x <= 0 and cut at 1, as P
         grows without bound towards the upper end of a bounded law; the same where P dX << 1.
+    velocity : float
+        v (length per time), which temperature and delay tell.
 
     Raises
     ------
     InputError
         For a path as in `solve`, a step that is not above zero or so small that the grid exceeds 4,194,304 nodes or
-        steps, an unknown `breaking`, and "printed" for thresholds with exact single values, which have no P(x).
+        steps, an unknown `breaking`, temperature with closure "exact", for which one rate at x is not enough, laws of
+        contacts other than these, and "printed" for thresholds with exact single values, which have no P(x).
     """
     began = time.perf_counter()
-    check_contacts(contacts, "master.explicit")
-    drive = Drive(path).only_forward("the explicit scheme")
+    check_contacts(contacts, "master.explicit", ("thermal", "delay"))
+    thermal, delay = contacts.thermal, contacts.delay
+    if thermal is not None and thermal.closure != "paper":
+        refuse("contacts.thermal.closure", thermal.closure, 'the explicit scheme knows x alone; use closure = "paper"')
+    drive = Drive(path, velocity).only_forward("the explicit scheme")
     step = positive("step", step)
     if breaking not in ("survival", "printed"):
         refuse("breaking", breaking, 'must be "survival" or "printed"')
@@ -89,15 +103,19 @@ def explicit(contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Bre
     x: Array = step * np.arange(-zero, int(np.ceil(last / step)) + 2, dtype=float)
     distribution = starting_shares(contacts, x, step)
     fraction = broken_fraction(contacts.thresholds, x, step, breaking)
+    if thermal is not None:
+        fraction = _warmer(contacts, fraction, x, step, breaking, drive.velocity)
     fraction[-1] = 1.0  # what the grid leaves out breaks here
     force, holding = np.empty(steps + 1), np.empty(steps + 1)
     force[0], holding[0] = x @ distribution, distribution.sum()
+    waiting = np.zeros(1 if delay is None else 1 + round(delay.time * drive.velocity / step))
     for n in range(1, steps + 1):
         distribution[1:] = distribution[:-1].copy()
         distribution[0] = 0.0
         broken = fraction * distribution
         distribution -= broken
-        distribution[zero] += broken.sum()
+        waiting[n % waiting.size] = broken.sum()  # back after as many steps as there are places
+        distribution[zero] += waiting[(n + 1) % waiting.size]
         force[n], holding[n] = x @ distribution, distribution.sum()
     at = step * np.arange(steps + 1)
     return ExplicitSolution(
@@ -143,3 +161,15 @@ def broken_fraction(thresholds: Thresholds, x: Array, step: float, breaking: Bre
     fraction[some] = np.minimum(np.exp(thresholds.logpdf(x[some]) - survival[some]) * step, 1.0)
     fraction[x <= 0.0] = 0.0
     return fraction
+
+
+def _warmer(
+    contacts: Contacts, fraction: Array, x: Array, step: float, breaking: Breaking, velocity: float
+) -> Array:
+    """The same where contacts break at the rate H(x)/v beside."""
+    from master.thermal_paper import PaperBreaking
+
+    hazard = PaperBreaking(contacts, velocity).hazard(np.abs(x)) * step
+    if breaking == "printed":
+        return np.minimum(fraction + hazard, 1.0)
+    return 1.0 - (1.0 - fraction) * np.exp(-hazard)

@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from master.diffusion_passage import DiffusionPassage, diffusion_passage
+from master.diffusion_passage import DiffusionPassage, Hazard, diffusion_passage
 from master.effective_law import EffectiveLaw
 from master.ornstein_passage import OrnsteinPassage
 from master.piecewise import Piecewise
-from origins import Ageing, InputError, Thresholds
+from origins import Ageing, InputError, Thermal, Thresholds
 from origins.errors import finite, positive
 from origins.frozen import as_thresholds
 
@@ -23,6 +23,7 @@ Array = npt.NDArray[np.float64]
 
 _ROUND_OFF = 1e-14
 _SPENT = 1e-12
+_NO_THRESHOLD = 1e-300
 _AT_REST = 1e-28
 _FINEST = 1e-10  # of the diffusion equation: beyond, steps grow in number and rounding comes through
 _PER_PANEL = 1e-2  # of the accuracy, for each panel of the integral equation
@@ -61,7 +62,12 @@ class FirstPassage:
 
 
 def first_passage(
-    fresh: object, ageing: Ageing, velocity: float = 1.0, start: float = 0.0, accuracy: float = 1e-8
+    fresh: object,
+    ageing: Ageing,
+    velocity: float = 1.0,
+    start: float = 0.0,
+    accuracy: float = 1e-8,
+    thermal: Thermal | None = None,
 ) -> FirstPassage:
     """First meeting of the stretch start + v t with a threshold that is fresh at t = 0 and above |start|.
 
@@ -78,6 +84,8 @@ def first_passage(
         Stretch at t = 0; from below 0 it comes to 0 first.
     accuracy : float
         Error of the survival that is aimed at; corners of either law may not allow it.
+    thermal : Thermal, optional
+        Rate of breaking before they meet, of the contact's threshold as it is then; by the diffusion equation.
 
     Raises InputError for thresholds that the final law does not cover, for a start beyond every threshold, and for
     exact single values in `fresh` unless the final law is Gaussian.
@@ -90,13 +98,15 @@ def first_passage(
     if not held > 0.0:
         raise InputError(f"start = {start:g}: lies beyond every threshold; contacts there hold nothing")
     unit = law.mean()
-    if start == 0.0 and diffusion <= _AT_REST * unit:
+    if start == 0.0 and diffusion <= _AT_REST * unit and thermal is None:
         return FirstPassage(law, 0.0)
     diffusion = max(diffusion, _AT_REST * unit)
     power = _onset_power(law) if start == 0.0 else np.inf
-    if ageing.normal is None:
-        passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT, max(0.3 * accuracy, _FINEST))
-        return FirstPassage(_from_steps(passage, power), passage.error)
+    if ageing.normal is None or thermal is not None:
+        finest, hazard = max(0.3 * accuracy, _FINEST), None if thermal is None else _hazard(thermal, velocity)
+        passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT, finest, hazard)
+        found, lost = _from_steps(passage, power if thermal is None else min(power, 0.0))
+        return FirstPassage(found, passage.error + lost)
     # all generations rest on the law from 0 on
     finest = float(np.clip(_PER_PANEL * accuracy, *_PANELS)) if start != 0.0 else _PANELS[0]
     normal = OrnsteinPassage(law, ageing.normal.mean, ageing.normal.std, diffusion, start, _SPENT, finest)
@@ -104,13 +114,24 @@ def first_passage(
     return FirstPassage(effective, normal.error + _ROUND_OFF)
 
 
+def _hazard(thermal: Thermal, velocity: float) -> Hazard:
+    """h/v."""
+
+    def hazard(stretch: float, threshold: Array) -> Array:
+        # none stand at the level itself
+        return thermal.rate(stretch, np.maximum(threshold, max(stretch, _NO_THRESHOLD))) / velocity
+
+    return hazard
+
+
 def _onset_power(fresh: Thresholds) -> float:
     """Where P_ci ~ x^m from 0 on, a layer of width (D_X x)^(1/2) has broken by x: p ~ x^((m - 1)/2)."""
     return 0.5 * (fresh.onset_power - 1.0) if fresh.support()[0] == 0.0 else np.inf
 
 
-def _from_steps(passage: DiffusionPassage, onset_power: float) -> EffectiveLaw:
-    """The law from E and p at the steps' ends: ln E over s = t^(1/2) from four ends at a time, then a series."""
+def _from_steps(passage: DiffusionPassage, onset_power: float) -> tuple[EffectiveLaw, float]:
+    """The law from E and p at the steps' ends, ln E over s = t^(1/2) from four ends at a time, then a series; and what
+    seems left at the last of them but does not break any more, which is rounding."""
     # past the first survival that rounding took below 0 there is nothing to tell
     spent = np.flatnonzero(~(passage.survival > 0.0))
     size = int(spent[0]) if spent.size else passage.survival.size
@@ -137,7 +158,10 @@ def _from_steps(passage: DiffusionPassage, onset_power: float) -> EffectiveLaw:
     hazard = -fall / (2.0 * last)
     steeper = -(bend / (2.0 * last) - fall / (2.0 * last**2)) / (2.0 * last)
     series = Piecewise(s, _PROJECT @ density.T)
-    return EffectiveLaw(series, 0.0, True, float(survival[-1]), hazard, steeper, onset_power)
+    left = float(survival[-1])
+    if hazard <= 0.0:
+        return EffectiveLaw(series, onset_power=onset_power), left
+    return EffectiveLaw(series, 0.0, True, left, hazard, steeper, onset_power), 0.0
 
 
 def _powers(x: Array) -> Array:

@@ -1,6 +1,7 @@
 """A rigid slider that moves forward: lattices are refined until the error estimate is below the tolerance."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +12,7 @@ from master.outcome import outcome
 from master.problem import Problem
 from master.renewal import LaterReleased, bound
 from master.solution import Solution
+from master.steady import steady_of
 from origins import Contacts
 from origins.errors import refuse
 
@@ -27,6 +29,8 @@ _FEWEST_NODES = 256
 _STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
 _BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
 _MOST_AROUND = 2000
+_LONG, _RATHER_LONG = 2000.0, 50.0
+_BEFORE, _FURTHER = 0.7, 1.5
 _FURTHEST = 1e100  # mean thresholds: its square is still a number
 
 
@@ -38,8 +42,50 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: f
     x = path / cycle.unit
     if x[-1] > _FURTHEST:
         refuse("path[-1]", path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
-    problem = Problem(contacts, max(float(x[-1]), 1e-300), tolerance * contacts.mean_threshold / cycle.unit, cycle)
+    end, own = float(x[-1]), tolerance * contacts.mean_threshold / cycle.unit
+    if _is_far(end, own):
+        settled = _solve_far(contacts, path, tolerance, cycle, began)
+        if settled is not None:
+            return settled
+    problem = Problem(contacts, max(end, 1e-300), own, cycle)
     return solve_problem(problem, path, tolerance, began)
+
+
+def _is_far(end: float, tolerance: float) -> bool:
+    """Whether round-off adds up to something on the way, or the way is long."""
+    return end > _LONG or (end > _RATHER_LONG and _added_up(end) > 0.1 * tolerance)
+
+
+def _solve_far(
+    contacts: Contacts, path: Array, tolerance: float, cycle: Cycle, began: float
+) -> Solution | None:
+    """The same along a path to beyond where contacts have forgotten their start; None where it ends before that."""
+    from master.settled import forgotten, left_to_settle
+
+    x, share = path / cycle.unit, cycle.unit / contacts.mean_threshold
+    at, end = forgotten(contacts, cycle, tolerance / share), float(x[-1])
+    while at < _BEFORE * end:
+        problem = Problem(contacts, at, tolerance / share, cycle)
+        early = x <= at
+        solved = solve_problem(problem, np.append(path[early], at * cycle.unit), tolerance, began)
+        steady = steady_of(contacts, cycle)
+        left = left_to_settle(problem, solved._later, steady, at, tolerance / share)
+        error = max(solved.force_error, left * share + steady.force_error)
+        if error <= tolerance or left * share <= solved.force_error:
+            late = np.count_nonzero(~early)
+            success, message = outcome(contacts, error, tolerance, solved.message)
+            return replace(
+                solved,
+                path=path,
+                force=np.append(solved.force[:-1], np.full(late, steady.force)),
+                force_error=error,
+                holding=np.append(solved.holding[:-1], np.full(late, steady.holding)),
+                run_time=time.perf_counter() - began,
+                success=success,
+                message=message,
+            )
+        at *= _FURTHER
+    return None
 
 
 def solve_problem(problem: Problem, path: Array, tolerance: float, began: float) -> Solution:
@@ -132,12 +178,16 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
 
 def round_off(problem: Problem) -> float:
     """Error that no lattice goes below: tables, and a kernel's mass off by an ulp, which adds up as a square."""
-    return ROUND_OFF * (1.0 + problem.end) + 2e-16 * problem.end**2 + known_to(problem)
+    return _added_up(problem.end) + known_to(problem)
 
 
 def known_to(problem: Problem) -> float:
     """What the errors of the first breaks and of the law add to the force up to the path's end."""
     return problem.first.error + problem.cycle.error * (1.0 + problem.end)
+
+
+def _added_up(end: float) -> float:
+    return ROUND_OFF * (1.0 + end) + 2e-16 * end**2
 
 
 def _limit(problem: Problem, reached: float, share: float) -> str:

@@ -15,6 +15,7 @@ from master.law import Law
 from master.starting import StartSum
 from master.thermal_law import ThermalBreaking
 from master.thermal_paper import PaperBreaking
+from master.thermal_spread import SpreadBreaks
 from origins import Contacts
 from origins.quadrature import gauss
 
@@ -37,6 +38,7 @@ class OriginBreaks(FirstBreaks):
         self._breaking = breaking = breaking.of(contacts.start)
         unit = law.unit
         self._unit, self._contacts = unit, contacts
+        self._spread: SpreadBreaks | None = None
         low, high = np.asarray(contacts.start.span) / unit
         self.single = bool(high - low < _NARROW)
         marks = breaking.marks / unit
@@ -62,7 +64,11 @@ class OriginBreaks(FirstBreaks):
             rough = contacts.start.breakpoints / unit
             rough = np.concatenate([rough[(rough >= low) & (rough <= high)], [low, high]])
             seeds = np.concatenate([(marks[:, None] - rough).ravel(), -2.0 * rough, marks - self.mean_start])
-            self._cuts = np.unique(np.concatenate([law.inner_edges(self._sum.widest), marks]))
+            bend = np.zeros(1 if breaking.bends_at_zero else 0)
+            self._cuts = np.unique(np.concatenate([law.inner_edges(self._sum.widest), marks, bend]))
+            if isinstance(breaking, ThermalBreaking):
+                self._spread = SpreadBreaks(breaking, self._sum, law, np.append(marks, bend), self._accuracy)
+                self._cuts = self._spread.cuts
         peak = float(law.edges[law.cdf(law.edges).searchsorted(0.5)]) if law.edges.size else 1.0
         across = max(high - low, law.narrowest)
         seeds = np.concatenate([seeds, peak - self.mean_start + across * np.linspace(-2.0, 2.0, 9)])
@@ -76,7 +82,7 @@ class OriginBreaks(FirstBreaks):
         self._find_corners(seeds, law)
         self._order = np.argsort(self.atoms, kind="stable")
         self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
-        rest = float(self._integrals(np.array([top]))[1, 0]) if top < breaking.top / unit - low else 0.0
+        rest = float(self._integrals(np.array([top]), holds=True)[1, 0]) if top < breaking.top / unit - low else 0.0
         broken = self.density.total + float(self.atom_weights[self.atoms <= top].sum())
         self._defect = abs(1.0 - rest - broken) + breaking.error
 
@@ -101,24 +107,31 @@ class OriginBreaks(FirstBreaks):
         out = np.concatenate(parts, axis=1)
         return out[[0, 2, 3] if self._breaking.linked else [0, 2]].reshape(-1, *x.shape)
 
-    def _integrals(self, x: Array) -> Array:
-        """b_0, what holds, dJ_0/dX and the stiffness released; shape (4, n)."""
+    def _integrals(self, x: Array, holds: bool = False) -> Array:
+        """b_0, what holds where that is asked for, dJ_0/dX and the stiffness released; shape (4, n)."""
         if self._sum is None:
             return self._total(np.arange(x.size), x, self._origins[0], self._shares[0], x.size)
         start = self._sum
         cuts = self._cuts
-        own = np.broadcast_to(start.edges, (x.size, start.edges.size))
+        panels = start.edges if self._spread is None else self._spread.edges
+        own = np.broadcast_to(panels, (x.size, panels.size))
         # where a stretch turns at 0, and where it is back at what it was
         turns = self._breaking.bends(x * self._unit) / self._unit
         edges = np.concatenate([own, cuts - x[:, None], turns, -0.5 * x[:, None]], axis=1)
         edges = np.sort(np.clip(edges, start.low, start.high), axis=1)
         left, right = edges[:, :-1], edges[:, 1:]
-        row, piece = np.nonzero(right - left > 1e-15 * (start.high - start.low))
+        left_over = right - left > 1e-15 * (start.high - start.low)
+        out = np.zeros((4, x.size))
+        if self._spread is not None and not holds:
+            out[[0, 2, 3]], known = self._spread.sums(x)
+            panel = np.searchsorted(panels, 0.5 * (left + right)) - 1
+            left_over &= ~np.take_along_axis(known, np.clip(panel, 0, known.shape[1] - 1), axis=1)
+        row, piece = np.nonzero(left_over)
         origins, weights = gauss(left[row, piece], right[row, piece])
         weights = (weights * start.weight(origins)).ravel()
         felt = weights > _NEGLIGIBLE
         row = np.repeat(row, origins.shape[1])[felt]
-        out = self._total(row, x[row], origins.ravel()[felt], weights[felt], x.size)
+        out += self._total(row, x[row], origins.ravel()[felt], weights[felt], x.size)
         breaking, unit = self._breaking, self._unit
         for atom, weight in zip(breaking.atoms / unit, breaking.atom_weights, strict=True):
             at = np.flatnonzero((np.abs(atom - x) < atom) & (atom - x >= start.low) & (atom - x <= start.high))

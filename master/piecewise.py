@@ -101,6 +101,33 @@ class Piecewise:
         return out
 
 
+class Bundle:
+    """Many functions as Legendre series on the same panels; coefficients has shape (16, functions, panels)."""
+
+    def __init__(self, edges: Array, coefficients: Array) -> None:
+        self.edges = edges
+        self._powers = np.tensordot(_POWERS[:_NODES, :_NODES], coefficients, 1).reshape(_NODES, -1)
+
+    def __call__(self, which: npt.NDArray[np.intp], x: Array) -> Array:
+        """Values of the functions `which` at x, both of one shape; zero outside the panels."""
+        panel = (np.searchsorted(self.edges, x, side="right") - 1).clip(0, self.edges.size - 2)
+        left, right = self.edges[panel], self.edges[panel + 1]
+        t = ((x - left) - (right - x)) / (right - left)
+        at = which * (self.edges.size - 1) + panel
+        out = self._powers[-1].take(at)
+        for row in self._powers[-2::-1]:
+            out *= t
+            out += row.take(at)
+        out[np.abs(t) > 1.0 + 1e-9] = 0.0
+        return out
+
+
+def bundle(tables: list[Piecewise], shares: Array) -> Bundle:
+    """Sums of `tables`, all on the same panels, each times its share; shares has shape (functions, tables)."""
+    coefficients = np.stack([table.coefficients for table in tables], axis=1)
+    return Bundle(tables[0].edges, np.einsum("ft,mtp->mfp", shares, coefficients))
+
+
 def tabulate(
     function: Callable[[Array], Array],
     edges: Array,

@@ -51,4 +51,8 @@ class Solution:
 
     def distribution(self, position: float) -> StretchDistribution:
         """Q(x;X) at X = position, between 0 and the path's end; InputError elsewhere."""
-        return distribution_at(self._problem, self._later, position, float(self.path[-1]))
+        problem, end = self._problem, float(self.path[-1])
+        settled = problem.end * problem.unit
+        if settled < position <= end:  # beyond where contacts have forgotten their start nothing changes
+            position = settled
+        return distribution_at(problem, self._later, position, end)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from master.ageing_transient import AgeingTransient
     from master.cohorts import PathSolution
     from master.soft import SoftSolution
+    from master.timed import TimedSolution
 
 
 @overload
@@ -30,7 +31,7 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: None = None,
     slip: SlipRule = "reset",
-) -> Solution | PathSolution | AgeingTransient: ...
+) -> Solution | PathSolution | TimedSolution | AgeingTransient: ...
 
 
 @overload
@@ -55,14 +56,14 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: float | None = None,
     slip: SlipRule = "reset",
-) -> Solution | PathSolution | SoftSolution | AgeingTransient:
+) -> Solution | PathSolution | TimedSolution | SoftSolution | AgeingTransient:
     """Force on a slider from X = 0 along a path (paper Eqs. Q5a-Q6, Secs. IV and V, App. C, Sec. III D).
 
     Parameters
     ----------
     contacts : Contacts
-        Thresholds, starting stretches and, for a rigid slider that moves forward at one speed, temperature, ageing,
-        delay, re-forming and linked stiffness; the paper's closure of ageing goes with none of the others.
+        Thresholds, starting stretches and, for a rigid slider, temperature, delay, re-forming and linked stiffness;
+        where it moves forward at one speed, ageing as well. The paper's closure of ageing goes with none of the others.
     path : array of shape (n,)
         Slider positions X (lengths), any spacing, straight between points; where they turn round contacts break at
         -x_s as well. With a spring, positions X_T of the drive, which begins where it balances the start.
@@ -71,7 +72,7 @@ def solve(
     velocity : float
         Speed along the path (length per time); at T = 0 without ageing and delay nothing depends on it.
     time : array of shape (n,), optional
-        When each point is reached, instead of the velocity.
+        When each point is reached, instead of the velocity: for holds and velocity steps.
     spring : float, optional
         K/(N_c <k>) of a soft slider; None: rigid.
     slip : "reset", "reform-after" or "instant"
@@ -82,8 +83,8 @@ def solve(
 
     Returns
     -------
-    Solution, PathSolution where the path turns round, SoftSolution where there is a spring, or AgeingTransient for
-    the paper's closure of ageing
+    Solution, PathSolution where the path turns round, TimedSolution where it does or takes its own time and contacts
+    have laws that tell, SoftSolution where there is a spring, or AgeingTransient for the paper's closure of ageing
         With success = False and the reason in `message` where the tolerance was not reached.
 
     Raises
@@ -102,20 +103,24 @@ def solve(
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
         return solve_paper(contacts, drive, tolerance)
     steady = drive.spring is None and drive.forward and drive.time is None
-    check_contacts(contacts, "master.solve" if steady else f"master.solve {_why(drive)}", LAWS if steady else ())
+    timed = tuple(law for law in LAWS if law != "ageing")
+    check_contacts(contacts, "master.solve" if steady else "master.solve on this drive", LAWS if steady else timed)
+    laws = (contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
+    plain = laws == (None, None, None, None) and contacts.stiffness == "independent"
+    if drive.spring is not None and not plain:
+        from master.soft_laws import solve_soft_laws
+
+        return solve_soft_laws(contacts, drive, tolerance)
     if drive.spring is not None:
         from master.soft import solve_soft
 
         return solve_soft(contacts, drive.path, drive.spring, drive.slip, tolerance)
-    if drive.forward:
+    if drive.forward and (drive.time is None or plain):
         return solve_forward(contacts, drive.path, tolerance, drive.velocity)
+    if not plain:
+        from master.timed import solve_timed
+
+        return solve_timed(contacts, drive, tolerance)
     from master.cohorts import solve_cohorts
 
     return solve_cohorts(contacts, drive.path, tolerance)
-
-
-def _why(drive: Drive) -> str:
-    """What of the drive the laws of single contacts do not go with yet."""
-    if drive.spring is not None:
-        return "with a spring"
-    return "with time along the path" if drive.forward else "on a path that turns round"

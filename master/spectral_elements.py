@@ -36,6 +36,7 @@ class SpectralElements:
         self.nodes[self.index] = edges[:-1, None] + 0.5 * width * (at + 1.0)
         self.nodes[self.index[:, -1]] = edges[1:]
         self.weights = np.bincount(self.index.ravel(), (0.5 * width * weights).ravel())
+        self._local = 0.5 * width * weights
         self._drift = slopes.T * weights
         self._diffusion = (2.0 / width)[:, :, None] * (self._drift @ slopes)
 
@@ -45,6 +46,10 @@ class SpectralElements:
         drift has one value per node. With no more than this, nothing flows through either end.
         """
         return -(self._drift * drift[self.index][:, None, :] + diffusion * self._diffusion)
+
+    def diagonal(self, values: Array) -> Array:
+        """Elements' parts of (φ_i, value q), one value per node, shape (m, degree + 1, degree + 1)."""
+        return np.eye(self.degree + 1) * (self._local * values[self.index])[:, None, :]
 
     def project(self, density: Callable[[Array], Array], edges: Array) -> Array:
         """Values at the nodes whose sums against all elements' polynomials are those of a density, smooth between the

@@ -53,7 +53,9 @@ class StartSum:
             # 1/S(|x|) has a cusp at 0 and the law's own kinks and narrow rises: panels follow it as well as the start
             rises = thin(law.edges, (self.high - self.low) / NARROW)
             marks = np.concatenate([rises, law.breakpoints, law.atoms])
-            seeds = np.concatenate([seeds, marks, -marks, [0.0]])
+            seeds = np.concatenate([seeds, marks, -marks])
+        if self._conditional or contacts.thermal is not None:
+            seeds = np.append(seeds, 0.0)
         seeds = np.unique(seeds[(seeds >= self.low) & (seeds <= self.high)])
         table = tabulate(self._both, seeds, 1e-13)[0]
         self.mean = contacts.start.mean() / unit if contacts.cut_weight == 0.0 else _mean(table) / table.total

@@ -10,7 +10,7 @@ exp{-[A(x; ξ) - A(x_0; ξ)]/v}, A the integral of the breaking rate h. Over thr
 both to be divided by S(|x_0|). Of relaxed births, x_0 = 0, p is a law of the stretches at which they break.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Self
 
 import numpy as np
@@ -29,6 +29,7 @@ _ACCURACY = 1e-13
 _TAIL = 1e-20
 # panels around the threshold at which A/v = 1, as ln(A/v): e^(-A/v) falls from 1 to 0 in between
 _AROUND = np.array([3.9, 3.3, 2.7, 2.1, 1.5, 0.9, 0.3, -0.4, -1.2, -2.1, -3.2, -4.6, -6.5, -9.0, -13.0, -20.0, -38.0])
+_LEAST = float(np.exp(_AROUND[-1]))
 _SMOOTH = 0.6  # change of ln(A/v) that eight nodes see through
 _CUTS = 10
 _STEPS = 12
@@ -45,7 +46,7 @@ class ThermalBreaking:
     def __init__(self, contacts: Contacts, velocity: float) -> None:
         if contacts.thermal is None:
             raise ValueError("contacts without temperature break at their thresholds")
-        self.law, self._thermal, self._log_velocity = contacts.thresholds, contacts.thermal, float(np.log(velocity))
+        self.law, self._thermal, self._velocity = contacts.thresholds, contacts.thermal, velocity
         self._contacts, self.linked = contacts, contacts.stiffness == "linked"
         self.atoms, self.atom_weights = self.law.atoms
         lower, upper = self.law.support()
@@ -62,8 +63,8 @@ class ThermalBreaking:
         return self
 
     def bends(self, travel: Array) -> Array:
-        """Origins beside which `rows` bends at each travel, shape (n, any): where stretches turn at 0."""
-        return -travel[:, None]
+        """Origins beside which `rows` bends at each travel, but for where stretches turn at 0: none, shape (n, 0)."""
+        return np.empty((travel.size, 0))
 
     def rows(self, x: Array, origin: Array | float = 0.0) -> Array:
         """p and E at stretches x > `origin`, where stiffnesses differ then both with these under the integral; shape
@@ -80,40 +81,71 @@ class ThermalBreaking:
 
     def held(self, x: Array, threshold: Array, origin: Array) -> Array:
         """exp{-[A(x; ξ) - A(x_0; ξ)]/v}, for x >= x_0."""
-        spent = self._log_spent(x, threshold, origin)
-        return np.exp(-np.exp(np.minimum(spent, _GONE)))
+        return np.exp(-self._passed(x, threshold, origin)[1])
+
+    def _passed(self, x: Array, threshold: Array, origin: Array) -> tuple[Array, Array]:
+        """h/v at x, and [A(x; ξ) - A(x_0; ξ)]/v."""
+        stiffness = self._contacts.relative_stiffness(threshold) if self.linked else 1.0
+        return self._thermal.per_length(x, threshold, origin, stiffness, self._velocity)
 
     def _log_spent(self, x: Array, threshold: Array, origin: Array) -> Array:
-        stiffness = self._contacts.relative_stiffness(threshold)
-        return self._thermal.log_cumulative(x, threshold, origin, stiffness) - self._log_velocity
+        """ln of the same, finite where that underflows."""
+        stiffness = self._contacts.relative_stiffness(threshold) if self.linked else 1.0
+        return self._thermal.log_per_length(x, threshold, origin, stiffness, self._velocity)
 
-    def _hazard(self, x: Array, threshold: Array) -> Array:
-        """h/v."""
-        stiffness = self._contacts.relative_stiffness(threshold)
-        return np.exp(self._thermal.log_rate(x, threshold, stiffness) - self._log_velocity)
+    @property
+    def bends_at_zero(self) -> bool:
+        """Whether the slope of h jumps at x = 0, where the barrier's |x| does."""
+        return self._thermal.law == "stiff"
+
+    def grown(self, origins: Array, least: float) -> Array:
+        """A(x_0; ξ)/v for each of `origins` and some thresholds above `least`, in all their range."""
+        nodes, weights = gauss(self._panels[:-1], self._panels[1:])
+        felt = (weights * self.law.pdf(nodes) > _TAIL) & (nodes > least)
+        some = np.concatenate([nodes[felt], self.atoms[self.atoms > least]])
+        return self._passed(origins[:, None], some, np.zeros(1))[1]
+
+    def fan(self, x: Array, origins: Array, least: float) -> Array:
+        """p, where stiffnesses differ then with these under the integral, of contacts that stood at each of `origins`,
+        at stretches x of shape (n,); thresholds up to `least`, which no |origin| is above, left out. Shape (1 or 2,
+        origins, n)."""
+        out = np.zeros((2 if self.linked else 1, origins.size, x.size))
+        chunk = max(1, _CHUNK // (8 * (self._panels.size + _AROUND.size)))
+        for i in range(0, x.size, chunk):
+            at = x[i : i + chunk]
+            lowest = np.maximum(at, least)
+            for row, mass, threshold in self._thresholds(at, np.zeros(at.size), lowest):
+                rate, spent = self._passed(at[row, None], threshold, np.zeros(1))
+                self._fan_out(out[:, :, i : i + chunk], row, mass * rate, spent, threshold, origins)
+            own = np.flatnonzero((at > least) & (self.law.pdf(at) > 0.0))
+            mass, threshold = self.law.pdf(at[own])[:, None], at[own, None]
+            spent = self._passed(threshold, threshold, np.zeros(1))[1]
+            self._fan_out(out[:, :, i : i + chunk], own, mass, spent, threshold, origins)
+        return out
+
+    def _fan_out(
+        self, out: Array, row: npt.NDArray[np.intp], mass: Array, spent: Array, threshold: Array, origins: Array
+    ) -> None:
+        stiffness = self._contacts.relative_stiffness(threshold) if self.linked else 1.0
+        for k, origin in enumerate(origins):
+            breaks = mass * np.exp(self._passed(origin, threshold, np.zeros(1))[1] - spent)
+            parts = [breaks, breaks * stiffness] if self.linked else [breaks]
+            for total, part in zip(out[:, k], parts, strict=True):
+                total += np.bincount(row, weights=part.sum(-1), minlength=total.size)
 
     def _integrals(self, x: Array, origin: Array) -> Array:
         least = np.maximum(x, np.abs(origin))
         out = np.zeros((4 if self.linked else 2, x.size))
-        if self._panels.size > 1:
-            edges = np.clip(self._panels, np.maximum(least, self._panels[0])[:, None], self.top)
-            level = self._log_spent(np.broadcast_to(x[:, None], edges.shape), edges, origin[:, None])
-            level = np.clip(level, _AROUND[-1], _AROUND[0]) + 1.0
-            # below, e^(-A/v) changes by little
-            across = np.abs(np.diff(np.where(level < 0.0, 0.25 * level, level), axis=1))
-            sharp = ((across > _SMOOTH) & self._heavy).any(axis=1)
-            self._spread(out, np.flatnonzero(~sharp), edges[~sharp], x, origin, least)
-            if sharp.any():
-                centre, width = self._half_way(x[sharp], origin[sharp], least[sharp])
-                edges = np.concatenate([edges[sharp], centre[:, None] + width[:, None] * -_AROUND], axis=1)
-                edges = np.sort(np.clip(edges, edges[:, :1], self.top), axis=1)
-                self._spread(out, np.flatnonzero(sharp), edges, x, origin, least)
-        for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
-            row = np.flatnonzero(least < atom)
-            if row.size:
-                threshold = np.full(row.size, atom)
-                held = weight * self.held(x[row], threshold, origin[row])
-                self._add(out, row, held[:, None], x[row, None], threshold[:, None])
+        for row, mass, threshold in self._thresholds(x, origin, least):
+            rate, spent = self._passed(x[row, None], threshold, origin[row, None])
+            held = mass * np.exp(-spent)
+            breaks = held * rate
+            parts = [breaks, held]
+            if self.linked:
+                stiffness = self._contacts.relative_stiffness(threshold)
+                parts += [breaks * stiffness, held * stiffness]
+            for total, part in zip(out, parts, strict=True):
+                total += np.bincount(row, weights=part.sum(-1), minlength=x.size)
         at_threshold = self.law.pdf(x)
         inside = (at_threshold > 0.0) & (x > np.abs(origin))
         if inside.any():
@@ -124,30 +156,40 @@ class ThermalBreaking:
                 out[2, inside] += breaks * self._contacts.relative_stiffness(own)
         return out
 
-    def _spread(
-        self, out: Array, rows: npt.NDArray[np.intp], edges: Array, x: Array, origin: Array, least: Array
-    ) -> None:
-        """Add the integrals over thresholds on panels between `edges`, one row of them for each of `rows`."""
+    def _thresholds(
+        self, x: Array, origin: Array, least: Array
+    ) -> Iterator[tuple[npt.NDArray[np.intp], Array, Array]]:
+        """Thresholds above `least` for each x and their weights, for sums over what holds: rows of x that they are for,
+        weights, thresholds."""
+        if self._panels.size > 1:
+            edges = np.clip(self._panels, np.maximum(least, self._panels[0])[:, None], self.top)
+            level = np.maximum(self._passed(x[:, None], edges, origin[:, None])[1], _LEAST)
+            level = np.minimum(np.log(level), _AROUND[0]) + 1.0
+            # below, e^(-A/v) changes by little
+            across = np.abs(np.diff(np.where(level < 0.0, 0.25 * level, level), axis=1))
+            sharp = ((across > _SMOOTH) & self._heavy).any(axis=1)
+            yield self._nodes(np.flatnonzero(~sharp), edges[~sharp], least)
+            if sharp.any():
+                centre, width = self._half_way(x[sharp], origin[sharp], least[sharp])
+                edges = np.concatenate([edges[sharp], centre[:, None] + width[:, None] * -_AROUND], axis=1)
+                edges = np.sort(np.clip(edges, edges[:, :1], self.top), axis=1)
+                yield self._nodes(np.flatnonzero(sharp), edges, least)
+        for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
+            row = np.flatnonzero(least < atom)
+            yield row, np.full((row.size, 1), weight), np.full((row.size, 1), atom)
+
+    def _nodes(
+        self, rows: npt.NDArray[np.intp], edges: Array, least: Array
+    ) -> tuple[npt.NDArray[np.intp], Array, Array]:
+        """Thresholds on panels between `edges`, one row of them for each of `rows`."""
         # a stiff contact's rate has a root at its threshold: in the root of ξ - x all is smooth
         roots = np.sqrt(np.maximum(edges - least[rows, None], 0.0))
         left, right = roots[:, :-1], roots[:, 1:]
         wide = right > left
         row = rows[np.nonzero(wide)[0]]
-        if not row.size:
-            return
         nodes, weights = gauss(left[wide], right[wide])
-        at, begin = (np.broadcast_to(some[row, None], nodes.shape) for some in (x, origin))
         nodes, weights = least[row, None] + nodes * nodes, 2.0 * nodes * weights
-        self._add(out, row, weights * self.law.pdf(nodes) * self.held(at, nodes, begin), at, nodes)
-
-    def _add(self, out: Array, row: npt.NDArray[np.intp], held: Array, x: Array, threshold: Array) -> None:
-        breaks = held * self._hazard(x, threshold)
-        parts = [breaks, held]
-        if out.shape[0] > 2:
-            stiffness = self._contacts.relative_stiffness(threshold)
-            parts += [breaks * stiffness, held * stiffness]
-        for k, part in enumerate(parts):
-            out[k] += np.bincount(row, weights=part.sum(-1), minlength=out.shape[1])
+        return row, weights * self.law.pdf(nodes), nodes
 
     def _half_way(self, x: Array, origin: Array, least: Array) -> tuple[Array, Array]:
         """Threshold at which A/v = 1, the lowest there is where it is less there, and the width of a factor e in A."""
@@ -238,6 +280,17 @@ class BreakingLaw(Thresholds):
 
     def _cdf(self, x: Array) -> Array:
         return np.clip(self._breaks.integral(x) + self._atoms_below(x), 0.0, 1.0)
+
+    def _moment(self, n: int) -> float:
+        nodes, weights = gauss(self.panels[:-1], self.panels[1:])
+        return float((weights * self._breaks(nodes) * nodes**n).sum()) + float(self._atom_weights @ self._atoms**n)
+
+    def rough_quantiles(self, below: Array, above: Array) -> tuple[Array, Array]:
+        edges = self.panels
+        x = np.unique(np.concatenate([gauss(edges[:-1], edges[1:])[0].ravel(), edges]))
+        # by tables alone: beside round-off at either end they need not rise or fall
+        found = np.maximum.accumulate(self._cdf(x)), np.maximum.accumulate(-self._sf(x))
+        return np.interp(below, found[0], x), np.interp(-above, found[1], x)
 
     def _atoms_below(self, x: Array) -> Array:
         total = np.zeros(x.shape)

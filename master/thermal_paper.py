@@ -36,6 +36,7 @@ class PaperBreaking:
     linked = False
     error = 0.0
     panels = np.empty(0)
+    bends_at_zero = True
 
     def __init__(self, contacts: Contacts, velocity: float) -> None:
         assert contacts.thermal is not None
@@ -61,10 +62,12 @@ class PaperBreaking:
         edges = np.unique(np.concatenate([np.linspace(0.0, self.top, 9), self.marks[self.marks < self.top]]))
         return tabulate(lambda x: np.stack(self._integrals(x.ravel())).reshape(2, *x.shape), edges, _ACCURACY)
 
-    def _table(self, x: Array) -> Array:
+    def spent(self, x: Array) -> Array:
+        """L at x >= 0."""
         return self._tables[0](x)
 
-    def _hazard(self, x: Array) -> Array:
+    def hazard(self, x: Array) -> Array:
+        """H/v at x >= 0; 0 beyond all thresholds."""
         return self._tables[1](x)
 
     def of(self, start: Start) -> Self:
@@ -72,8 +75,8 @@ class PaperBreaking:
         return self
 
     def bends(self, travel: Array) -> Array:
-        """Origins beside which `rows` bends at each travel, shape (n, any): where stretches turn at 0."""
-        return -travel[:, None]
+        """Origins beside which `rows` bends at each travel, but for where stretches turn at 0: none, shape (n, 0)."""
+        return np.empty((travel.size, 0))
 
     def rows(self, x: Array, origin: Array | float = 0.0) -> Array:
         """p and E, times S(|origin|), at stretches x > `origin`; shape (2, n) for x of shape (n,)."""
@@ -88,7 +91,7 @@ class PaperBreaking:
             spent, hazard = self._integrals(np.abs(x))
             before = np.zeros(x.size)
         else:  # many starts, few places
-            spent, hazard, before = self._table(np.abs(x)), self._hazard(np.abs(x)), self._table(np.abs(origin))
+            spent, hazard, before = self.spent(np.abs(x)), self.hazard(np.abs(x)), self.spent(np.abs(origin))
         held = np.exp(np.minimum(np.sign(origin) * before - np.sign(x) * spent, _MOST))
         survival = self.law.sf(least)
         out[1, live] = survival * held

@@ -125,9 +125,11 @@ class _Search:
         at_knots = self._at_knots - self._at_knots[:, last, None]
         slopes = 3.0 * ((knots[-1] - knots) ** 2 - (knots[-1] - knots[last]) ** 2) / self._unit**3
         kinked = np.concatenate([self._kinks - self._kinks[:, last, None], at_knots[-1] + np.outer(model.tail, slopes)])
-        expected = np.einsum("i,ij->j", model.density, kinked)
-        cross = (model.away * model.density[:, None]).T @ (kinked - expected)
-        whole = np.einsum("i,ij->j", model.density, (kinked - expected) ** 2)
+        expected = model.density @ kinked
+        kinked -= expected
+        cross = (model.away * model.density[:, None]).T @ kinked
+        kinked *= kinked
+        whole = model.density @ kinked
         rest = whole - np.einsum("ij,ij->j", cross, model.solve(cross))
         new = rest > 1e-9 * whole
         new[model.kept] = new[-2:] = False

@@ -42,6 +42,9 @@ def panel_edges(
     Covers the support up to `upper`, and an infinite tail to survival `tail`. Atoms are not looked at.
     """
     lower, end = thresholds.support()
+    known = thresholds.panels
+    if known is not None:
+        return np.append(known[known < upper], upper) if known[0] < upper < known[-1] else known[known <= upper]
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
     low, high = thresholds.rough_quantiles(_SEEDS, np.concatenate([_SEEDS, far, [tail]]))
     # a quantile that a law cannot give is no seed
@@ -57,7 +60,7 @@ def panel_edges(
     middle = _middle(left, right)
     # asked for all three at once: many a law takes longer to be asked than to answer
     whole, first, second = _mass(thresholds, np.stack([left, left, middle]), np.stack([right, middle, right]), scale)
-    known = _cdf_mass(thresholds, left, right)
+    weight = _cdf_mass(thresholds, left, right)
     finished_left, finished_right = [], []
     done = np.zeros(2)
     for _ in range(_DEPTH):
@@ -65,7 +68,7 @@ def panel_edges(
         # halving can see through
         level = np.maximum(done + whole.sum(axis=1), 1.0)[:, None]
         rounding = _EPSILON * np.abs(whole) * right / (right - left)
-        missed = np.abs(known - whole[0]) > 1e-12 + 64.0 * rounding[0]
+        missed = np.abs(weight - whole[0]) > 1e-12 + 64.0 * rounding[0]
         open_ = (np.abs(first + second - whole) > accuracy * level + rounding).any(axis=0) | missed
         open_ &= (middle > left) & (middle < right)
         done += whole[:, ~open_].sum(axis=1)
@@ -84,9 +87,9 @@ def panel_edges(
         whole = np.concatenate([first[:, open_], second[:, open_]], axis=1)
         # the cdf is asked again only where it told something: elsewhere the halves agree with the whole
         again = np.tile(missed[open_], 2)
-        known = whole[0].copy()
+        weight = whole[0].copy()
         if again.any():
-            known[again] = _cdf_mass(thresholds, left[again], right[again])
+            weight[again] = _cdf_mass(thresholds, left[again], right[again])
         middle = _middle(left, right)
         first, second = _mass(thresholds, np.stack([left, middle]), np.stack([middle, right]), scale)
     else:

@@ -13,10 +13,19 @@ from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 
+_MOST = 650.0  # e to it is a number, and none holds at such a rate
+
 
 def log_rate(x: Array, threshold: Array, spring: Array) -> Array:
     """ln(h/ω)."""
     return -spring * (threshold - x) * (threshold + x)
+
+
+def grown(x: Array, threshold: Array, spring: Array, log_scale: float) -> tuple[Array, Array]:
+    """h/ω and its integral from 0 to x of either sign, both times e^log_scale; broadcast, underflowing to 0."""
+    root = np.sqrt(spring)
+    rate = np.exp(np.minimum(log_scale - spring * (threshold - x) * (threshold + x), _MOST))
+    return rate, rate * (dawsn(root * x) / root)
 
 
 def log_between(near: Array, far: Array, threshold: Array, spring: Array) -> Array:

@@ -12,11 +12,24 @@ from scipy.special import exprel
 
 Array = npt.NDArray[np.float64]
 
+_MOST = 650.0  # e to it is a number, and none holds at such a rate
+
 
 def log_rate(x: Array, threshold: Array, spring: Array) -> Array:
     """ln(h/ω); -inf at the threshold."""
     s = (threshold - x) / threshold
     return 0.5 * np.log(s) - spring * threshold * threshold * (s * np.sqrt(s))
+
+
+def grown(x: Array, threshold: Array, spring: Array, log_scale: float) -> tuple[Array, Array]:
+    """h/ω and its integral from 0 to x of either sign, both times e^log_scale; broadcast, underflowing to 0."""
+    far = np.abs(x)
+    share, s = far / threshold, np.maximum(threshold - far, 0.0) / threshold
+    root, c = np.sqrt(s), spring * threshold * threshold
+    whole = np.exp(np.minimum(log_scale - c * (s * root), _MOST))
+    # 1 - s^(3/2), without cancellation
+    fall = share * (1.0 + root + s) / (1.0 + root)
+    return root * whole, np.sign(x) * (threshold / (-1.5 * c) * np.expm1(-c * fall) * whole)
 
 
 def log_between(near: Array, far: Array, threshold: Array, spring: Array) -> Array:

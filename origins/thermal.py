@@ -15,6 +15,7 @@ from origins.errors import InputError, positive, refuse
 Array = npt.NDArray[np.float64]
 
 _LAWS = {"soft": soft_contact, "stiff": stiff_contact}
+_MOST_BEFORE = 50.0
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,9 @@ class Thermal:
     ) -> Array:
         """ln A, finite where A underflows; -inf where x = start, where A = 0."""
         shape, (stretch, begin, limit, spring) = self._prepare(threshold, stiffness, x=x, start=start)
+        return self._log_between(stretch, begin, limit, spring).reshape(shape)[()]
+
+    def _log_between(self, stretch: Array, begin: Array, limit: Array, spring: Array) -> Array:
         law, ends = _LAWS[self.law], (np.abs(stretch), np.abs(begin))
         across = (stretch < 0.0) != (begin < 0.0)
         with np.errstate(divide="ignore", over="ignore"):
@@ -100,7 +104,32 @@ class Thermal:
                 near = np.minimum(*ends)[across]
                 rest = law.log_between(np.zeros_like(near), near, limit[across], spring[across])
                 out[across] = np.logaddexp(out[across], rest)
-        return (np.log(self.attempt_frequency) + out).reshape(shape)[()]
+        return np.log(self.attempt_frequency) + out
+
+    def per_length(
+        self, x: Array, threshold: Array, start: Array, stiffness: Array | float, velocity: float
+    ) -> tuple[Array, Array]:
+        """h/v at x and A/v from `start` <= x on, for sums over many contacts: neither checked nor in logarithms.
+
+        Arrays that broadcast, |x| and |start| at most the threshold. Errors of A/v stay below 1e-13 of 1 + A/v.
+        """
+        law, log_scale = _LAWS[self.law], float(np.log(self.attempt_frequency) - np.log(velocity))
+        spring = np.asarray(stiffness) / (2.0 * self.temperature)
+        rate, spent = law.grown(x, threshold, spring, log_scale)
+        if not np.any(start):
+            return rate, spent
+        before = law.grown(start, threshold, spring, log_scale)[1]
+        if np.abs(before).max(initial=0.0) < _MOST_BEFORE:
+            return rate, spent - before
+        # the difference of large numbers would be round-off
+        return rate, np.exp(self.log_per_length(x, threshold, start, stiffness, velocity))
+
+    def log_per_length(
+        self, x: Array, threshold: Array, start: Array, stiffness: Array | float, velocity: float
+    ) -> Array:
+        """ln(A/v) of the same, finite where that underflows."""
+        arrays = np.broadcast_arrays(x, start, threshold, np.asarray(stiffness) / (2.0 * self.temperature))
+        return self._log_between(*arrays) - np.log(velocity)
 
     def inverse(
         self,

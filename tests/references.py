@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import mpmath
 
@@ -15,13 +16,16 @@ Function = Callable[[mp.mpf], mp.mpf]
 
 @dataclass(frozen=True)
 class Reference:
-    """A law of origins, and its density, cdf, survival and moments in mpmath."""
+    """A law of origins, and its density, cdf, survival and moments, integrated once each, in mpmath."""
 
     law: origins.Thresholds
     pdf: Function
     cdf: Function
     sf: Function
     moment: Callable[[int], mp.mpf]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "moment", cache(self.moment))
 
 
 def _number(value: float) -> mp.mpf:

@@ -20,11 +20,12 @@ def drift_of(final):  # type: ignore[no-untyped-def]
 
 
 def slide(  # type: ignore[no-untyped-def]
-    fresh, start, diffusion, end, step, count, seed, normal=None, drift=None, birth=0.0, wait=0.0
+    fresh, start, diffusion, end, step, count, seed, normal=None, drift=None, birth=0.0, wait=0.0, rate=None
 ):
     """Contacts one by one: thresholds diffuse in exact steps towards a normal law, in small ones down a drift else;
     crossings within a step by the Brownian bridge. Mean stretch and its standard error every 0.05. What breaks is back
-    at the stretch `birth` after a travel `wait`, some steps."""
+    at the stretch `birth` after a travel `wait`, some steps. A `rate` per length, of stretches and thresholds, breaks
+    contacts too."""
     generator = np.random.default_rng(seed)
     x = start.ppf(generator.random(count)) if isinstance(start, origins.start.Start) else np.full(count, start)
     values = fresh.isf(fresh.sf(np.abs(x)) * (1.0 - generator.random(count)))
@@ -43,7 +44,13 @@ def slide(  # type: ignore[no-untyped-def]
         near = np.flatnonzero(below < reach)
         above = values[near] - np.abs(x[near])
         through = np.exp(-above * np.maximum(below[near], 0.0) / (diffusion * step))
-        broken = near[~away[near] & ((below[near] <= 0.0) | (generator.random(near.size) < through))]
+        broken = np.zeros(count, dtype=bool)
+        broken[near] = (below[near] <= 0.0) | (generator.random(near.size) < through)
+        if rate is not None:
+            stretch = np.abs(x + 0.5 * step)
+            h = rate(stretch, np.maximum(stretch, 0.5 * (values + after)))
+            broken |= generator.random(count) < -np.expm1(-step * h)
+        broken = np.flatnonzero(broken & ~away)
         x += step
         values = after
         away[broken], back[broken] = True, n * step - step * generator.random(broken.size) + wait
@@ -95,6 +102,28 @@ def test_delay_and_births_at_other_stretches(birth: float, wait: float) -> None:
     far = master.solve(contacts, np.linspace(40.0, 42.0, 21), 1e-6, velocity=2.0)
     assert steady.force_error < 1e-8 and np.abs(far.force - steady.force).max() < 1e-6
     assert far.holding[-1] == pytest.approx(steady.cycle_length / (steady.cycle_length + wait), abs=1e-6)
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_temperature_breaks_contacts_that_age(law: str) -> None:
+    thermal, wait = origins.Thermal(law, 0.05, 2.0), 0.1  # type: ignore[arg-type]
+    ageing, delay = Ageing(origins.gaussian(0.8, 0.1), 0.02), origins.Delay(wait / 2.0)
+    contacts = Contacts(FRESH, 0.1, thermal, ageing, delay)
+    path = 0.05 * np.arange(1, 31)
+    solution = master.solve(contacts, path, 1e-6, velocity=2.0)
+    assert solution.success
+    normal = Ageing(ageing.final, 0.01).normal
+    force, error = slide(
+        FRESH, 0.1, 0.01, 1.5, 2e-3, 6_000, 6, normal, wait=wait, rate=lambda x, s: thermal.rate(x, s) / 2.0
+    )
+    z = (force - solution.force) / error
+    assert np.abs(z).max() < 5.0, z
+    # nothing ages: temperature alone, by its own road
+    alone, barely = (
+        master.solve(Contacts(FRESH, None, thermal, slow), path, 1e-6, velocity=2.0)
+        for slow in (None, Ageing(ageing.final, 1e-9))
+    )
+    assert barely.success and np.abs(alone.force - barely.force).max() < 1e-7
 
 
 def test_births_at_many_stretches_are_births_at_each_of_them() -> None:

@@ -6,7 +6,7 @@ import pytest
 import master
 import origins
 from master.ageing_breaking import AgeingBreaking, gauss_rule
-from origins import Ageing, Contacts, Delay, InputError
+from origins import Ageing, Contacts, Delay, InputError, Thermal
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
 NARROW = origins.gaussian(0.5, 0.05)
@@ -136,6 +136,10 @@ AGEING, PAPER = Ageing(FINAL, 1e-3), Ageing(FINAL, 1e-3, closure="paper")
         (
             lambda: master.solve(Contacts(FRESH, ageing=PAPER), [1.0], time=[1.0]),
             "time: the paper's closure of ageing takes one speed",
+        ),
+        (
+            lambda: master.steady_state(Contacts(FRESH, None, Thermal("soft", 0.1, closure="paper"), AGEING)),
+            'contacts.thermal: closure = "paper" averages the rate',
         ),
         (
             lambda: master.propensity(Contacts(FRESH, ageing=PAPER)),

@@ -189,9 +189,9 @@ SAMPLED = [
 
 @pytest.mark.parametrize("name", SAMPLED)
 def test_samples(name: str) -> None:
-    """Kolmogorov-Smirnov at 1e6 draws, and the count beyond the quantiles of 100 draws."""
+    """Kolmogorov-Smirnov at 1e5 draws, and the count beyond the quantiles of 100; test_draws.py has ten million."""
     law = CASES[name]().law
-    draws = np.sort(law.rvs(100_000 if "chord" in name else 1_000_000, random_state=11))
+    draws = np.sort(law.rvs(100_000, random_state=11))
     assert draws[0] >= law.support()[0] and draws[-1] <= law.support()[1]
     cdf = law.cdf(draws)
     steps = np.arange(draws.size + 1) / draws.size
@@ -230,9 +230,9 @@ SCALED = {
 
 
 @pytest.mark.parametrize("name", SCALED)
-@pytest.mark.parametrize("scale", [1e-9, 1e9])
-def test_scale_changes_nothing_but_the_scale(name: str, scale: float) -> None:
-    for u in np.random.default_rng(5).random(6):
+def test_scale_changes_nothing_but_the_scale(name: str) -> None:
+    for k, u in enumerate(np.random.default_rng(5).random(6)):
+        scale = (1e-9, 1e9)[k % 2]
         base, scaled = SCALED[name](1.0, u), SCALED[name](scale, u)
         q = np.array([1e-12, 1e-3, 0.2, 0.5, 0.9])
         x = base.isf(q)

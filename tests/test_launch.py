@@ -1,5 +1,6 @@
 """Ranks: who is counted, who speaks, and how all of them end."""
 
+import json
 import os
 from pathlib import Path
 
@@ -66,13 +67,21 @@ def test_one_rank_under_mpirun_imports_no_mpi4py(mpirun, scene) -> None:
     assert done.stdout.splitlines()[-1] == "False"
 
 
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory):
+    """The same scene in this process."""
+    path = tmp_path_factory.mktemp("alone") / "small.toml"
+    path.write_text(SMALL)
+    return toolkit.run(path)
+
+
 @pytest.mark.parametrize("ranks", [2, 3, 4])
-def test_ranks_share_one_run_and_one_voice(ranks: int, mpirun, scene, tmp_path: Path) -> None:
+def test_ranks_share_one_run_and_one_voice(ranks: int, mpirun, scene, alone, tmp_path: Path) -> None:
     done = mpirun(ranks, SCRIPT, "run", scene, "--out", "many")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert [line.split()[0] for line in done.stdout.splitlines()] == ["small", "master", "eq", "eq", "written"]
-    many, one = toolkit.load(tmp_path / "many").eq, toolkit.run(tmp_path / scene).eq
+    many, one = toolkit.load(tmp_path / "many").eq, alone.eq
     assert many is not None and one is not None
     assert len(many.breaks_per_rank) == ranks and min(many.breaks_per_rank) > 0
     assert sum(many.breaks_per_rank) == many.breaks == one.breaks
@@ -81,23 +90,48 @@ def test_ranks_share_one_run_and_one_voice(ranks: int, mpirun, scene, tmp_path: 
     assert sorted(os.listdir(tmp_path)) == ["many", scene]
 
 
-@pytest.mark.parametrize("words", [["scenes"], ["thresholds", "gaussian"], ["--help"], ["run", "--help"]])
-def test_one_rank_speaks_for_all(words: list[str], mpirun, python) -> None:
-    alone, together = python(SCRIPT, *words), mpirun(3, SCRIPT, *words)
-    assert together.returncode == alone.returncode == 0
+# several commands in one process after another, their words apart by "then"; each one's status and what it says
+IN_TURN = """
+import contextlib, io, json, sys
+from toolkit.command import main
+from toolkit.launch import read_environment
+told = []
+for words in " ".join(sys.argv[1:]).split(" then "):
+    streams = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(streams[0]), contextlib.redirect_stderr(streams[1]):
+        try:
+            status = main(words.split())
+        except SystemExit as end:
+            status = end.code
     # no two run times are the same
-    told = [[line for line in done.stdout.splitlines() if "run time" not in line] for done in (alone, together)]
-    assert told[0] == told[1] and len(told[0]) > 1 and together.stderr == ""
+    out = [line for line in streams[0].getvalue().splitlines() if "run time" not in line]
+    told.append([status, out, streams[1].getvalue()])
+if read_environment().size == 1:
+    print(json.dumps([told, []]))
+else:
+    from mpi4py import MPI
+    every = MPI.COMM_WORLD.gather(told, root=0)
+    if every:
+        print(json.dumps([every[0], every[1:]]))
+"""
+SPOKEN = ["scenes", "thresholds gaussian", "--help", "run --help"]
+REFUSED = ["run nowhere.toml", "run small.toml --out small.toml/below", "run", "fly"]
 
 
-@pytest.mark.parametrize(
-    "words", [["run", "nowhere.toml"], ["run", "small.toml", "--out", "small.toml/below"], ["run"], ["fly"]]
-)
-def test_bad_input_is_said_once(words: list[str], mpirun, python, scene, tmp_path: Path) -> None:
-    alone, together = python(SCRIPT, *words), mpirun(3, SCRIPT, *words)
-    assert together.returncode == alone.returncode == 2
-    assert together.stderr == alone.stderr and together.stdout == ""
-    assert os.listdir(tmp_path) == [scene]
+def test_one_rank_speaks_for_all(mpirun, python, scene, tmp_path: Path) -> None:
+    """Also of bad input, which is said once and leaves nothing behind."""
+    words = " then ".join([*SPOKEN, *REFUSED])
+    alone, together = python(IN_TURN, words), mpirun(3, IN_TURN, words)
+    assert alone.returncode == together.returncode == 0 and together.stderr == ""
+    told, _ = json.loads(alone.stdout)
+    first, others = json.loads(together.stdout)
+    assert first == told
+    for status, out, error in told[: len(SPOKEN)]:
+        assert status == 0 and len(out) > 1 and error == ""
+    for status, out, error in told[len(SPOKEN) :]:
+        assert status == 2 and out == [] and error != ""
+    assert others == [[[status, [], ""] for status, _, _ in told]] * 2
+    assert sorted(os.listdir(tmp_path)) == ["gaussian-output", scene]
 
 
 PLANTED = """
@@ -124,7 +158,7 @@ def test_bug_on_one_rank_ends_all(mpirun, scene, tmp_path: Path) -> None:
 
 
 def test_bad_input_seen_by_one_rank_ends_all(mpirun, scene, tmp_path: Path) -> None:
-    done = mpirun(3, PLANTED.format("InputError('only here')"), "run", scene)
+    done = mpirun(2, PLANTED.format("InputError('only here')"), "run", scene)
     assert done.returncode == 2
     assert done.stderr.count("mesofriction: master: only here") == 1 and "Traceback" not in done.stderr
     assert os.listdir(tmp_path) == [scene]
@@ -138,7 +172,8 @@ def full(result, path):
 toolkit.files._write_result = full
 sys.exit(toolkit.command.main())
 """
-    done = mpirun(3, planted, "run", scene)
+    (tmp_path / scene).write_text(SMALL.partition("[eq]")[0])
+    done = mpirun(2, planted, "run", scene)
     assert done.returncode == 2
     assert done.stderr == "mesofriction: out = 'small-output': cannot be written: No space left on device\n"
     assert os.listdir(tmp_path) == [scene]

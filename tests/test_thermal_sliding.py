@@ -1,5 +1,7 @@
 """Rigid sliding at a temperature, closure "exact": against mpmath, known limits, and discrete contacts."""
 
+from functools import cache
+
 import mpmath
 import numpy as np
 import pytest
@@ -39,7 +41,12 @@ def by_mpmath(law: str, temperature: float, rate: float, std: float = 0.05, link
             cuts |= {middle + k * width for k in (-6, -3, -1.5, -0.5, 0.5, 1.5, 3) if 0 < middle + k * width < xi}
             cuts |= {middle * k for k in (0.3, 0.7, 2, 5) if 0 < middle * k < xi}
             cuts = sorted(cuts)
-            held = [lambda x: mpmath.exp(-spent(x, xi)), lambda x: x * mpmath.exp(-spent(x, xi))]
+
+            @cache
+            def survival(x):
+                return mpmath.exp(-spent(x, xi))
+
+            held = [survival, lambda x: x * survival(x)]
             return [mpmath.quad(function, cuts, method="gauss-legendre", maxdegree=5) for function in held]
 
         # Gauss-Hermite over the thresholds: eleven standard deviations from 0 nothing is cut

@@ -1,5 +1,6 @@
 """Ranks at work together: their communicator, what one does for all, and one end for all of them."""
 
+import math
 import os
 import sys
 import time
@@ -15,6 +16,7 @@ T = TypeVar("T")
 
 _PASSED_ON = 0.2  # seconds, for the launcher to pass on what was said before it ends all
 _PATIENCE = 5.0  # seconds to wait for the other ranks to fail alike
+_NAP = 0.001  # seconds
 
 
 def communicator(launch: Launch) -> Any:
@@ -52,6 +54,7 @@ def on_root(comm: Any, work: Callable[[], T]) -> T:
             outcome = (work(), None)
         except InputError as error:
             outcome = (None, str(error))
+    _arrived(comm)
     value, refused = comm.bcast(outcome, root=0)
     if refused is not None:
         raise InputError(refused)
@@ -80,7 +83,7 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
     try:
         return work(comm)
     except InputError as error:
-        alike = _all_arrive(comm)
+        alike = _arrived(comm, _PATIENCE)
         if not alike or comm.Get_rank() == 0:
             _say(error)
         if not alike:
@@ -110,12 +113,12 @@ def _say(error: InputError) -> None:
     print(f"mesofriction: {error}", file=sys.stderr, flush=True)
 
 
-def _all_arrive(comm: Any) -> bool:
-    """Whether every rank calls this within a few seconds."""
+def _arrived(comm: Any, patience: float = math.inf) -> bool:
+    """Whether every rank calls this within so many seconds. MPI's own waits keep a core busy, which another needs."""
     request = comm.Ibarrier()
-    deadline = time.monotonic() + _PATIENCE
+    deadline = time.monotonic() + patience
     while not request.Test():
         if time.monotonic() > deadline:
             return False
-        time.sleep(0.001)
+        time.sleep(_NAP)
     return True

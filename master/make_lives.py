@@ -1,0 +1,92 @@
+"""Which `Lives` the contacts' laws ask for."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import eigh_tridiagonal
+
+from master.law import Law
+from master.lives import Lives
+from master.starting import StartSum
+from origins import Contacts
+
+if TYPE_CHECKING:
+    from master.wear import Wear
+
+Array = npt.NDArray[np.float64]
+
+_NARROW = 1e-9  # of the mean threshold: below, all stand at one stretch
+_BIRTHS = 8
+_TAIL = 1e-19
+
+
+def make_lives(contacts: Contacts, level: int = 0) -> Lives:
+    """Cohorts of these contacts, none born yet; inner meshes halved `level` times."""
+    from master.strands import CohortLives
+    from master.wear import ColdWear
+
+    law = Law(contacts, np.inf)
+    length = law.narrowest * contacts.mean_threshold
+    wear: Wear
+    if contacts.thermal is None:
+        wear = ColdWear(contacts, length)
+    else:
+        wear = _warm(contacts, length)
+    again = (np.zeros(1), np.ones(1))
+    if contacts.reforming is not None:
+        again = gathered(*_nodes(Contacts(contacts.thresholds, contacts.reforming.law), law), _BIRTHS + 4 * level)
+        again = again[0], again[1] / contacts.thresholds.sf(np.abs(again[0]))
+    start = _nodes(contacts, law)
+    return CohortLives(wear, (start[0], start[1] / contacts.thresholds.sf(np.abs(start[0]))), again)
+
+
+def _warm(contacts: Contacts, length: float) -> "Wear":
+    """The wear that temperature causes."""
+    thermal = contacts.thermal
+    assert thermal is not None
+    if thermal.closure == "paper":
+        from master.paper_wear import PaperWear
+
+        return PaperWear(contacts, length)
+    from master.cut_law import CutLaw
+    from master.thermal_wear import SoftWear, resolved
+
+    cut = CutLaw(contacts, resolved(contacts), _TAIL)
+    if thermal.law == "soft" and contacts.stiffness == "independent":
+        return SoftWear(contacts, cut, length)
+    from master.spent_wear import SpentWear
+
+    return SpentWear(contacts, cut, length)
+
+
+def _nodes(contacts: Contacts, law: Law) -> tuple[Array, Array]:
+    """Stretches of the start, and weights of sum 1."""
+    low, high = contacts.start.span
+    if high - low < _NARROW * contacts.mean_threshold:
+        return np.array([contacts.start.mean()]), np.ones(1)
+    nodes, shares = StartSum(contacts, Law(contacts, np.inf)).sample
+    x = nodes.ravel() * law.unit
+    return x, shares.ravel() * contacts.thresholds.sf(np.abs(x))
+
+
+def gathered(nodes: Array, weights: Array, number: int) -> tuple[Array, Array]:
+    """The Gauss rule of `number` nodes for a law given by many, by Lanczos' steps."""
+    kept = weights > 0.0
+    nodes, weights = nodes[kept], weights[kept] / weights[kept].sum()
+    if nodes.size <= number:
+        return nodes, weights
+    now, before = np.sqrt(weights), np.zeros(nodes.size)
+    basis: list[Array] = []
+    diagonal: list[float] = []
+    beside: list[float] = []
+    for _ in range(number):
+        basis.append(now)
+        diagonal.append(float(now @ (nodes * now)))
+        rest = nodes * now - diagonal[-1] * now - (beside[-1] * before if beside else 0.0)
+        for old in basis:  # else round-off brings them back
+            rest = rest - (old @ rest) * old
+        beside.append(float(np.linalg.norm(rest)))
+        before, now = now, rest / beside[-1]
+    values, vectors = eigh_tridiagonal(np.array(diagonal), np.array(beside[:-1]))
+    return values, vectors[0] ** 2

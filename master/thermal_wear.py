@@ -1,0 +1,116 @@
+"""Contacts that break at their own rates h(|x|; ξ), with closure "exact".
+
+A contact that holds with its threshold ξ has done so with the probability e^(-A), A the integral of h over time. Of
+soft contacts that are equally stiff h is a product, ω e^(-ξ²/2T) e^(x²/2T), so that one number for each strand, the
+integral W of ω e^(x²/2T), is all there is to remember: A = W e^(-ξ²/2T).
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from master.cut_law import SLACK, CutLaw
+from master.wear import Left
+from origins import Contacts
+from origins.soft_contact import log_between
+
+Array = npt.NDArray[np.float64]
+
+_GONE = 6.0  # e^(-e^6) is nothing
+_CHANGE = 2.0  # of ln A that eight nodes see through, but for ERROR
+ERROR = 2e-9
+_CHUNK = 40_000
+
+
+def resolved(contacts: Contacts) -> tuple[Array, Array]:
+    """Thresholds, and the widths over which ln A changes by as much as nodes see through."""
+    assert contacts.thermal is not None
+    at = contacts.mean_threshold * 2.0 ** np.linspace(-20.0, 20.0, 400)
+    return at, _CHANGE * contacts.thermal.temperature / (at * contacts.relative_stiffness(at))
+
+
+def error_of(cut: CutLaw) -> float:
+    """What sums over nodes are off by; where these are too few, e^(-A) is a step between them."""
+    return ERROR * cut.spread**4 if cut.spread < 2.0 else 0.3 * float(np.abs(np.diff(cut.law.sf(cut.edges))).max())
+
+
+def fresh_rate(contacts: Contacts, cut: CutLaw) -> float:
+    """Mean rate at which relaxed fresh contacts break."""
+    assert contacts.thermal is not None
+    own = contacts.thermal.rate(np.zeros(cut.nodes.size), cut.nodes, cut.stiffness)
+    lone = contacts.thermal.rate(np.zeros(cut.atoms.size), cut.atoms, cut.atom_stiffness)
+    return float((cut.weights * own).sum() + (cut.atom_weights * lone).sum())
+
+
+class SoftWear:
+    """Soft contacts, equally stiff; `worn` is ln W."""
+
+    width = 1
+
+    def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
+        thermal = contacts.thermal
+        assert thermal is not None
+        self._cut, self._spring = cut, 0.5 / thermal.temperature
+        self._log_frequency = float(np.log(thermal.attempt_frequency))
+        self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
+        self.error = error_of(cut)
+        self._barrier, self._atom_barrier = (self._spring * at * at for at in (cut.nodes, cut.atoms))
+
+    def fresh(self, stretch: Array) -> Array:
+        return np.full((stretch.size, 1), -np.inf)
+
+    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
+        if duration > 0.0:
+            spent = self._log_mean(begin, end) + (self._log_frequency + np.log(duration))
+            np.logaddexp(worn[:, 0], spent, out=worn[:, 0])
+
+    def _log_mean(self, begin: Array, end: Array) -> Array:
+        """ln of the mean of e^(x²/2T) between two stretches."""
+        first, last = np.abs(begin), np.abs(end)
+        near, far = np.minimum(first, last), np.maximum(first, last)
+        way, zero = np.abs(end - begin), np.zeros(begin.size)
+        spring = np.full(begin.size, self._spring)
+        out = self._spring * far * far
+        moved = way > 1e-12 * far
+        across = moved & ((begin < 0.0) != (end < 0.0)) & (near > 0.0)
+        plain = moved & ~across
+        with np.errstate(divide="ignore"):
+            if plain.any():
+                both = log_between(near[plain], far[plain], zero[plain], spring[plain])
+                out[plain] = both - np.log(way[plain])
+            if across.any():
+                none, springs = zero[across], spring[across]
+                parts = (log_between(none, some[across], none, springs) for some in (near, far))
+                out[across] = np.logaddexp(*parts) - np.log(way[across])
+        return out
+
+    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
+        pass
+
+    def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
+        cut, level = self._cut, worn[:, 0]
+        panel = cut.panel(furthest)
+        held = np.empty(level.size)
+        rows = max(1, _CHUNK // max(self._barrier.size, 1))
+        first = 8 * (panel + 1)
+        for i in range(0, level.size, rows):
+            # panels below all cuts need not be looked at
+            low = int(first[i : i + rows].min())
+            share = _kept(level[i : i + rows, None] - self._barrier[low:])
+            share *= np.arange(low, self._barrier.size) >= first[i : i + rows, None]
+            held[i : i + rows] = share @ cut.weights[low:]
+        inside = np.flatnonzero((panel >= 0) & (panel < cut.edges.size - 1))
+        if inside.size:
+            nodes, weights = cut.own(furthest[inside], panel[inside])
+            held[inside] += (weights * _kept(level[inside, None] - self._spring * nodes * nodes)).sum(-1)
+        for atom, weight, barrier in zip(cut.atoms, cut.atom_weights, self._atom_barrier, strict=True):
+            held += weight * (furthest * (1.0 + SLACK) < atom) * _kept(level - barrier)
+        edge = cut.law.pdf(furthest) * _kept(level - self._spring * furthest * furthest)
+        return Left(held, held, edge, edge)
+
+
+def _kept(log_spent: Array) -> Array:
+    """e^(-A)."""
+    out = np.minimum(log_spent, _GONE)
+    np.exp(out, out=out)
+    np.negative(out, out=out)
+    return np.exp(out, out=out)

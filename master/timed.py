@@ -1,0 +1,183 @@
+"""Any path in time: steps halved until the force along it, extrapolated, changes by less than the tolerance."""
+
+import time as clocks
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.forward import ROUND_OFF, estimate
+from master.make_lives import make_lives
+from master.marching import March, lagrange, march
+from master.outcome import outcome
+from master.timeline import Part, marks, parts, pieces, times
+from origins import Contacts, Drive
+
+Array = npt.NDArray[np.float64]
+
+_COARSE = 0.5  # of the length over which births change
+_PER_FOLD = 2.0
+_MOST_STEPS = 6_000
+_STENCIL = 6
+_WATCH = 5
+
+
+@dataclass(frozen=True)
+class TimedSolution:
+    """F along a path in time, with the error it is good to.
+
+    Attributes
+    ----------
+    path, time : arrays of shape (n,)
+        Slider positions X (lengths), and when they are reached.
+    force : array of shape (n,)
+        F/(N_c <k>), the mean stretch of the contacts (a length).
+    force_error : float
+        Bound on the largest error of `force` over the path, in units of the mean threshold.
+    holding : array of shape (n,)
+        Fraction of contacts that hold: 1 but with a delay.
+    run_time : float
+        Seconds that the solution took.
+    nodes : int
+        Steps of the finest march.
+    success : bool
+        Whether force_error is at or below the tolerance asked for.
+    message : str
+        In words: what was reached, or why not; what was cut off from the start.
+    """
+
+    path: Array
+    time: Array
+    force: Array
+    force_error: float
+    holding: Array
+    run_time: float
+    nodes: int
+    success: bool
+    message: str
+
+
+def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolution:
+    """Force on a rigid slider that moves as the drive says, for contacts with any laws; arguments checked before.
+
+    Marches of second order in the step, on steps halved again and again; what they tell is extrapolated to step 0.
+    """
+    began = clocks.perf_counter()
+    asked = times(drive)
+    force, holding, error, nodes, message = _refine(contacts, drive, asked, tolerance)
+    success, message = outcome(contacts, error, tolerance, message)
+    return TimedSolution(
+        path=drive.path,
+        time=asked,
+        force=force,
+        force_error=error,
+        holding=holding,
+        run_time=clocks.perf_counter() - began,
+        nodes=nodes,
+        success=success,
+        message=message,
+    )
+
+
+def _refine(
+    contacts: Contacts, drive: Drive, asked: Array, tolerance: float
+) -> tuple[Array, Array, float, int, str]:
+    unit, delay = contacts.mean_threshold, 0.0 if contacts.delay is None else contacts.delay.time
+    course = pieces(drive)
+    if not course:
+        lives = make_lives(contacts)
+        return np.full(asked.size, lives.pull[0]), np.full(asked.size, lives.held[0]), ROUND_OFF, 0, ""
+    lives = make_lives(contacts)
+    lone = [contacts.start.mean()] if contacts.start.is_single else []
+    again = 0.0 if contacts.reforming is None else contacts.reforming.law.mean()
+    limits = np.append(contacts.thresholds.breakpoints, contacts.thresholds.atoms[0])
+    steps = parts(
+        course,
+        marks(course, lone, again, limits, delay),
+        _COARSE * lives.length,
+        lives.time,
+        lives.rate / _COARSE,
+        _PER_FOLD,
+    )
+    watch = np.concatenate([part.clock(np.arange(1, _WATCH) / _WATCH) for part in steps])
+    everywhere = np.concatenate([asked, watch])
+    scale = np.concatenate([np.full(everywhere.size, unit), np.ones(everywhere.size)])
+    table = Extrapolation()
+    best: tuple[float, Array, int] = np.inf, np.empty(0), 0
+    level = 0
+    while True:
+        finer = [part.finer(level) for part in steps]
+        count = sum(part.steps for part in finer)
+        if level and count > _MOST_STEPS:
+            break
+        if level:
+            lives = make_lives(contacts, level)
+        found = march(lives, finer, delay)
+        error, answer = table.add(np.concatenate([at(found, finer, row, everywhere) for row in _ROWS]) / scale)
+        error += ROUND_OFF * (1.0 + count) + lives.error
+        if error < best[0] or not level:
+            best = error, answer, count
+        if best[0] <= tolerance:
+            break
+        level += 1
+    error, answer, count = best
+    here = answer.reshape(2, -1)[:, : asked.size]
+    reached = f"error estimate {error:.1e} with {count} steps, above the tolerance {tolerance:.1e}"
+    return here[0] * unit, here[1], error, count, f"{reached}; shorten the path or loosen the tolerance"
+
+
+class Extrapolation:
+    """Answers on steps halved each time, whose errors are series in the square of the step (Romberg's table)."""
+
+    def __init__(self) -> None:
+        self._rows: list[list[Array]] = []
+        self._changes: list[float] = []
+
+    def add(self, answer: Array, watched: npt.NDArray[np.bool_] | slice = slice(None)) -> tuple[float, Array]:
+        """Error estimate and best answer, `answer` being the one on the finest steps; of `watched` ones alone."""
+        row = [answer]
+        before = self._rows[-1] if self._rows else []
+        for k, coarse in enumerate(before[:_COLUMNS]):
+            row.append(row[k] + (row[k] - coarse) / (4.0 ** (k + 1) - 1.0))
+        self._rows.append(row)
+        best, error = answer, np.inf
+        changes = []
+        for k, coarse in enumerate(before):
+            changes.append(float(np.abs((row[k] - coarse)[watched]).max(initial=0.0)))
+            last = self._changes[k] if k < len(self._changes) else np.inf
+            if k > 0 and np.isfinite(changes[k]):
+                # of two answers of one order the finer is better by far, where they are seen to fall
+                left = estimate(changes[k], last, _LEAST, False) if np.isfinite(last) else changes[k]
+                if left < error:
+                    best, error = row[k], left
+        self._changes = changes
+        return error, best
+
+
+_COLUMNS = 2
+_LEAST = 1.0 / 16.0
+
+
+def at(found: March, steps: list[Part], row: str, asked: Array) -> Array:
+    """A row of the march at the times asked for, from the steps around."""
+    values = getattr(found, row)
+    ends = np.array([part.end for part in steps])
+    firsts = np.concatenate([[0], np.cumsum([part.steps for part in steps])])
+    out = np.empty(asked.size)
+    which = np.minimum(np.searchsorted(ends, asked, side="left"), len(steps) - 1)
+    for number in np.unique(which):
+        part, mine = steps[number], which == number
+        place = part.share(asked[mine]) * part.steps
+        size = min(_STENCIL, part.steps + 1)
+        low = np.clip(np.round(place).astype(int) - size // 2, 0, part.steps + 1 - size)
+        nodes = low[:, None] + np.arange(size)
+        out[mine] = (_weights(place - low, size) * values[firsts[number] + nodes]).sum(axis=1)
+    return out
+
+
+def _weights(at: Array, size: int) -> Array:
+    nodes = np.arange(size, dtype=float)
+    return np.stack([lagrange(nodes, float(one)) for one in at])
+
+
+_ROWS = ("force", "holding")

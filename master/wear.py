@@ -1,0 +1,102 @@
+"""What temperature, or nothing, leaves of contacts that were born at one stretch: the face of such a law.
+
+A contact holds at least while its threshold exceeds m, the largest |x| of its life; a `Wear` says how many of those
+born at r still do. What it must remember of a strand of contacts are a few numbers, `worn`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from master.cut_law import SLACK
+from master.piecewise import tabulate
+from origins import Contacts
+from origins.quadrature import panel_edges
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass
+class Left:
+    """What is left of strands, arrays of shape (m,), times S(|r|).
+
+    Attributes
+    ----------
+    held, stiff : array
+        Share that holds, and the sum of relative stiffnesses.
+    edge, edge_stiff : array
+        Density of thresholds at m, the same times stiffness: how fast these fall where m grows.
+    """
+
+    held: Array
+    stiff: Array
+    edge: Array
+    edge_stiff: Array
+
+
+class Wear(Protocol):
+    """Stretches and largest |x| are lengths of shape (m,); `worn` has shape (m, width).
+
+    `length`, `time`, `rate` and `error` are those of master.lives.Lives.
+    """
+
+    length: float
+    time: float
+    rate: float
+    error: float
+    width: int
+
+    def fresh(self, stretch: Array) -> Array:
+        """Numbers of strands born at these stretches."""
+
+    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
+        """In place: strands move straight from `begin` to `end` at constant speed; m is that before."""
+
+    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
+        """In place: whatever of the motion so far is not worked out yet, before trial steps are made from here."""
+
+    def left(self, worn: Array, stretch: Array, furthest: Array) -> Left: ...
+
+
+class ColdWear:
+    """Nothing breaks below its threshold."""
+
+    time, rate, error, width = np.inf, 0.0, 1e-15, 0
+
+    def __init__(self, contacts: Contacts, length: float) -> None:
+        self._law, self.length = contacts.thresholds, length
+        self._stiffness = contacts.relative_stiffness
+        self._beyond = _stiffness_beyond(contacts) if contacts.stiffness == "linked" else None
+
+    def fresh(self, stretch: Array) -> Array:
+        return np.empty((stretch.size, 0))
+
+    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
+        pass
+
+    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
+        pass
+
+    def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
+        # a contact whose stretch has reached its threshold is broken: survival past rounding of the sum
+        reached = furthest * (1.0 + SLACK)
+        held, edge = self._law.sf(reached), self._law.pdf(furthest)
+        if self._beyond is None:
+            return Left(held, held, edge, edge)
+        return Left(held, self._beyond(reached), edge, edge * self._stiffness(furthest))
+
+
+def _stiffness_beyond(contacts: Contacts) -> Callable[[Array], Array]:
+    """Integral of k P_c beyond a stretch."""
+    law, unit = contacts.thresholds, contacts.mean_threshold
+    atoms, weights = law.atoms
+    edges = panel_edges(law) if float(weights.sum()) < 1.0 - 1e-14 else np.zeros(1)
+    (table,) = tabulate(lambda x: (x / unit * law.pdf(x))[None], edges, 1e-15)
+
+    def beyond(least: Array) -> Array:
+        return table.total - table.integral(least) + ((atoms > least[:, None]) * (weights * atoms / unit)).sum(axis=1)
+
+    return beyond
