@@ -150,3 +150,13 @@ def test_exact_values_stay_where_rounding_leaves_them(value: float) -> None:
     assert solved.success, solved.message
     again = master.solve(Contacts(law, reforming=0.373 * value, delay=Delay(0.1 * value)), path[::3], 1e-11)
     assert np.abs(solved.force[::3] - again.force).max() <= 1e-9 * law.mean()
+
+
+def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with() -> None:
+    # hundreds of breaks of each: what a table lacks would add up as their square
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.4484), stiffness="linked")
+    steady = master.steady_state(contacts, velocity=0.01)
+    assert steady.cycle_length < 0.05
+    solved = master.solve(contacts, [20.0, 25.0], 1e-9, velocity=0.01)
+    assert solved.success and solved.force_error < 1e-9
+    assert (np.abs(solved.force - steady.force) <= solved.force_error + steady.force_error).all()
