@@ -33,6 +33,7 @@ Array = npt.NDArray[np.float64]
 _NEAR = 0.9  # of the rate at which p^ ends: roots nearer to it are not looked for
 _DEEPEST = 40.0  # per mean travel: after one of them nothing is left
 _SPARE = 3
+_LITTLE = 1e-2
 _ACCURACY = 1e-8
 _ROUND_OFF = 1e-15
 _HIGH = 10.0
@@ -151,6 +152,8 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     edges = tail_edges(law, problem.cycle, limit)
     if noise > 0.0:
         edges = known_edges(edges, problem.cycle, noise)
+        # further left what is not known of the law is no longer little
+        limit = min(limit, float(np.log(_LITTLE / noise)) / edges[-1])
     lines = Lines(problem, edges, 2.0 * np.pi * (n_roots + _SPARE) * _HIGH)
     found = leading_roots(problem, edges, lines, n_roots + _SPARE, limit)
     unit = problem.unit
