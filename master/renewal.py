@@ -55,13 +55,19 @@ class Renewal:
         kernel = smooth + deposit_atoms(atoms, weights, step, size)
         does = problem.release
         release = smooth_released[0] + deposit_atoms(atoms, weights * does.force_at(atoms), step, size)
+        stiffness = np.zeros(size)
+        if does.stiffness:
+            stiffness = smooth_released[1] + deposit_atoms(atoms, weights * does.stiffness_at(atoms), step, size)
         self.defect = 0.0
         highest = max(law.edges[-1:].max(initial=0.0), law.atoms.max(initial=0.0))
         if 0.0 < highest < step * (size - 1):
             # every generation would lose again what weight the lattice lacks
-            lost = 1.0 - float(kernel.sum())
-            self.defect = abs(lost)
-            kernel, release = kernel + lost * kernel, release + lost * release
+            lost = softer = 1.0 - float(kernel.sum())
+            if does.stiffness:  # and contacts would keep more stiffness than they were born with
+                softer = does.birth_stiffness / float(stiffness.sum()) - 1.0
+            self.defect = max(abs(lost), abs(softer))
+            kernel, release = kernel + lost * kernel, release + softer * release
+            stiffness = stiffness + softer * stiffness
         flux = np.zeros(size)
         self._from_chain = np.zeros(size)
         if chain.births.size:
@@ -72,7 +78,7 @@ class Renewal:
         breaks, released = renew(source, kernel, release)
         flux += released
         if not does.plain:
-            flux += self._beside(problem, smooth_released, kernel, breaks)
+            flux += self._beside(problem, smooth_released, kernel, stiffness, breaks)
         self.released = integrate(flux)
         self._flux = flux
         self._kinks: Kinks | None = None
@@ -80,14 +86,15 @@ class Renewal:
             self._kinks = Kinks(problem, step, end, tiny)
         self._kernel, self._breaks = kernel, breaks
 
-    def _beside(self, problem: Problem, smooth: list[Array], kernel: Array, breaks: Array) -> Array:
+    def _beside(
+        self, problem: Problem, smooth: list[Array], kernel: Array, stiffness: Array, breaks: Array
+    ) -> Array:
         """What else lets the force fall: stiffness that later breaks took away, less what their births bring."""
-        law, chain, release, step, size = problem.law, problem.chain, problem.release, self.step, self.size
+        chain, release, step, size = problem.chain, problem.release, self.step, self.size
         later = self._from_chain + convolve(kernel, breaks, size)
         softer = later
         if release.stiffness:
-            at_atoms = law.atom_weights * release.stiffness_at(law.atoms)
-            softer = convolve(smooth[1] + deposit_atoms(law.atoms, at_atoms, step, size), breaks, size)
+            softer = convolve(stiffness, breaks, size)
             if chain.births.size:
                 births = deposit_atoms(chain.births, chain.weights, step, size)
                 softer = softer + convolve(smooth[1], births, size)
