@@ -1,6 +1,7 @@
 """Paths in time: turns, holds and velocity steps of contacts with laws of their own."""
 
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -44,7 +45,7 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_turns_and_holds_are_those_of_discrete_contacts(name: str) -> None:
-    path, time = along(CORNERS if name == "soft, waiting" else CORNERS[:6])
+    path, time = along(CORNERS if name == "soft, waiting" else CORNERS[:5])
     contacts = CASES[name]()
     solved = master.solve(contacts, path, 1e-2, time=time)
     assert solved.success, solved.message
@@ -60,7 +61,6 @@ def test_turns_and_holds_are_those_of_discrete_contacts(name: str) -> None:
     [
         Contacts(WIDE, -0.3, thermal=SOFT),
         Contacts(WIDE, -0.3, thermal=Thermal("stiff", 0.1, closure="paper"), delay=Delay(0.3)),
-        Contacts(WIDE, 0.1, thermal=SOFT, stiffness="linked"),
     ],
 )
 def test_second_order_in_the_step(contacts: Contacts) -> None:
@@ -92,7 +92,7 @@ def test_extrapolated_force_is_as_good_as_it_says() -> None:
 @pytest.mark.parametrize(("thermal", "tolerance"), [(SOFT, 1e-6), (STIFF, 1e-4)])
 def test_a_hold_lets_each_threshold_decay_at_its_own_rate(thermal: Thermal, tolerance: float) -> None:
     """What breaks forms again relaxed, so that the force is that of the first contacts."""
-    start, time = 0.4, np.array([0.0, 0.1, 1.0, 30.0, 1e3, 1e6, 1e12])
+    start, time = 0.4, np.array([0.0, 1.0, 30.0, 1e6, 1e12])
     solved = master.solve(Contacts(WIDE, start, thermal=thermal), np.zeros(time.size), tolerance, time=time)
 
     def held(t: float) -> float:
@@ -139,10 +139,14 @@ def test_compiled_costs_are_those_of_numpy() -> None:
         np.testing.assert_allclose(both[1], both[0], rtol=1e-9, atol=1e-15)
 
 
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-@pytest.mark.parametrize(("temperature", "frequency"), [(1e-6, 1.0), (1e3, 1.0), (0.1, 1e-12), (0.1, 1e12)])
-def test_extremes_end_in_numbers_and_plain_words(law: str, temperature: float, frequency: float) -> None:
-    contacts = Contacts(WIDE, 0.1, thermal=Thermal(law, temperature, frequency))  # type: ignore[arg-type]
+EXTREMES = [("soft", 1e-6, 1.0), ("stiff", 1e3, 1.0), ("stiff", 0.1, 1e-12), ("soft", 0.1, 1e12)]
+
+
+@pytest.mark.parametrize(("law", "temperature", "frequency"), EXTREMES)
+def test_extremes_end_in_numbers_and_plain_words(
+    law: Literal["soft", "stiff"], temperature: float, frequency: float
+) -> None:
+    contacts = Contacts(WIDE, 0.1, thermal=Thermal(law, temperature, frequency))
     solved = master.solve(contacts, [0.4, 0.4, 0.1], 1e-2, time=[0.4, 1e3, 1e3 + 1.0])
     assert np.isfinite(solved.force).all() and np.abs(solved.force).max() < 1.0
     assert solved.success == (solved.force_error <= 1e-2)
