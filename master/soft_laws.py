@@ -14,14 +14,13 @@ from master.outcome import outcome
 from master.pulled import COARSEST, Pull, TooLong, Track
 from master.regime import regime
 from master.soft import Slips, SoftSolution
-from master.timed import Extrapolation
+from master.timed import Extrapolation, most_steps
 from master.timeline import pieces, times
 from origins import Contacts, Drive
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-_MOST = 6_000
 _STENCIL = 6
 _BISECTIONS = 60
 
@@ -125,7 +124,7 @@ def _refine(
             rest = answer[2 * asked.size :].reshape(-1, slips.shape[1]) if slips.size else np.empty((7, 0))
             better = np.stack([rest[0] / spring, rest[5], rest[6], rest[3], rest[4]]) * unit
             best = error, better, f, h, pull.steps
-        if best[0] <= tolerance or 2 * pull.steps > _MOST:
+        if best[0] <= tolerance or error < 2.0 * lives.error or 2 * pull.steps > 0.7 * most_steps(lives):
             break
         level += 1
     error, slips, force, holding, steps = best

@@ -7,10 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from master.forward import ROUND_OFF, estimate
+from master.lives import Lives
 from master.make_lives import make_lives
 from master.marching import March, lagrange, march
 from master.outcome import outcome
-from master.timeline import Part, marks, parts, pieces, times
+from master.timeline import Part, beside, jumps, marks, parts, pieces, times
 from origins import Contacts, Drive
 
 Array = npt.NDArray[np.float64]
@@ -18,6 +19,8 @@ Array = npt.NDArray[np.float64]
 _COARSE = 0.5  # of the length over which births change
 _PER_FOLD = 2.0
 _MOST_STEPS = 6_000
+_MOST_WORK = 8e8
+_GLANCE = 0.1  # of the most steps, where even these would not do
 _STENCIL = 6
 _WATCH = 5
 
@@ -86,19 +89,24 @@ def _refine(
     course = pieces(drive)
     if not course:
         lives = make_lives(contacts)
-        return np.full(asked.size, lives.pull[0]), np.full(asked.size, lives.held[0]), ROUND_OFF, 0, ""
+        return np.full(asked.size, lives.pull[0]), np.full(asked.size, lives.held[0]), lives.error, 0, ""
     lives = make_lives(contacts)
     lone = [contacts.start.mean()] if contacts.start.is_single else []
     again = 0.0 if contacts.reforming is None else contacts.reforming.law.mean()
     limits = np.append(contacts.thresholds.breakpoints, contacts.thresholds.atoms[0])
+    atoms = contacts.thresholds.atoms[0]
+    sharp = jumps(course, lone, again, atoms, delay)
     steps = parts(
         course,
-        marks(course, lone, again, limits, delay),
+        beside(marks(course, lone, again, limits, delay), sharp or [], course[-1].end),
         _COARSE * lives.length,
         lives.time,
         lives.rate / _COARSE,
         _PER_FOLD,
     )
+    needed, most = sum(part.steps for part in steps), most_steps(lives)
+    if needed > most:
+        steps = [part.coarser(_GLANCE * most / needed) for part in steps]
     watch = np.concatenate([part.clock(np.arange(1, _WATCH) / _WATCH) for part in steps])
     everywhere = np.concatenate([asked, watch])
     scale = np.concatenate([np.full(everywhere.size, unit), np.ones(everywhere.size)])
@@ -108,22 +116,32 @@ def _refine(
     while True:
         finer = [part.finer(level) for part in steps]
         count = sum(part.steps for part in finer)
-        if level and count > _MOST_STEPS:
+        if level and count > most_steps(lives):
             break
         if level:
             lives = make_lives(contacts, level)
         found = march(lives, finer, delay)
         error, answer = table.add(np.concatenate([at(found, finer, row, everywhere) for row in _ROWS]) / scale)
         error += ROUND_OFF * (1.0 + count) + lives.error
+        if sharp is None:
+            error = np.inf
         if error < best[0] or not level:
             best = error, answer, count
-        if best[0] <= tolerance:
+        if needed > most:
+            why = f"what contacts do within the path takes {needed:.0e} steps to resolve, and {most} is the most"
+            return answer[: asked.size] * unit, answer[everywhere.size :][: asked.size], np.inf, count, why
+        if best[0] <= tolerance or error < 2.0 * lives.error:
             break
         level += 1
     error, answer, count = best
     here = answer.reshape(2, -1)[:, : asked.size]
     reached = f"error estimate {error:.1e} with {count} steps, above the tolerance {tolerance:.1e}"
     return here[0] * unit, here[1], error, count, f"{reached}; shorten the path or loosen the tolerance"
+
+
+def most_steps(lives: Lives) -> int:
+    """As many as take a minute or less: every step asks all cohorts born before."""
+    return int(min(_MOST_STEPS, (_MOST_WORK / lives.work) ** 0.5))
 
 
 class Extrapolation:
@@ -167,6 +185,9 @@ def at(found: March, steps: list[Part], row: str, asked: Array) -> Array:
     which = np.minimum(np.searchsorted(ends, asked, side="left"), len(steps) - 1)
     for number in np.unique(which):
         part, mine = steps[number], which == number
+        if part.whole:  # a contact whose stretch has reached its threshold is broken
+            out[mine] = values[firsts[number + 1]]
+            continue
         place = part.share(asked[mine]) * part.steps
         size = min(_STENCIL, part.steps + 1)
         low = np.clip(np.round(place).astype(int) - size // 2, 0, part.steps + 1 - size)
