@@ -39,6 +39,7 @@ class OriginBreaks(FirstBreaks):
         unit = law.unit
         self._unit, self._contacts = unit, contacts
         self._spread: SpreadBreaks | None = None
+        self._may_bend = True
         low, high = np.asarray(contacts.start.span) / unit
         self.single = bool(high - low < _NARROW)
         marks = breaking.marks / unit
@@ -63,6 +64,7 @@ class OriginBreaks(FirstBreaks):
             self.atom_stiffness = np.empty(0)
             rough = contacts.start.breakpoints / unit
             rough = np.concatenate([rough[(rough >= low) & (rough <= high)], [low, high]])
+            self._may_bend = marks.size + rough.size > 2
             seeds = np.concatenate([(marks[:, None] - rough).ravel(), -2.0 * rough, marks - self.mean_start])
             bend = np.zeros(1 if breaking.bends_at_zero else 0)
             self._cuts = np.unique(np.concatenate([law.inner_edges(self._sum.widest), marks, bend]))
@@ -95,7 +97,9 @@ class OriginBreaks(FirstBreaks):
         known = np.isin(table.edges[:-1], seeds) & (np.abs(size) > _JUMP)
         known[0] = True
         self.jumps, self.jump_sizes = table.edges[:-1][known], size[known]
-        self.bends, self.bend_sizes = bends(table, seeds, law.narrowest) if seeds.size else (np.empty(0), np.empty(0))
+        self.bends, self.bend_sizes = np.empty(0), np.empty(0)
+        if seeds.size and self._may_bend:  # round-off of the tables looks like bends where there are none
+            self.bends, self.bend_sizes = bends(table, seeds, law.narrowest)
         self.onsets, self.onset_heights = np.empty(0), np.empty(0)
         self.has_corners = bool(known[1:].any() or self.bends.size)
 
