@@ -159,13 +159,19 @@ class Extrapolation:
             row.append(row[k] + (row[k] - coarse) / (4.0 ** (k + 1) - 1.0))
         self._rows.append(row)
         best, error = answer, np.inf
-        changes = []
+        changes: list[float] = []
+        even = False
         for k, coarse in enumerate(before):
             changes.append(float(np.abs((row[k] - coarse)[watched]).max(initial=0.0)))
             last = self._changes[k] if k < len(self._changes) else np.inf
+            # the answers themselves fall as the square of the step: those extrapolated do so faster
+            even |= k == 0 and changes[0] < _EVEN * last < np.inf
             if k > 0 and np.isfinite(changes[k]):
                 # of two answers of one order the finer is better by far, where they are seen to fall
-                left = estimate(changes[k], last, _LEAST, False) if np.isfinite(last) else changes[k]
+                if np.isfinite(last):
+                    left = estimate(changes[k], last, _LEAST, False)
+                else:
+                    left = changes[k] * (_FIRST if even else 1.0)
                 if left < error:
                     best, error = row[k], left
         self._changes = changes
@@ -173,7 +179,7 @@ class Extrapolation:
 
 
 _COLUMNS = 2
-_LEAST = 1.0 / 16.0
+_LEAST, _FIRST, _EVEN = 1.0 / 16.0, 1.0 / 8.0, 0.3
 
 
 def at(found: March, steps: list[Part], row: str, asked: Array) -> Array:
