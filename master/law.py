@@ -22,7 +22,7 @@ class Law:
 
     `held` is the survival at the far end of the start; panels reach to 1e-18 of that, and `begins` is below all weight
     but 1e-19. `narrowest` is the width of a Gaussian as sharp as the sharpest tenth of the weight; `jumps` and
-    `jump_sizes` say where the density jumps and by how much, `diverges` whether it does at any point above 0.
+    `jump_sizes` say where the density jumps and by how much, `diverging` where above 0 it grows without bound.
 
     Raises InputError where the law has weight so near to 0 that floating point cannot hold its density.
     """
@@ -52,7 +52,7 @@ class Law:
             )
         self._scale = 1.0
         self.edges, self.narrowest, self._hard = np.empty(0), 1.0, np.empty(0, dtype=bool)
-        self.jumps, self.jump_sizes, self.diverges = np.empty(0), np.empty(0), False
+        self.jumps, self.jump_sizes, self.diverging = np.empty(0), np.empty(0), np.empty(0)
         self.bends, self.bend_sizes = np.empty(0), np.empty(0)
         self.onset: tuple[float, float] | None = None
         self.begins, self._below = self.support[0], np.zeros(1)
@@ -62,12 +62,17 @@ class Law:
         if self.edges.size > 1:
             self._look_closely()
             points = self._points()
-            self.jumps, self.jump_sizes, self.diverges = self._find_jumps(points)
+            self.jumps, self.jump_sizes, self.diverging = self._find_jumps(points)
             if self.atoms.size:  # bends and the onset matter where they fold with these
                 self.bends, self.bend_sizes = bends(self.pdf, points, self.narrowest)
                 self.onset = onset(self.pdf, self.support[0], self.narrowest)
                 if self.onset and self.support[0] > 0.0 and self.onset[0] in (0, 1):
                     self.onset = None  # a jump or a bend
+
+    @property
+    def diverges(self) -> bool:
+        """Whether the density grows without bound at any point above 0."""
+        return bool(self.diverging.size)
 
     @property
     def rough(self) -> bool:
@@ -153,11 +158,10 @@ class Law:
             points = np.concatenate([points, self._pinned()])
         return points[(points > 0.0) & (points < self.top * (1.0 + 1e-9))]
 
-    def _find_jumps(self, points: Array) -> tuple[Array, Array, bool]:
-        """Those of the points where the density jumps by a finite amount, by how much, and whether it diverges at
-        one."""
+    def _find_jumps(self, points: Array) -> tuple[Array, Array, Array]:
+        """Those of the points where the density jumps by a finite amount, by how much, and those where it diverges."""
         if not points.size:
-            return np.empty(0), np.empty(0), False
+            return np.empty(0), np.empty(0), np.empty(0)
         # a point that only the panels know is known to the width of the narrowest
         near, far = (1e-12, 1e-10) if self.knows_breakpoints else (3e-9, 9e-9)
         offsets = points[:, None] * (1.0 + np.array([-far, -near, near, far]))
@@ -167,8 +171,8 @@ class Law:
         steady = (np.abs(above - above_far) < 1e-6 * size) & (np.abs(below - below_far) < 1e-6 * size)
         sharp = steady & (np.abs(above - below) > 1e-7 * size)
         grows = np.maximum(above / 1.02 - above_far, below / 1.02 - below_far) > 0.0
-        diverges = (~steady & grows & (size > 1e-3)).any()
-        return points[sharp], (above - below)[sharp], bool(diverges)
+        diverges = ~steady & grows & (size > 1e-3)
+        return points[sharp], (above - below)[sharp], points[diverges]
 
     def _pinned(self) -> Array:
         """Points that panels close in on or meet at, and that the law does not declare."""
