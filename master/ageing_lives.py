@@ -64,7 +64,7 @@ class AgeingLives:
         self._cells = Cells(contacts, level)
         self.length = _STEPS * self._cells.width
         self.time = _AT_ONCE * self._cells.width**2 / contacts.ageing.rate
-        self.rate = self._cells.rate
+        self.rate, self.error = self._cells.rate, 0.0
         self._again = again
         self._count = 1
         self._stretch, self._share = start
@@ -227,11 +227,15 @@ class Cells:
 
     def _shift(self, weights: Array, by: Array) -> Array:
         """What the level's motion leaves where thresholds have no time to change."""
-        out = np.zeros(weights.shape)
-        for i, (row, rise) in enumerate(zip(weights, by, strict=True)):
-            below = PchipInterpolator(self.edges, np.append(0.0, np.cumsum(row)))
-            out[i] = np.diff(below(np.clip(self.edges + rise, 0.0, self.edges[-1])))
-        return out
+        below = np.concatenate([np.zeros((by.size, 1)), np.cumsum(weights, axis=1)], axis=1)
+        series = PchipInterpolator(self.edges, below, axis=1).c
+        at = np.clip(self.edges + by[:, None], 0.0, self.edges[-1])
+        cell = np.clip(np.searchsorted(self.edges, at, side="right") - 1, 0, self._widths.size - 1)
+        within, strand = at - self.edges[cell], np.arange(by.size)[:, None]
+        found = series[0, cell, strand]
+        for row in series[1:]:
+            found = found * within + row[cell, strand]
+        return np.diff(found, axis=1)
 
 
 def _edges(width: float, top: float, share: float) -> Array:

@@ -12,7 +12,7 @@ from origins.quadrature import NODES, gauss, panel_edges
 Array = npt.NDArray[np.float64]
 
 SLACK = 1e-12
-_LIGHT = 1e-17
+_LIGHT = 1e-10
 MOST = 2**13
 
 
@@ -24,15 +24,15 @@ class CutLaw:
     ----------
     edges : array of shape (p + 1,)
     nodes, weights : arrays of shape (8 p,)
-    fine : bool
-        Whether there are as many nodes as that takes.
+    spread : float
+        How many times too few nodes there are for that, 1 or above.
     """
 
     def __init__(self, contacts: Contacts, width: tuple[Array, Array] | None, tail: float) -> None:
         self.law = law = contacts.thresholds
         self.contacts = contacts
         self.atoms, self.atom_weights = law.atoms
-        self.fine = True
+        self.spread = 1.0
         edges = np.zeros(1)
         if float(self.atom_weights.sum()) < 1.0 - 1e-14:
             edges = panel_edges(law, tail=tail)
@@ -42,7 +42,7 @@ class CutLaw:
                 parts = np.ceil((right - left) / np.interp(0.5 * (left + right), *width))
                 parts = np.where(light, 1.0, np.maximum(parts, 1.0))
                 if parts.sum() * NODES > MOST:
-                    self.fine = False
+                    self.spread = float(parts.sum()) * NODES / MOST
                     parts = np.maximum(np.floor(parts * (MOST / NODES) / parts.sum()), 1.0)
                 pieces = [np.linspace(a, b, int(n) + 1)[:-1] for a, b, n in zip(left, right, parts, strict=True)]
                 edges = np.append(np.concatenate(pieces), edges[-1])

@@ -30,11 +30,14 @@ class Lives(Protocol):
         The shortest time over which they change on a slider that stands still; inf where nothing happens then.
     rate : float
         At which fresh contacts break (per time): what a moving slider's steps resolve as well; 0 where they do not.
+    error : float
+        What `held` is off by however small the steps.
     """
 
     length: float
     time: float
     rate: float
+    error: float
 
     @property
     def held(self) -> Array: ...

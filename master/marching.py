@@ -21,6 +21,7 @@ from master.timeline import Part
 Array = npt.NDArray[np.float64]
 
 _STENCIL = 4
+_SLACK = 1e-13
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,15 @@ class Memory:
 
     def __init__(self, clock: Array, firsts: Array, delay: float) -> None:
         self._clock, self._firsts, self._delay = clock, firsts, delay
+        # what is born at once a delay later is not born before
+        self._slack = _SLACK * float(clock[-1] - clock[0])
 
     def births(self, k: int, breaks: Array) -> tuple[float, float]:
         if self._delay == 0.0:
             return 1.0, 0.0
         clock = self._clock
-        at = clock[k] - self._delay
-        if at <= 0.0:
+        at = clock[k] - self._delay - self._slack
+        if at <= clock[0]:
             return 0.0, 0.0
         cell = int(np.searchsorted(clock[: k + 1], at, side="left"))
         # breaks bend where the motion changes: a stencil stays on one side

@@ -21,7 +21,7 @@ _LEAST = -745.0  # the logarithm of what is nothing
 class PaperWear:
     """`worn` are the logarithm of what is left, times S(|r|), and |r|."""
 
-    width = 2
+    width, error = 2, 1e-13
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         assert contacts.thermal is not None
@@ -49,6 +49,9 @@ class PaperWear:
         mean[~moved] = self._breaking.hazard(0.5 * (first + last)[~moved])
         out -= mean * duration
         np.copyto(out, _LEAST, where=~(out > _LEAST))
+
+    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
+        pass
 
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
         held = np.where(worn[:, 0] > _LEAST, np.exp(worn[:, 0]), 0.0)

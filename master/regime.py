@@ -47,10 +47,18 @@ class Regime:
 
 
 def regime(
-    contacts: Contacts, spring: float, rule: SlipRule, drive: Array, drop: Array, path: Array, tolerance: float
+    contacts: Contacts,
+    spring: float,
+    rule: SlipRule,
+    drive: Array,
+    drop: Array,
+    path: Array,
+    tolerance: float,
+    velocity: float = 1.0,
 ) -> Regime:
-    """Judge slips of force `drop` at drive positions `drive` (lengths) along `path`."""
-    start = propensity(contacts, tolerance)
+    """Judge slips of force `drop` at drive positions `drive` (lengths) along `path`; K* is that of a rigid slider which
+    moves as fast as the drive."""
+    start = propensity(contacts, tolerance, velocity=velocity)
     critical = start.critical_spring
     ratio = spring / critical if critical > 0.0 else np.inf
     trend = _trend(drop)

@@ -102,13 +102,17 @@ def solve(
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
         return solve_paper(contacts, drive, tolerance)
-    check_contacts(contacts, _name(drive), LAWS if spring is None else ())
+    check_contacts(contacts, "master.solve", LAWS)
+    laws = (contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
+    plain = laws == (None, None, None, None) and contacts.stiffness == "independent"
+    if drive.spring is not None and not plain:
+        from master.soft_laws import solve_soft_laws
+
+        return solve_soft_laws(contacts, drive, tolerance)
     if drive.spring is not None:
         from master.soft import solve_soft
 
         return solve_soft(contacts, drive.path, drive.spring, drive.slip, tolerance)
-    laws = (contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
-    plain = laws == (None, None, None, None) and contacts.stiffness == "independent"
     if drive.forward and (drive.time is None or plain):
         return solve_forward(contacts, drive.path, tolerance, drive.velocity)
     if not plain:
@@ -118,7 +122,3 @@ def solve(
     from master.cohorts import solve_cohorts
 
     return solve_cohorts(contacts, drive.path, tolerance)
-
-
-def _name(drive: Drive) -> str:
-    return "master.solve" if drive.spring is None else "master.solve with a spring"

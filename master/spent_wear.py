@@ -9,12 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cut_law import SLACK, CutLaw
-from master.thermal_wear import fresh_rate
+from master.thermal_wear import error_of, fresh_rate
 from master.wear import Left
 from origins import Contacts
 from origins.quadrature import GAUSS_NODES, NODES
 
 Array = npt.NDArray[np.float64]
+Numbers = npt.NDArray[np.intp]
 
 _MOST = 500.0  # e^(-A) is nothing
 _SAME = 1e-9
@@ -29,14 +30,22 @@ class SpentWear:
     """Soft or stiff contacts, equally stiff or not."""
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
+        from master import compiled
+
         thermal = contacts.thermal
         assert thermal is not None
+        self._compiled = compiled
         self._cut, self._thermal, self._stiffness = cut, thermal, contacts.relative_stiffness
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
-        self._thresholds = np.concatenate([cut.nodes, cut.atoms])
-        self._springs = np.concatenate([cut.stiffness, cut.atom_stiffness])
-        self._size, self._least = self._thresholds.size, _TINY * contacts.mean_threshold
-        self.width = _FIRST + self._size + NODES
+        self.error = error_of(cut)
+        self._least = _TINY * contacts.mean_threshold
+        self._atoms = slice(_FIRST + cut.nodes.size, _FIRST + cut.nodes.size + cut.atoms.size)
+        self._own = slice(self._atoms.stop, self._atoms.stop + NODES)
+        self.width = self._own.stop
+        weights = np.stack([cut.weights, cut.weights * cut.stiffness])
+        tails = np.append(weights[:, ::-1].cumsum(axis=1)[:, ::-1], np.zeros((2, 1)), axis=1)
+        self._weights, self._tails = weights, np.ascontiguousarray(tails)
+        self._springs = np.asarray(cut.stiffness * (0.5 / thermal.temperature))
 
     def fresh(self, stretch: Array) -> Array:
         worn = np.zeros((stretch.size, self.width))
@@ -46,38 +55,87 @@ class SpentWear:
     def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
         way = end - begin
         # births take part in any motion from their first step on
-        other = np.abs(way * worn[:, _TIME] - worn[:, _WAY] * duration) > _SAME * np.abs(worn[:, _WAY] * duration)
-        other |= (worn[:, _TIME] > 0.0) & ((way == 0.0) != (worn[:, _WAY] == 0.0))
+        change = np.abs(way * worn[:, _TIME] - worn[:, _WAY] * duration)
+        other = change > _SAME * (np.abs(worn[:, _WAY] * duration) + np.abs(way * worn[:, _TIME]))
         rows = np.flatnonzero(other)
         if rows.size:
             part = worn[rows]
-            self._settle(part, begin[rows], furthest[rows])
+            self.settle(part, begin[rows], furthest[rows])
             worn[rows] = part
         worn[:, _WAY] += way
         worn[:, _TIME] += duration
 
-    def _settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
-        """What the motion so far has cost becomes part of what is kept."""
+    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
+        """In place: what the motion so far has cost becomes part of what is kept."""
         panel = self._cut.panel(furthest)
         inside = np.flatnonzero((panel >= 0) & (panel < self._cut.edges.size - 1))
         own = np.zeros((furthest.size, NODES))
         if inside.size:
             nodes, _ = self._cut.own(furthest[inside], panel[inside])
-            own[inside] = self._own(worn[inside], nodes, panel[inside], stretch[inside])
-        worn[:, _FIRST : _FIRST + self._size] = self._spent(worn, stretch, self._thresholds > furthest[:, None])
-        worn[:, _FIRST + self._size :] = own
+            own[inside] = self._beside(worn[inside], nodes, panel[inside], stretch[inside])
+        first = np.searchsorted(self._cut.nodes, furthest, side="right")
+        worn[:, _FIRST : self._atoms.start] = self._compiled.spent(*self._legs(worn, stretch, first))
+        worn[:, self._atoms] = self._at_atoms(worn, stretch, furthest)
+        worn[:, self._own] = own
         worn[:, _FROM], worn[:, _WAY], worn[:, _TIME], worn[:, _CUT] = stretch, 0.0, 0.0, furthest
 
-    def _spent(self, worn: Array, stretch: Array, beyond: npt.NDArray[np.bool_]) -> Array:
-        """A at those nodes and atoms that lie `beyond` m, shape (m, k); at others so much that nothing is left."""
-        kept = worn[:, _FIRST : _FIRST + self._size]
-        row, node = np.nonzero(beyond & (kept < _MOST))
-        out = np.full(kept.shape, _MOST)
-        more = self._leg(worn, row, stretch[row], self._thresholds[node], self._springs[node])
-        out[row, node] = np.minimum(kept[row, node] + more, _MOST)
+    def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
+        cut, panels = self._cut, self._cut.edges.size - 1
+        panel = cut.panel(furthest)
+        # the panel that m falls into is summed over nodes of its own
+        first = np.minimum(NODES * (panel + 1), cut.nodes.size)
+        held, stiff = self._compiled.left(*self._legs(worn, stretch, first), self._weights, self._tails).T
+        if cut.atoms.size:
+            kept = np.exp(-self._at_atoms(worn, stretch, furthest)) * cut.atom_weights
+            held, stiff = held + kept.sum(axis=1), stiff + kept @ cut.atom_stiffness
+        edge, edge_stiff = np.zeros(furthest.size), np.zeros(furthest.size)
+        inside = np.flatnonzero((panel >= 0) & (panel < panels))
+        if inside.size:
+            m = furthest[inside]
+            nodes, weights = cut.own(m, panel[inside])
+            nodes = np.append(nodes, m[:, None], axis=1)
+            kept = np.exp(-self._beside(worn[inside], nodes, panel[inside], stretch[inside]))
+            springs = np.asarray(self._stiffness(nodes))
+            held[inside] += (weights * kept[:, :-1]).sum(axis=1)
+            stiff[inside] += (weights * (kept * springs)[:, :-1]).sum(axis=1)
+            edge[inside] = cut.law.pdf(m) * kept[:, -1]
+            edge_stiff[inside] = edge[inside] * springs[:, -1]
+        return Left(held, stiff, edge, edge_stiff)
+
+    def at_nodes(self, worn: Array, stretch: Array, first: Numbers) -> Array:
+        """A at the nodes of the law from number `first` on, shape (m, k), as compiled code has it; for comparison."""
+        node = np.arange(self._cut.nodes.size)
+        row, column = np.nonzero(node >= first[:, None])
+        more = self._leg(worn, row, stretch[row], self._cut.nodes[column], self._cut.stiffness[column])
+        out = np.full((stretch.size, node.size), _MOST)
+        out[row, column] = np.minimum(worn[:, _FIRST : self._atoms.start][row, column] + more, _MOST)
         return out
 
-    def _own(self, worn: Array, nodes: Array, panel: npt.NDArray[np.intp], stretch: Array) -> Array:
+    def _legs(
+        self, worn: Array, stretch: Array, first: Numbers
+    ) -> tuple[bool, Array, Array, Numbers, Array, Array, Array]:
+        """What compiled sums are told."""
+        begin, way = worn[:, _FROM], np.abs(worn[:, _WAY])
+        near, far = np.abs(begin), np.abs(stretch)
+        legs = np.empty((stretch.size, 5))
+        legs[:, 0], legs[:, 1] = np.minimum(near, far), np.maximum(near, far)
+        legs[:, 2] = np.where(way > _TINY * (near + far), way, 0.0)
+        legs[:, 3] = worn[:, _TIME] * self._thermal.attempt_frequency
+        legs[:, 4] = (begin < 0.0) != (stretch < 0.0)
+        kept = worn[:, _FIRST : self._atoms.start]
+        stiff = self._thermal.law == "stiff"
+        return stiff, legs, kept, first, self._cut.nodes, self._springs, self._compiled.DAWSON
+
+    def _at_atoms(self, worn: Array, stretch: Array, furthest: Array) -> Array:
+        """A at exact single values; so much where they are passed that nothing is left."""
+        cut = self._cut
+        row, atom = np.nonzero(furthest[:, None] * (1.0 + SLACK) < cut.atoms)
+        out = np.full((stretch.size, cut.atoms.size), _MOST)
+        more = self._leg(worn, row, stretch[row], cut.atoms[atom], cut.atom_stiffness[atom])
+        out[row, atom] = np.minimum(worn[:, self._atoms][row, atom] + more, _MOST)
+        return out
+
+    def _beside(self, worn: Array, nodes: Array, panel: Numbers, stretch: Array) -> Array:
         """A at nodes of the panel that m falls into, shape (m, k)."""
         row = np.repeat(np.arange(stretch.size), nodes.shape[1])
         flat = np.maximum(nodes.ravel(), self._least)
@@ -89,17 +147,17 @@ class SpentWear:
         same = (cut >= left) & (cut < right)
         columns = _FIRST + NODES * panel[:, None] + np.arange(NODES)
         known = np.take_along_axis(worn, columns, axis=1)
-        known[same] = worn[same, _FIRST + self._size :]
+        known[same] = worn[same, self._own]
         least = np.where(same, cut, left)[:, None]
         at = (nodes - least) / (right[:, None] - least)
         at = np.where(same[:, None], np.sqrt(np.maximum(at, 0.0)), at)
-        return np.minimum(more + _interpolated(known, at), _MOST)
+        return np.clip(more + _interpolated(known, at), 0.0, _MOST)
 
-    def _leg(self, worn: Array, row: npt.NDArray[np.intp], stretch: Array, threshold: Array, spring: Array) -> Array:
+    def _leg(self, worn: Array, row: Numbers, stretch: Array, threshold: Array, spring: Array) -> Array:
         """What the present motion has cost."""
         begin, way, duration = worn[row, _FROM], worn[row, _WAY], worn[row, _TIME]
         out = np.zeros(stretch.size)
-        moves = (np.abs(way) > 1e-12 * (np.abs(stretch) + np.abs(begin))) & (duration > 0.0)
+        moves = (np.abs(way) > _TINY * (np.abs(stretch) + np.abs(begin))) & (duration > 0.0)
         stands = ~moves & (duration > 0.0)
         thermal = self._thermal
         if moves.any():
@@ -112,29 +170,6 @@ class SpentWear:
             log_rate = thermal.log_rate(x, threshold[stands], spring[stands])
             out[stands] = np.exp(np.minimum(log_rate + np.log(duration[stands]), 7.0))
         return out
-
-    def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
-        cut, panels = self._cut, self._cut.edges.size - 1
-        panel = cut.panel(furthest)
-        # the panel that m falls into is summed over nodes of its own
-        least = np.append(cut.edges, np.inf)[panel + 1]
-        whole = np.concatenate([cut.nodes > least[:, None], cut.atoms > furthest[:, None] * (1.0 + SLACK)], axis=1)
-        kept = np.exp(-self._spent(worn, stretch, whole)) * whole
-        weights = np.concatenate([cut.weights, cut.atom_weights])
-        held, stiff = kept @ weights, kept @ (weights * self._springs)
-        edge, edge_stiff = np.zeros(furthest.size), np.zeros(furthest.size)
-        inside = np.flatnonzero((panel >= 0) & (panel < panels))
-        if inside.size:
-            m = furthest[inside]
-            nodes, weights = cut.own(m, panel[inside])
-            nodes = np.append(nodes, m[:, None], axis=1)
-            kept = np.exp(-self._own(worn[inside], nodes, panel[inside], stretch[inside]))
-            springs = np.asarray(self._stiffness(nodes))
-            held[inside] += (weights * kept[:, :-1]).sum(axis=1)
-            stiff[inside] += (weights * (kept * springs)[:, :-1]).sum(axis=1)
-            edge[inside] = cut.law.pdf(m) * kept[:, -1]
-            edge_stiff[inside] = edge[inside] * springs[:, -1]
-        return Left(held, stiff, edge, edge_stiff)
 
 
 def _interpolated(values: Array, at: Array) -> Array:

@@ -30,7 +30,7 @@ class CohortLives:
     """
 
     def __init__(self, wear: Wear, start: Nodes, again: Nodes) -> None:
-        self.length, self.time, self.rate = wear.length, wear.time, wear.rate
+        self.length, self.time, self.rate, self.error = wear.length, wear.time, wear.rate, wear.error
         self._wear, self._at, self._again = wear, 0.0, again
         self._start, self._births = Strands(wear, *start), Strands(wear, *again)
         self._start.add(0.0)
@@ -56,6 +56,8 @@ class CohortLives:
         return halves(self.held) + held, halves(self.pull) + pull
 
     def copy(self) -> Self:
+        for strands in (self._start, self._births):
+            strands.settle(self._at)
         out = copy(self)
         out._start, out._births = self._start.copy(), self._births.copy()
         return out
@@ -101,12 +103,11 @@ class Strands:
 
     def advance(self, before: float, at: float, duration: float) -> None:
         """All move with the slider from X = before to X = at."""
-        alive = np.flatnonzero(self._held[: self.count] > _DEAD)
-        self._held[: self.count][self._held[: self.count] <= _DEAD] = 0.0
-        if not alive.size:
+        rows = self._alive()
+        self._held[: rows.start] = self._pull[: rows.start] = 0.0
+        self._held[rows.stop : self.count] = self._pull[rows.stop : self.count] = 0.0
+        if rows.stop == rows.start:
             return
-        # cohorts die in the order of their births but for turns: one slice costs no copies
-        rows = slice(int(alive[0]), int(alive[-1]) + 1)
         place, furthest = self._place[rows].ravel(), self._furthest[rows].ravel()
         worn = self._worn[rows].reshape(place.size, self._fresh.shape[1])
         stretch = at - place
@@ -116,6 +117,17 @@ class Strands:
         furthest = np.maximum(furthest, np.abs(stretch))
         self._furthest[rows] = furthest.reshape(-1, self._stretch.size)
         self._read(rows, stretch, furthest, self._wear.left(worn, stretch, furthest))
+
+    def settle(self, at: float) -> None:
+        """Work out what trial steps from here share."""
+        rows = self._alive()
+        place, furthest = self._place[rows].ravel(), self._furthest[rows].ravel()
+        self._wear.settle(self._worn[rows].reshape(place.size, self._fresh.shape[1]), at - place, furthest)
+
+    def _alive(self) -> slice:
+        """Cohorts that hold: they die in the order of their births but for turns, and one slice costs no copies."""
+        alive = np.flatnonzero(self._held[: self.count] > _DEAD)
+        return slice(int(alive[0]), int(alive[-1]) + 1) if alive.size else slice(0, 0)
 
     def _read(self, rows: slice, stretch: Array, furthest: Array, left: Left) -> None:
         shape = (-1, self._stretch.size)

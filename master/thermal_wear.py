@@ -16,7 +16,8 @@ from origins.soft_contact import log_between
 Array = npt.NDArray[np.float64]
 
 _GONE = 6.0  # e^(-e^6) is nothing
-_CHANGE = 1.2  # of ln A that eight nodes see through
+_CHANGE = 2.0  # of ln A that eight nodes see through, but for ERROR
+ERROR = 2e-9
 _CHUNK = 40_000
 
 
@@ -25,6 +26,11 @@ def resolved(contacts: Contacts) -> tuple[Array, Array]:
     assert contacts.thermal is not None
     at = contacts.mean_threshold * 2.0 ** np.linspace(-20.0, 20.0, 400)
     return at, _CHANGE * contacts.thermal.temperature / (at * contacts.relative_stiffness(at))
+
+
+def error_of(cut: CutLaw) -> float:
+    """What sums over nodes are off by; where these are too few, e^(-A) is a step between them."""
+    return ERROR * cut.spread**4 if cut.spread < 2.0 else 0.3 * float(np.abs(np.diff(cut.law.sf(cut.edges))).max())
 
 
 def fresh_rate(contacts: Contacts, cut: CutLaw) -> float:
@@ -46,6 +52,7 @@ class SoftWear:
         self._cut, self._spring = cut, 0.5 / thermal.temperature
         self._log_frequency = float(np.log(thermal.attempt_frequency))
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
+        self.error = error_of(cut)
         self._barrier, self._atom_barrier = (self._spring * at * at for at in (cut.nodes, cut.atoms))
 
     def fresh(self, stretch: Array) -> Array:
@@ -75,6 +82,9 @@ class SoftWear:
                 parts = (log_between(none, some[across], none, springs) for some in (near, far))
                 out[across] = np.logaddexp(*parts) - np.log(way[across])
         return out
+
+    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
+        pass
 
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
         cut, level = self._cut, worn[:, 0]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.forward import ROUND_OFF
+from master.forward import ROUND_OFF, estimate
 from master.make_lives import make_lives
 from master.marching import March, lagrange, march
 from master.outcome import outcome
@@ -114,7 +114,7 @@ def _refine(
             lives = make_lives(contacts, level)
         found = march(lives, finer, delay)
         error, answer = table.add(np.concatenate([at(found, finer, row, everywhere) for row in _ROWS]) / scale)
-        error += ROUND_OFF * (1.0 + count)
+        error += ROUND_OFF * (1.0 + count) + lives.error
         if error < best[0] or not level:
             best = error, answer, count
         if best[0] <= tolerance:
@@ -131,24 +131,31 @@ class Extrapolation:
 
     def __init__(self) -> None:
         self._rows: list[list[Array]] = []
+        self._changes: list[float] = []
 
-    def add(self, answer: Array) -> tuple[float, Array]:
-        """Error estimate and best answer, `answer` being the one on the finest steps."""
+    def add(self, answer: Array, watched: npt.NDArray[np.bool_] | slice = slice(None)) -> tuple[float, Array]:
+        """Error estimate and best answer, `answer` being the one on the finest steps; of `watched` ones alone."""
         row = [answer]
         before = self._rows[-1] if self._rows else []
         for k, coarse in enumerate(before[:_COLUMNS]):
             row.append(row[k] + (row[k] - coarse) / (4.0 ** (k + 1) - 1.0))
         self._rows.append(row)
         best, error = answer, np.inf
+        changes = []
         for k, coarse in enumerate(before):
-            # of two answers of one order the finer is better by far
-            change = float(np.abs(row[k] - coarse).max())
-            if k > 0 and change < error:
-                best, error = row[k], change
+            changes.append(float(np.abs((row[k] - coarse)[watched]).max(initial=0.0)))
+            last = self._changes[k] if k < len(self._changes) else np.inf
+            if k > 0 and np.isfinite(changes[k]):
+                # of two answers of one order the finer is better by far, where they are seen to fall
+                left = estimate(changes[k], last, _LEAST, False) if np.isfinite(last) else changes[k]
+                if left < error:
+                    best, error = row[k], left
+        self._changes = changes
         return error, best
 
 
 _COLUMNS = 2
+_LEAST = 1.0 / 16.0
 
 
 def at(found: March, steps: list[Part], row: str, asked: Array) -> Array:

@@ -41,17 +41,17 @@ class Piece:
         return self.end - self.begin
 
 
-def times(drive: Drive) -> Array:
-    """When the path's points are reached."""
+def times(drive: Drive, origin: float = 0.0) -> Array:
+    """When the path's points are reached, from `origin` at t = 0."""
     if drive.time is not None:
         return drive.time
-    return np.abs(np.diff(drive.path, prepend=0.0)).cumsum() / drive.velocity
+    return np.abs(np.diff(drive.path, prepend=origin)).cumsum() / drive.velocity
 
 
-def pieces(drive: Drive) -> list[Piece]:
-    """From X = 0 at t = 0 to the end of the path; what goes on at one speed is one piece."""
-    clock = np.append(0.0, times(drive))
-    place = np.append(0.0, drive.path)
+def pieces(drive: Drive, origin: float = 0.0) -> list[Piece]:
+    """From `origin` at t = 0 to the end of the path; what goes on at one speed is one piece."""
+    clock = np.append(0.0, times(drive, origin))
+    place = np.append(origin, drive.path)
     out: list[Piece] = []
     for begin, end, before, after in zip(clock[:-1], clock[1:], place[:-1], place[1:], strict=True):
         if end <= begin:

@@ -40,12 +40,13 @@ class Left:
 class Wear(Protocol):
     """Stretches and largest |x| are lengths of shape (m,); `worn` has shape (m, width).
 
-    `length`, `time` and `rate` are those of master.lives.Lives.
+    `length`, `time`, `rate` and `error` are those of master.lives.Lives.
     """
 
     length: float
     time: float
     rate: float
+    error: float
     width: int
 
     def fresh(self, stretch: Array) -> Array:
@@ -54,13 +55,16 @@ class Wear(Protocol):
     def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
         """In place: strands move straight from `begin` to `end` at constant speed; m is that before."""
 
+    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
+        """In place: whatever of the motion so far is not worked out yet, before trial steps are made from here."""
+
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left: ...
 
 
 class ColdWear:
     """Nothing breaks below its threshold."""
 
-    time, rate, width = np.inf, 0.0, 0
+    time, rate, error, width = np.inf, 0.0, 1e-15, 0
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         self._law, self.length = contacts.thresholds, length
@@ -71,6 +75,9 @@ class ColdWear:
         return np.empty((stretch.size, 0))
 
     def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
+        pass
+
+    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
         pass
 
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:

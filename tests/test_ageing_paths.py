@@ -65,7 +65,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_paths_in_time_against_contacts_one_by_one(name: str) -> None:
     contacts, path, time = CASES[name]
-    solved = master.solve(contacts, path, 1e-3, time=time)
+    solved = master.solve(contacts, path, 2e-3, time=time)
     assert solved.success, solved.message
     wait = 0.0 if contacts.delay is None else contacts.delay.time
     force, error = simulate(contacts, path, time, 4e-3, 4e-3, 8_000, 5, wait)
@@ -113,6 +113,15 @@ def test_static_force_grows_with_the_time_at_rest() -> None:
         relaxed.append(solved.force[2] - solved.force[1])
         peak.append(solved.force[3:].max())
     assert (np.array(relaxed) < 0.0).all() and (np.diff(peak) > 0.02).all(), (relaxed, peak)
+
+
+def test_soft_slider_whose_contacts_barely_age_slips_as_if_they_did_not() -> None:
+    drive = np.linspace(0.1, 1.5, 15)
+    plain = master.solve(Contacts(FRESH), drive, 1e-6, spring=0.6)
+    barely = master.solve(Contacts(FRESH, ageing=Ageing(FINAL, 1e-6)), drive, 3e-2, spring=0.6)
+    assert barely.success and plain.slips.drive.size == barely.slips.drive.size == 1
+    off = max(np.abs(plain.force - barely.force).max(), 0.6 * float(np.abs(plain.slips.drive - barely.slips.drive)[0]))
+    assert off < 0.5 * barely.force_error
 
 
 def test_refusals() -> None:

@@ -7,7 +7,6 @@ import master
 from origins import (
     Contacts,
     Delay,
-    InputError,
     Thermal,
     boltzmann_reforming,
     gaussian,
@@ -130,13 +129,6 @@ def test_laws_that_change_nothing_cost_nothing() -> None:
     same = master.solve(Contacts(WIDE, 0.1, delay=Delay(0.0), reforming=0.0), PATH, 1e-9)
     np.testing.assert_array_equal(plain.force, same.force)
     np.testing.assert_array_equal(same.holding, 1.0)
-
-
-def test_what_is_not_taken_yet_is_said() -> None:
-    contacts = Contacts(WIDE, delay=WAIT)
-    told = r"contacts\.delay: master\.solve {} does not take it yet"
-    with pytest.raises(InputError, match=told.format("with a spring")):
-        master.solve(contacts, [1.0, 2.0], spring=0.1)
 
 
 def test_propensity_of_delayed_contacts_reads_the_same_force() -> None:

@@ -1,0 +1,408 @@
+"""A soft slider with any laws of single contacts: K (X_T - X) = F, step by step, through all slips on the way.
+
+A step is so long in X and in time together, σ dX/length + d(clock) = step, that it is even where the slider creeps and
+where it runs ahead of a slip, in which dX/dt grows without end: there X_T is smooth in X. The slider lets go where the
+force falls faster than the spring's as it moves in no time, F'(X) = -K.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from master.lives import Lives
+from master.marching import Memory
+from master.timeline import Piece
+from origins.drive import SlipRule
+
+Array = npt.NDArray[np.float64]
+
+_BESIDE = 1e-4
+_CLOSE = 1e-11
+_AHEAD = 0.3
+_ITERATIONS = 40
+_SCAN = 0.25
+_PER_FOLD = 2.0
+_MOST_STEPS = 20_000
+COARSEST = 0.5  # of the length over which births change
+
+
+class TooLong(Exception):
+    """More steps than memory and time allow."""
+
+
+@dataclass
+class Slip:
+    """Lengths, as in master.soft.Slips."""
+
+    drive: float
+    before: float
+    after: float
+    force_before: float
+    force_after: float
+
+
+@dataclass
+class Trial:
+    """What a step would lead to."""
+
+    lives: Lives
+    force: float
+    holding: float
+    breaks: float
+    births: float
+
+
+@dataclass
+class Track:
+    """One smooth stretch: step parameter, time, X, force and holding at its nodes."""
+
+    step: list[float] = field(default_factory=list)
+    clock: list[float] = field(default_factory=list)
+    place: list[float] = field(default_factory=list)
+    force: list[float] = field(default_factory=list)
+    holding: list[float] = field(default_factory=list)
+
+
+class Clock:
+    """Even steps in time, or in a hold even in ln(1 + t/first), of one piece of the drive."""
+
+    def __init__(self, piece: Piece, length: float, time: float, rate: float) -> None:
+        self._piece, self._held = piece, piece.travel == 0.0
+        speed = abs(piece.travel) / piece.duration
+        if self._held and not np.isfinite(time):
+            time = piece.duration
+        self._first, self._rate = time, speed / length + rate
+
+    def count(self, time: float) -> float:
+        since = time - self._piece.begin
+        return _PER_FOLD * float(np.log1p(since / self._first)) if self._held else since * self._rate
+
+    def time(self, count: float) -> float:
+        if self._held:
+            return self._piece.begin + self._first * float(np.expm1(min(count / _PER_FOLD, 700.0)))
+        return self._piece.begin + count / self._rate
+
+
+class Pull:
+    """One drive on steps of 2^-level of the coarsest, `lives` being all contacts at X = 0.
+
+    again : makes the lives that a reset leaves
+    plan : lengths in steps of the smooth stretches found on coarser steps, in order; empty on the coarsest
+    """
+
+    def __init__(
+        self,
+        lives: Lives,
+        again: Callable[[], Lives],
+        course: list[Piece],
+        spring: float,
+        rule: SlipRule,
+        delay: float,
+        unit: float,
+        length: float,
+        level: int,
+        plan: list[float],
+    ) -> None:
+        self._again, self._spring, self._rule, self._delay = again, spring, rule, delay
+        self._unit, self._length, self._level, self._plan = unit, length, level, plan
+        self.tracks: list[Track] = []
+        self.stretches: list[float] = []
+        self.slips: list[Slip] = []
+        self.steps = 0
+        self._place, self._now = 0.0, 0.0
+        self._steep = (1.0 + spring) * length
+        self._settle(lives)
+        for piece in course:
+            self._mark_later(piece.begin)
+            self._follow(piece)
+
+    # -- state ---------------------------------------------------------------------------------------------------------
+    def _settle(self, lives: Lives) -> None:
+        """These contacts, and nothing before them."""
+        self._lives = lives
+        lives.born()
+        self._clocks, self._breaks, self._births, self._even = [self._now], [0.0], [0.0], [0.0]
+        self._firsts = [0]
+        self._pending: list[tuple[float, float]] = []
+        self._force, self._holding = float(lives.pull[0]), float(lives.held[0])
+
+    def _try(self, travel: float, now: float, frozen: bool = False) -> Trial:
+        """The slider moves on by `travel` until `now`; where `frozen` none is born."""
+        lives = self._lives.copy()
+        lives.advance(travel, now - self._now)
+        lives.born()
+        held, pull = lives.spread()
+        even = np.array(self._even[1:])
+        k = even.size
+        known = float(lives.held[0] + held[:k] @ even)
+        last, before = float(held[k]), self._births[-1]
+        slope, rest = (0.0, before) if frozen or (self._delay and now == self._now) else self._remembered(now)
+        breaks = (1.0 - known + last * before + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
+        births = slope * breaks + rest
+        force = float(lives.pull[0] + pull[:k] @ even + pull[k] * (births - before))
+        return Trial(lives, force, known + last * (births - before), breaks, births)
+
+    def _remembered(self, now: float) -> tuple[float, float]:
+        if not self._delay:
+            return 1.0, 0.0
+        clocks = np.array([*self._clocks, now])
+        memory = Memory(clocks, np.array([*self._firsts, clocks.size - 1]), self._delay)
+        return memory.births(clocks.size - 1, np.array([*self._breaks, 0.0]))
+
+    def _take(self, trial: Trial, travel: float, now: float) -> None:
+        self.steps += 1
+        if self.steps > _MOST_STEPS:
+            raise TooLong
+        self._even.append(trial.births - self._births[-1])
+        self._lives, self._force, self._holding = trial.lives, trial.force, trial.holding
+        self._place += travel
+        self._now = now
+        self._clocks.append(now)
+        self._breaks.append(trial.breaks)
+        self._births.append(trial.births)
+
+    def _born_at_once(self, weight: float, breaks: float) -> None:
+        """A finite share is born where the slider stands: two births with nothing between."""
+        self._bend()
+        self._lives.born()
+        held, pull = self._lives.spread()
+        self._even.append(weight)
+        self._force += float(pull[-1]) * weight
+        self._holding += float(held[-1]) * weight
+        self._clocks.append(self._now)
+        self._births.append(self._births[-1] + weight)
+        self._breaks.append(breaks)
+        self._bend()
+
+    def _bend(self) -> None:
+        """Breaks may bend or jump here: nothing is read across."""
+        self._firsts.append(len(self._clocks) - 1)
+
+    def _mark_later(self, at: float, weight: float = 0.0) -> None:
+        """What bends or jumps here does so again after the delay."""
+        if self._delay:
+            self._pending += [(at + self._delay, weight), (at + 2.0 * self._delay, 0.0)]
+
+    # -- straight on ---------------------------------------------------------------------------------------------------
+    def _follow(self, piece: Piece) -> None:
+        """The drive goes on to the end of a piece."""
+        sign = np.sign(piece.travel) or np.sign(self._force) or 1.0
+        clock = Clock(piece, self._length, self._lives.time, self._lives.rate / COARSEST)
+        speed = piece.travel / piece.duration
+
+        def drive(now: float) -> float:
+            return piece.before + speed * (now - piece.begin)
+
+        while True:
+            marks = [at for at, _ in self._pending if at < piece.end]
+            let_go = self._slide(min(marks, default=piece.end), drive, clock, float(sign))
+            if let_go:
+                self._slip(drive(self._now), float(sign))
+            elif marks:
+                weight = sum(share for at, share in self._pending if at == self._now)
+                self._pending = [one for one in self._pending if one[0] != self._now]
+                if weight > 0.0:
+                    self._born_at_once(weight, self._breaks[-1])
+            else:
+                return
+
+    def _slide(self, end: float, drive: Callable[[float], float], clock: Clock, sign: float) -> bool:
+        """Until `end`, or until the slider lets go: which of them."""
+        number = len(self.stretches)
+        planned = self._plan[number] if number < len(self._plan) else 0.0
+        fine = 0.5**self._level
+        steps = int(np.ceil(max(planned, 1e-6))) * 2**self._level
+        size = planned / steps if planned else fine
+        track = Track()
+        self._bend()
+        self._write(track, 0.0)
+        total, share, taken = 0.0, 0.5, 0
+        let_go = self._slope(sign) <= 0.0
+        while not let_go and self._now < end:
+            taken += 1
+            # the last of the planned steps takes what is left
+            reach = size * (1.5 if taken >= steps else 1.0)
+            at, travel, trial = self._step(reach if taken >= steps else size, share, drive, clock, sign)
+            if at >= end:
+                at = end
+                travel, trial = self._to(end, drive, travel)
+            # the slider runs ahead of its drive before it lets go
+            ahead = clock.count(at) - clock.count(self._now) < _AHEAD * size
+            if at <= self._now or (ahead and self._slope(sign, trial) <= 0.0):
+                let_go = True
+                travel, at = self._onset(travel, max(at, self._now), end, drive, sign)
+                trial = self._try(travel, at)
+            elif at < end and taken >= steps:
+                at, travel, trial = self._step(size, share, drive, clock, sign)
+            now = clock.count(at) - clock.count(self._now)
+            stretch = sign * travel / self._length + now
+            share = now / stretch if stretch > 0.0 else 0.5
+            total += stretch
+            self._take(trial, travel, at)
+            self._write(track, total)
+        self.stretches.append(total)
+        self.tracks.append(track)
+        return let_go
+
+    def _write(self, track: Track, total: float) -> None:
+        track.step.append(total)
+        track.clock.append(self._now)
+        track.place.append(self._place)
+        track.force.append(self._force)
+        track.holding.append(self._holding)
+
+    def _step(
+        self, size: float, share: float, drive: Callable[[float], float], clock: Clock, sign: float
+    ) -> tuple[float, float, Trial]:
+        """Time, travel and contacts after a step of this size; a time before now where there is none."""
+        begin = clock.count(self._now)
+        found: list[tuple[float, float, Trial]] = []
+
+        def excess(count: float) -> float:
+            at = max(clock.time(begin + count), self._now)
+            travel = sign * self._length * (size - count)
+            trial = self._try(travel, at)
+            found[:] = [(at if count > 0.0 else self._now - 1.0, travel, trial)]
+            return sign * (self._spring * (drive(at) - self._place - travel) - trial.force)
+
+        self._steep = _secant(excess, share * size, self._steep, _CLOSE * size, lambda count: count < 0.0)
+        return found[0]
+
+    def _to(self, end: float, drive: Callable[[float], float], guess: float) -> tuple[float, Trial]:
+        """Travel up to a time."""
+        found: list[Trial] = []
+
+        def excess(travel: float) -> float:
+            found[:] = [self._try(travel, end)]
+            at[:] = [travel]
+            return self._spring * (drive(end) - self._place - travel) - found[0].force
+
+        at: list[float] = []
+        _secant(excess, guess, -self._spring - 1.0, _CLOSE * self._length, lambda _: False)
+        return at[0], found[0]
+
+    def _slope(self, sign: float, trial: Trial | None = None) -> float:
+        """F'(X) + K in motion that takes no time, here or where a trial ends."""
+        ahead = self if trial is None else self._after(trial)
+        step = sign * _BESIDE * self._length
+        first, second = (ahead._try(k * step, ahead._now).force for k in (1, 2))
+        return (2.0 * first - 0.5 * second - 1.5 * ahead._force) / step + self._spring
+
+    def _after(self, trial: Trial) -> Pull:
+        out = Pull.__new__(Pull)
+        out.__dict__.update(self.__dict__)
+        out._lives, out._force = trial.lives, trial.force
+        out._even = [*self._even, trial.births - self._births[-1]]
+        out._births, out._breaks = [*self._births, trial.births], [*self._breaks, trial.breaks]
+        out._clocks = [*self._clocks, self._now]
+        return out
+
+    # -- slips ---------------------------------------------------------------------------------------------------------
+    def _onset(
+        self, travel: float, at: float, end: float, drive: Callable[[float], float], sign: float
+    ) -> tuple[float, float]:
+        """Travel and time at which F' = -K, within a step that goes beyond."""
+        def when(way: float) -> float:
+            def excess(now: float) -> float:
+                pull = self._spring * (drive(now) - self._place - way) - self._try(way, now).force
+                return sign * pull
+
+            if excess(self._now) >= 0.0:
+                return self._now
+            span = max(at - self._now, 1e-6 * (end - self._now))
+            while excess(self._now + span) < 0.0:
+                span *= 2.0
+            return float(brentq(excess, self._now, self._now + span, xtol=1e-14 * span, rtol=1e-14))
+
+        def slope(way: float) -> float:
+            now = when(way)
+            return self._slope(sign, self._try(way, now))
+
+        low, high = 0.0, travel
+        if slope(high) > 0.0:
+            return high, when(high)
+        way = float(brentq(slope, low, high, xtol=1e-12 * self._length, rtol=1e-12))
+        return way, when(way)
+
+    def _slip(self, drive: float, sign: float) -> None:
+        before, force = self._place, self._force
+        if self._rule == "reset":
+            lives = self._again()
+            self._place = drive - float(lives.pull[0]) / self._spring
+            self._settle(lives)
+        elif self._rule == "instant" and not self._delay:
+            self._rush(drive, sign)
+        else:
+            self._hold_out(drive, sign)
+        self.slips.append(Slip(drive, before, self._place, force, self._force))
+
+    def _rush(self, drive: float, sign: float) -> None:
+        """Contacts re-form at once, on to the first balance."""
+        number = len(self.stretches)
+        planned = self._plan[number] if number < len(self._plan) else 0.0
+        steps = int(np.ceil(max(planned, 1e-6))) * 2**self._level
+        size = sign * self._length * (planned / steps if planned else 0.5**self._level)
+        self._bend()
+        begin = self._place
+
+        def excess(travel: float) -> float:
+            trial = self._try(travel, self._now)
+            return sign * (trial.force - self._spring * (drive - self._place - travel))
+
+        while True:
+            trial = self._try(size, self._now)
+            if sign * (trial.force - self._spring * (drive - self._place - size)) >= 0.0:
+                break
+            self._take(trial, size, self._now)
+        low = 0.0 if self._place != begin else _BESIDE * size
+        last = float(brentq(excess, low, size, xtol=1e-15 * self._unit, rtol=1e-14)) if excess(low) < 0.0 else low
+        self._take(self._try(last, self._now), last, self._now)
+        self.stretches.append(abs(self._place - begin) / self._length)
+        self._bend()
+
+    def _hold_out(self, drive: float, sign: float) -> None:
+        """Broken contacts stay out until the rest balance the spring."""
+
+        def excess(travel: float) -> float:
+            trial = self._try(travel, self._now, frozen=True)
+            return sign * (trial.force - self._spring * (drive - self._place - travel))
+
+        step = sign * _SCAN * self._length * 0.5
+        low, high = _BESIDE * step, step
+        while excess(high) < 0.0:
+            low, high = high, high + step
+        travel = float(brentq(excess, low, high, xtol=1e-15 * self._unit, rtol=1e-14)) if excess(low) < 0.0 else low
+        broken = self._breaks[-1]
+        self._bend()
+        trial = self._try(travel, self._now, frozen=True)
+        self._take(trial, travel, self._now)
+        self._bend()
+        fresh = trial.breaks - broken
+        self._mark_later(self._now, fresh)
+        if not self._delay:
+            self._born_at_once(fresh, self._breaks[-1])
+
+
+def _secant(
+    function: Callable[[float], float], guess: float, slope: float, close: float, stop: Callable[[float], bool]
+) -> float:
+    """Asks for the root by secants from guesses of it and of the slope there, which is returned; asked last is the
+    root, or where it may `stop`."""
+    a, fa = guess, function(guess)
+    for _ in range(_ITERATIONS):
+        b = a - fa / slope
+        fb = function(b)
+        if abs(b - a) <= close or stop(b) or fb == 0.0:
+            break
+        if fb != fa:
+            slope = (fb - fa) / (b - a)
+        # what is left is the error of the slope, not worth another step
+        if abs(fb / slope) <= close:
+            break
+        a, fa = b, fb
+    return slope

@@ -1,0 +1,164 @@
+"""The soft slider with laws of single contacts, to the tolerance asked: steps halved, slips and forces extrapolated."""
+
+import time as clocks
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from master.forward import ROUND_OFF
+from master.make_lives import make_lives
+from master.marching import lagrange
+from master.outcome import outcome
+from master.pulled import COARSEST, Pull, TooLong, Track
+from master.regime import regime
+from master.soft import Slips, SoftSolution
+from master.timed import Extrapolation
+from master.timeline import pieces, times
+from origins import Contacts, Drive
+from origins.errors import refuse
+
+Array = npt.NDArray[np.float64]
+
+_MOST = 6_000
+_STENCIL = 6
+_BISECTIONS = 60
+
+
+def solve_soft_laws(contacts: Contacts, drive: Drive, tolerance: float) -> SoftSolution:
+    """Force as the drive moves and pulls the slider, for contacts with any laws; rates, delay and holds run on the
+    drive's clock; arguments checked before.
+
+    The drive begins at t = 0 where it balances the start, X_T = F(0)/K with the slider at X = 0. A contact that breaks
+    in a slip waits out its delay, where there is one, under every rule but "reset".
+    """
+    began = clocks.perf_counter()
+    assert drive.spring is not None
+    unit, spring = contacts.mean_threshold, drive.spring
+    if contacts.reforming is not None and drive.slip != "reset" and (drive.slip == "reform-after" or contacts.delay):
+        refuse("slip", drive.slip, 'takes contacts that form again at x = 0; leave out reforming, or use "reset"')
+    balance = float(make_lives(contacts).pull[0]) / spring
+    if drive.time is not None and drive.time[0] == 0.0 and abs(drive.path[0] - balance) > 1e-12 * unit:
+        refuse("path[0]", drive.path[0], f"at time 0 the drive stands where it balances the start, {balance:.9g}")
+    asked = times(drive, balance)
+    found = _refine(contacts, drive, balance, asked, tolerance)
+    table, force, holding, error, steps, message = found
+    success, message = outcome(contacts, error, tolerance, message)
+    slips = Slips(*table)
+    speed = drive.velocity if drive.time is None else _speed(drive, balance)
+    return SoftSolution(
+        path=drive.path,
+        position=drive.path - force / spring,
+        force=force,
+        force_error=error,
+        holding=holding,
+        slips=slips,
+        period=abs(float(slips.drive[-1] - slips.drive[-2])) if slips.drive.size > 1 else None,
+        regime=regime(contacts, spring, drive.slip, slips.drive, slips.drop, drive.path, tolerance, speed),
+        run_time=clocks.perf_counter() - began,
+        nodes=steps,
+        success=success,
+        message=message,
+    )
+
+
+def _speed(drive: Drive, balance: float) -> float:
+    """Mean speed of the drive while it moves."""
+    course = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
+    if not course:
+        return 1.0
+    return sum(abs(piece.travel) for piece in course) / sum(piece.duration for piece in course)
+
+
+def _refine(
+    contacts: Contacts, drive: Drive, balance: float, asked: Array, tolerance: float
+) -> tuple[Array, Array, Array, float, int, str]:
+    """Slips (5, m), force and holding at the times asked for, error estimate, steps and reason for stopping short."""
+    unit, delay = contacts.mean_threshold, 0.0 if contacts.delay is None else contacts.delay.time
+    spring = float(drive.spring or 0.0)
+    course = pieces(drive, balance)
+    fresh = Contacts(
+        contacts.thresholds,
+        None if contacts.reforming is None else contacts.reforming.law,
+        contacts.thermal,
+        contacts.ageing,
+        contacts.delay,
+        reforming=None if contacts.reforming is None else contacts.reforming.law,
+        stiffness=contacts.stiffness,
+    )
+    scale = np.array([spring, 0.0, 0.0, 1.0, 1.0])[:, None] / unit
+    plan: list[float] = []
+    table, best = Extrapolation(), (np.inf, np.empty((5, 0)), np.empty(0), np.empty(0), 0)
+    before: list[Array] = []
+    level = 0
+    message = ""
+    while True:
+        lives = make_lives(contacts, level)
+        length = COARSEST * lives.length
+        again = partial(make_lives, fresh, level)
+        try:
+            pull = Pull(lives, again, course, spring, drive.slip, delay, unit, length, level, plan)
+        except TooLong:
+            message = "more steps than it takes on"
+            break
+        plan = pull.stretches
+        rows = [[s.drive, s.before, s.after, s.force_before, s.force_after] for s in pull.slips]
+        slips = np.array(rows).reshape(-1, 5).T
+        force, holding = _read(pull.tracks, asked, contacts)
+        if before and before[-1].shape != slips.shape:
+            table, before = Extrapolation(), []
+        before.append(slips)
+        near = np.zeros(asked.size, dtype=bool)
+        for one, other in pairwise(before[-3:]):
+            for k in range(slips.shape[1]):
+                # points of the path that the slip's own error takes to its other side
+                near |= np.abs(drive.path - other[0, k]) <= 3.0 * np.abs(one[0, k] - other[0, k])
+        everything = np.concatenate([force / unit, holding, (slips * scale).ravel(), slips[1] / unit, slips[2] / unit])
+        watched = np.ones(everything.size, dtype=bool)
+        watched[: 2 * asked.size] = np.tile(~near, 2)
+        watched[-2 * slips.shape[1] :] = slips.shape[1] == 0
+        error, answer = table.add(everything, watched)
+        error += ROUND_OFF * (1.0 + pull.steps) * (1.0 + spring) + lives.error
+        if error < best[0] or not level:
+            f, h = answer[: asked.size] * unit, answer[asked.size : 2 * asked.size]
+            f, h = np.where(near, force, f), np.where(near, holding, h)
+            rest = answer[2 * asked.size :].reshape(-1, slips.shape[1]) if slips.size else np.empty((7, 0))
+            better = np.stack([rest[0] / spring, rest[5], rest[6], rest[3], rest[4]]) * unit
+            best = error, better, f, h, pull.steps
+        if best[0] <= tolerance or 2 * pull.steps > _MOST:
+            break
+        level += 1
+    error, slips, force, holding, steps = best
+    reached = f"error estimate {error:.1e} with {steps} steps, above the tolerance {tolerance:.1e}"
+    message = message or f"{reached}; shorten the path or loosen the tolerance"
+    return slips, force, holding, error, steps, message
+
+
+def _read(tracks: list[Track], asked: Array, contacts: Contacts) -> tuple[Array, Array]:
+    """Force and holding at times: through the step parameter, in which all is smooth."""
+    force, holding = np.empty(asked.size), np.empty(asked.size)
+    ends = np.array([track.clock[-1] for track in tracks])
+    # at a slip, after it
+    which = np.minimum(np.searchsorted(ends, asked, side="right"), len(tracks) - 1)
+    for k, at in enumerate(asked):
+        track = tracks[which[k]]
+        clock = np.array(track.clock)
+        cell = min(max(int(np.searchsorted(clock, at, side="left")), 1), clock.size - 1) if clock.size > 1 else 0
+        size = min(_STENCIL, clock.size)
+        low = min(max(cell - size // 2, 0), clock.size - size)
+        here = slice(low, low + size)
+        step, values = np.array(track.step)[here], clock[here]
+        place = step[0]
+        if clock.size > 1:
+            a, b = track.step[cell - 1], track.step[cell]
+            for _ in range(_BISECTIONS):
+                place = 0.5 * (a + b)
+                if float(lagrange(step, place) @ values) < at:
+                    a = place
+                else:
+                    b = place
+        weights = lagrange(step, place)
+        force[k] = float(weights @ np.array(track.force)[here])
+        holding[k] = float(weights @ np.array(track.holding)[here])
+    return force, holding
