@@ -81,7 +81,8 @@ def _refine(
         contacts.thresholds,
         None if contacts.reforming is None else contacts.reforming.law,
         contacts.thermal,
-        delay=contacts.delay,
+        contacts.ageing,
+        contacts.delay,
         reforming=None if contacts.reforming is None else contacts.reforming.law,
         stiffness=contacts.stiffness,
     )
