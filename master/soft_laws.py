@@ -14,7 +14,7 @@ from master.outcome import outcome
 from master.pulled import COARSEST, Pull, TooLong, Track
 from master.regime import regime
 from master.soft import Slips, SoftSolution
-from master.timed import Extrapolation, most_steps
+from master.timed import Extrapolation, most_steps, uneven
 from master.timeline import pieces, times
 from origins import Contacts, Drive
 from origins.errors import refuse
@@ -88,7 +88,7 @@ def _refine(
     )
     scale = np.array([spring, 0.0, 0.0, 1.0, 1.0])[:, None] / unit
     plan: list[float] = []
-    table, best = Extrapolation(), (np.inf, np.empty((5, 0)), np.empty(0), np.empty(0), 0)
+    table, best = Extrapolation(uneven(contacts)), (np.inf, np.empty((5, 0)), np.empty(0), np.empty(0), 0)
     before: list[Array] = []
     level = 0
     message = ""
@@ -106,7 +106,7 @@ def _refine(
         slips = np.array(rows).reshape(-1, 5).T
         force, holding = _read(pull.tracks, asked, contacts)
         if before and before[-1].shape != slips.shape:
-            table, before = Extrapolation(), []
+            table, before = Extrapolation(uneven(contacts)), []
         before.append(slips)
         near = np.zeros(asked.size, dtype=bool)
         for one, other in pairwise(before[-3:]):

@@ -23,6 +23,7 @@ _MOST_WORK = 8e8
 _GLANCE = 0.1  # of the most steps, where even these would not do
 _STENCIL = 6
 _WATCH = 5
+_LOW, _FELT = 0.1, 1e-6
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ def _refine(
     watch = np.concatenate([part.clock(np.arange(1, _WATCH) / _WATCH) for part in steps])
     everywhere = np.concatenate([asked, watch])
     scale = np.concatenate([np.full(everywhere.size, unit), np.ones(everywhere.size)])
-    table = Extrapolation()
+    table = Extrapolation(uneven(contacts))
     best: tuple[float, Array, int] = np.inf, np.empty(0), 0
     level = 0
     while True:
@@ -144,10 +145,21 @@ def most_steps(lives: Lives) -> int:
     return int(min(_MOST_STEPS, (_MOST_WORK / lives.work) ** 0.5))
 
 
-class Extrapolation:
-    """Answers on steps halved each time, whose errors are series in the square of the step (Romberg's table)."""
+def uneven(contacts: Contacts) -> bool:
+    """Whether P_c jumps or bends, also where it begins at 0, so that births do."""
+    law = contacts.thresholds
+    begins = law.support()[0] == 0.0 and float(law.cdf(_LOW * contacts.mean_threshold)) > _FELT
+    return begins or law.atoms[0].size > 0 or bool((law.breakpoints > 0.0).any()) or not law.knows_breakpoints
 
-    def __init__(self) -> None:
+
+class Extrapolation:
+    """Answers on steps halved each time, whose errors are series in the square of the step (Romberg's table).
+
+    uneven : whether errors may fall in another way, as `uneven` tells; then the last change is taken as the error.
+    """
+
+    def __init__(self, uneven: bool) -> None:
+        self._uneven = uneven
         self._rows: list[list[Array]] = []
         self._changes: list[float] = []
 
@@ -168,7 +180,9 @@ class Extrapolation:
             even |= k == 0 and changes[0] < _EVEN * last < np.inf
             if k > 0 and np.isfinite(changes[k]):
                 # of two answers of one order the finer is better by far, where they are seen to fall
-                if np.isfinite(last):
+                if self._uneven:
+                    left = changes[k]
+                elif np.isfinite(last):
                     left = estimate(changes[k], last, _LEAST, False)
                 else:
                     left = changes[k] * (_FIRST if even else 1.0)
@@ -179,7 +193,7 @@ class Extrapolation:
 
 
 _COLUMNS = 2
-_LEAST, _FIRST, _EVEN = 1.0 / 16.0, 1.0 / 8.0, 0.3
+_LEAST, _FIRST, _EVEN = 1.0 / 8.0, 1.0 / 4.0, 0.27
 
 
 def at(found: March, steps: list[Part], row: str, asked: Array) -> Array:
