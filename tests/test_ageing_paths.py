@@ -118,10 +118,11 @@ def test_static_force_grows_with_the_time_at_rest() -> None:
 def test_soft_slider_whose_contacts_barely_age_slips_as_if_they_did_not() -> None:
     drive = np.linspace(0.1, 1.5, 15)
     plain = master.solve(Contacts(FRESH), drive, 1e-6, spring=0.6)
-    barely = master.solve(Contacts(FRESH, ageing=Ageing(FINAL, 1e-6)), drive, 3e-2, spring=0.6)
+    wide = origins.gaussian(0.8, 0.1)
+    barely = master.solve(Contacts(FRESH, ageing=Ageing(wide, 1e-6)), drive, 3e-2, spring=0.6)
     assert barely.success and plain.slips.drive.size == barely.slips.drive.size == 1
     off = max(np.abs(plain.force - barely.force).max(), 0.6 * float(np.abs(plain.slips.drive - barely.slips.drive)[0]))
-    assert off < 0.5 * barely.force_error
+    assert off < barely.force_error
 
 
 def test_refusals() -> None:
