@@ -104,3 +104,15 @@ def gathered(nodes: Array, weights: Array, number: int) -> tuple[Array, Array]:
         before, now = now, rest / beside[-1]
     values, vectors = eigh_tridiagonal(np.array(diagonal), np.array(beside[:-1]))
     return values, vectors[0] ** 2
+
+
+def prepare(contacts: Contacts) -> None:
+    """Compile what the lives of these contacts need, which takes its time once."""
+    thermal = contacts.thermal
+    if thermal is None or thermal.closure == "paper" or contacts.ageing is not None:
+        return
+    if thermal.law == "stiff" or contacts.stiffness == "linked":
+        lives = make_lives(contacts)
+        lives.born()
+        lives.advance(0.0, 1.0)
+        lives.copy()

