@@ -71,7 +71,9 @@ class OriginBreaks(FirstBreaks):
             if isinstance(breaking, ThermalBreaking):
                 self._spread = SpreadBreaks(breaking, self._sum, law, np.append(marks, bend), self._accuracy)
                 self._cuts = self._spread.cuts
-        peak = float(law.edges[law.cdf(law.edges).searchsorted(0.5)]) if law.edges.size else 1.0
+        # a short path sees but the beginning of the law
+        most = min(int(law.cdf(law.edges).searchsorted(0.5)), law.edges.size - 1)
+        peak = float(law.edges[most]) if law.edges.size else 1.0
         across = max(high - low, law.narrowest)
         seeds = np.concatenate([seeds, peak - self.mean_start + across * np.linspace(-2.0, 2.0, 9)])
         top = min(end, breaking.top / unit - low)
@@ -79,7 +81,7 @@ class OriginBreaks(FirstBreaks):
         fast = breaking.panels / unit
         edges = np.unique(np.concatenate([np.linspace(0.0, top, 9), seeds, fast[fast < top]]))
         # closer than rounding is once
-        edges = edges[np.append(np.diff(edges) > _SAME, True)]
+        edges = edges[np.append(np.diff(edges) > min(_SAME, 0.01 * top), True)]
         self.density, self._released, self.stiffness = tabulate_rows(self._rows, edges, self._accuracy)
         self._find_corners(seeds, law)
         self._order = np.argsort(self.atoms, kind="stable")

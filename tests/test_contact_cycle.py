@@ -160,3 +160,11 @@ def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with
     solved = master.solve(contacts, [20.0, 25.0], 1e-9, velocity=0.01)
     assert solved.success and solved.force_error < 1e-9
     assert (np.abs(solved.force - steady.force) <= solved.force_error + steady.force_error).all()
+
+
+@pytest.mark.parametrize("start", [None, 0.1, -0.3, gaussian_start(0.0, 0.1)])
+@pytest.mark.parametrize("path", [[0.0], [0.0, 0.0], [1e-200], [1e-3]])
+def test_the_shortest_paths_at_a_temperature(start, path) -> None:  # type: ignore[no-untyped-def]
+    contacts = Contacts(gaussian(1.0, 0.2), start, thermal=Thermal("stiff", 0.1, 1e-3))
+    solution = master.solve(contacts, path)
+    assert solution.success and np.abs(solution.force - contacts.start.mean() - path).max() < 1e-5
