@@ -181,7 +181,8 @@ def main() -> None:
         rows.append((*point, mpmath.nstr(value, 14)))
         print(*rows[-1], flush=True)
     with TABLE.open("w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([("law", "closure", "temperature", "rate_over_speed", "force"), *rows])
+        head = ("law", "closure", "temperature", "rate_over_speed", "force")
+        csv.writer(file, lineterminator="\n").writerows([head, *rows])
 
 
 if __name__ == "__main__":
