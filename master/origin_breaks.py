@@ -71,9 +71,8 @@ class OriginBreaks(FirstBreaks):
             if isinstance(breaking, ThermalBreaking):
                 self._spread = SpreadBreaks(breaking, self._sum, law, np.append(marks, bend), self._accuracy)
                 self._cuts = self._spread.cuts
-        # a short path sees but the beginning of the law
-        most = min(int(law.cdf(law.edges).searchsorted(0.5)), law.edges.size - 1)
-        peak = float(law.edges[most]) if law.edges.size else 1.0
+        inner = law.edges[law.cdf(law.edges) < 0.5]
+        peak = float(inner[-1]) if inner.size else 1.0
         across = max(high - low, law.narrowest)
         seeds = np.concatenate([seeds, peak - self.mean_start + across * np.linspace(-2.0, 2.0, 9)])
         top = min(end, breaking.top / unit - low)

@@ -160,8 +160,9 @@ def paper(law: str, temperature: float, rate: float, count: int):
 CLOSURES = {"exact": exact, "paper": paper}
 
 
-def force(law: str, closure: str, temperature: float, rate: float, count: int = 7):
-    """F_k for thresholds of mean 1 and width 0.05."""
+def force(law: str, closure: str, temperature: float, rate: float, count: int | None = None):
+    """F_k for thresholds of mean 1 and width 0.05; as many nodes to a panel as eleven digits take."""
+    count = count or (11 if (law, closure) == ("stiff", "exact") else 7)
     with mpmath.workdps(DIGITS):
         return CLOSURES[closure](law, temperature, rate, count)
 
@@ -176,11 +177,12 @@ def main() -> None:
     for number, point in enumerate(points()):
         value = force(*point)
         if number % 10 == 0:
-            assert abs(value / force(*point, 10) - 1) < 1e-11, point
+            assert abs(value / force(*point, 13) - 1) < 1e-11, point
         rows.append((*point, mpmath.nstr(value, 14)))
         print(*rows[-1], flush=True)
     with TABLE.open("w", newline="") as file:
-        csv.writer(file).writerows([("law", "closure", "temperature", "rate_over_speed", "force"), *rows])
+        head = ("law", "closure", "temperature", "rate_over_speed", "force")
+        csv.writer(file, lineterminator="\n").writerows([head, *rows])
 
 
 if __name__ == "__main__":

@@ -104,7 +104,7 @@ def ageing() -> None:
     path = np.linspace(0.0, 2.5, 251)
     solution, seconds = best_of(lambda: master.solve(exact, path, 1e-8), 1.0)
     finer = master.solve(exact, path, 1e-10)
-    off = float(abs(solution.force - finer.force).max())
+    off = float(np.abs(solution.force - finer.force).max())
     show("exact closure, solve, 1e-8", seconds, solution.force_error, off, 1.0)
     for closure in ("exact", "paper"):
         contacts = Contacts(fresh, ageing=Ageing(final, rate=1e-3, closure=closure))  # type: ignore[arg-type]
