@@ -64,7 +64,8 @@ class OriginBreaks(FirstBreaks):
             self.atom_stiffness = np.empty(0)
             rough = contacts.start.breakpoints / unit
             rough = np.concatenate([rough[(rough >= low) & (rough <= high)], [low, high]])
-            self._may_bend = marks.size + rough.size > 2
+            # what is known by a numerical solution bends by its error
+            self._may_bend = marks.size + rough.size > 2 or isinstance(breaking, AgeingBreaking)
             seeds = np.concatenate([(marks[:, None] - rough).ravel(), -2.0 * rough, marks - self.mean_start])
             bend = np.zeros(1 if breaking.bends_at_zero else 0)
             self._cuts = np.unique(np.concatenate([law.inner_edges(self._sum.widest), marks, bend]))
