@@ -28,6 +28,7 @@ _PANELS = 64
 _NEAREST = 1e-16
 _LEAST = 1e-2
 _FEWEST, _MOST = 6, 18
+_WIDER = 8.0
 _DEEPEST = 3
 _ROOTS = np.array([1.0, 0.9999, 0.997, 0.97, 0.8])
 _MARGIN = 8.0
@@ -159,7 +160,10 @@ class _Side:
         # contacts break about 0 where those from either side are told apart
         self.turns = high <= 0.0
         self._breaking, self._start = breaking, start
-        count = _FEWEST
+        # the wider a start beside the thresholds, the more stretches it takes
+        law = breaking.law
+        spread, width = (float(some.isf(0.16) - some.ppf(0.16)) for some in (start, law))
+        count = _FEWEST + round(_WIDER * min(spread / width, 1.0)) if width > 0.0 else _FEWEST
         while True:
             self._set(count)
             left, following = self._left()

@@ -124,9 +124,24 @@ class TravelLaw(Thresholds):
         return np.maximum(self._after.density((x - self._delay) / self._unit) / self._unit, 0.0)
 
     def _sf(self, x: Array) -> Array:
-        return self._relaxed.sf(x - self._delay) if self._after is None else np.maximum(1.0 - self._cdf(x), 0.0)
+        if self._after is None:
+            return self._relaxed.sf(x - self._delay) + self._moved(x)
+        return np.maximum(1.0 - self._cdf(x), 0.0)
 
     def _cdf(self, x: Array) -> Array:
         if self._after is None:
-            return self._relaxed.cdf(x - self._delay)
-        return np.minimum(self._after.count.once((x - self._delay) / self._unit), 1.0)
+            return self._relaxed.cdf(x - self._delay) - self._moved(x)
+        broken = self._after.density.integral((x - self._delay) / self._unit)
+        return np.minimum(broken + _steps(x, self._positions, self._weights), 1.0)
+
+    def _moved(self, x: Array) -> Array:
+        """What rounding of x less the wait puts to the wrong side of an exact value."""
+        return _steps(x - self._delay, *self._relaxed.atoms) - _steps(x, self._positions, self._weights)
+
+
+def _steps(x: Array, positions: Array, weights: Array) -> Array:
+    """Weight of exact values up to x."""
+    total = np.zeros(x.shape)
+    for position, weight in zip(positions, weights, strict=True):
+        total += np.where(x >= position, weight, 0.0)
+    return total

@@ -25,6 +25,7 @@ _SETTLED, _ROUNDED, _MARGIN, _LITTLE = 0.2, 1e-9, 10.0, 0.2
 _FAR = 10.0 ** -np.arange(20.0, 300.0, 1.5)
 MOST_NODES = 2**18
 _ASTRAY = 3.0  # from a guess: other guesses are nearer to what lies there
+_TABLE = 1e-13  # error of a survival known by tables
 _NOISE = 1e-15  # of the terms of p^
 _RESOLVED, _TIMES = 4.0, 6.0  # |s| that the nodes resolve beside a guess, and as many times the guess if that is less
 
@@ -105,7 +106,30 @@ def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
     if best == -reach:
         return (2.0 * _REACH, _REACH) if rate > _REACH else (np.inf, 0.0)
     fine = newton(law, edges, best, 2)
-    return -fine.real, abs(fine - best) + 2e-15 * (1.0 + abs(fine))
+    error = abs(fine - best) + 2e-15 * (1.0 + abs(fine))
+    noise = survival_error(cycle)
+    if noise > 0.0:
+        edges = known_edges(edges, cycle, noise)
+        nodes, log_mass = wave_nodes(law, edges, 2.0 * abs(fine))
+        error += transform_error(fine, noise, edges) / abs((np.exp(log_mass - fine * nodes) * nodes).sum())
+    return -fine.real, error
+
+
+def survival_error(cycle: Cycle) -> float:
+    """Error of the survival of the cycle's law where that is known by tables or solutions; else 0."""
+    tables = cycle.breaking is not None or cycle.release.born is not None
+    return max(cycle.error, _TABLE) if tables else 0.0
+
+
+def known_edges(edges: Array, cycle: Cycle, noise: float) -> Array:
+    """`edges` up to where no more than `noise` survives: what lies beyond is not known."""
+    last = float(cycle.law.isf(noise)) / cycle.unit
+    return np.append(edges[edges < last], last)
+
+
+def transform_error(s: complex, noise: float, edges: Array) -> float:
+    """Error of p^(s) from a survival off by `noise` up to edges[-1]."""
+    return noise * (1.0 + abs(s) / max(-s.real, 1e-3)) * float(np.exp(-s.real * edges[-1]))
 
 
 def _better(best: complex, root: complex) -> complex:

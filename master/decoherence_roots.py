@@ -20,6 +20,7 @@ Complex = npt.NDArray[np.complex128]
 _PER_WIDTH = 8.0
 _PADDING = 8
 _SEEN = 1.25  # angle from node to node up to which the lattice's transform is right
+_DROWNED = 1e12  # p^(-γ) whose rounding leaves no digits of p^ = 1
 _SMALL = 0.6  # |p^| above all frequencies looked at: no root there
 _SURE = 1.5  # change of the argument from one frequency to the next that is believed
 _HALVINGS = 45
@@ -83,6 +84,8 @@ class Lines:
     def pairs(self, decay: float) -> int | None:
         """How many pairs of roots lie right of Re s = -decay; None where one lies on it, or the lattice cannot tell."""
         apart = 1.0 - self._along(self._rows[0], decay)
+        if abs(apart[0]) > _DROWNED:
+            return None
         if np.abs(1.0 - apart[-(apart.size // 4) :]).max() > _SMALL:
             return None
         near = np.flatnonzero(np.abs(np.angle(apart[1:] / apart[:-1])) > _SURE)

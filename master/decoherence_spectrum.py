@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cycle import LAWS, Cycle
-from master.decoherence import tail_edges, tail_rate
+from master.decoherence import known_edges, survival_error, tail_edges, tail_rate
 from master.decoherence_rest import rest_beyond
 from master.decoherence_roots import Complex, Lines, leading_roots
 from master.decoherence_terms import term
@@ -33,7 +33,7 @@ Array = npt.NDArray[np.float64]
 _NEAR = 0.9  # of the rate at which p^ ends: roots nearer to it are not looked for
 _DEEPEST = 40.0  # per mean travel: after one of them nothing is left
 _SPARE = 3
-_TABLE = 1e-13  # error of laws known by tables
+_LITTLE = 1e-2
 _ACCURACY = 1e-8
 _ROUND_OFF = 1e-15
 _HIGH = 10.0
@@ -138,7 +138,8 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     check_contacts(contacts, "master.decoherence_spectrum", LAWS)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     steady = steady_state(contacts, velocity=velocity)
-    problem, noise = _problem(contacts, velocity)
+    problem = _problem(contacts, velocity)
+    noise = survival_error(problem.cycle)
     law = problem.law
     if law.atomic:
         raise InputError(
@@ -149,8 +150,10 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     if limit <= 0.0:
         raise InputError("thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists")
     edges = tail_edges(law, problem.cycle, limit)
-    if noise > 0.0:  # what lies beyond is no more than that
-        edges = np.append(edges[edges < (last := float(problem.cycle.law.isf(noise)) / problem.unit)], last)
+    if noise > 0.0:
+        edges = known_edges(edges, problem.cycle, noise)
+        # further left what is not known of the law is no longer little
+        limit = min(limit, float(np.log(_LITTLE / noise)) / edges[-1])
     lines = Lines(problem, edges, 2.0 * np.pi * (n_roots + _SPARE) * _HIGH)
     found = leading_roots(problem, edges, lines, n_roots + _SPARE, limit)
     unit = problem.unit
@@ -173,12 +176,11 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     )
 
 
-def _problem(contacts: Contacts, velocity: float) -> tuple[Problem, float]:
-    """The problem up to where all first breaks are over, and the error of its law."""
+def _problem(contacts: Contacts, velocity: float) -> Problem:
+    """The problem up to where all first breaks are over."""
     cycle = Cycle(contacts, velocity)
     reach = float(cycle.law.isf(_ROUND_OFF)) - min(contacts.start.span[0], 0.0)
-    tables = cycle.breaking is not None or cycle.release.born is not None
-    return Problem(contacts, reach / cycle.unit, _ACCURACY, cycle), max(cycle.error, _TABLE) if tables else 0.0
+    return Problem(contacts, reach / cycle.unit, _ACCURACY, cycle)
 
 
 def _ends(problem: Problem) -> float:

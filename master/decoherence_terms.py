@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.decoherence import wave_nodes
+from master.decoherence import transform_error, wave_nodes
 from master.piecewise import Piecewise
 from master.problem import Problem
 from origins.quadrature import gauss
@@ -46,8 +46,7 @@ def term(problem: Problem, edges: Array, s: complex, noise: float) -> Term:
         root = s + complex(wave.sum() - 1.0) / slope
         size = np.abs(wave)
         lost = _ROUND_OFF * float((size * (1.0 + abs(s) * nodes)).sum())
-        # a survival off by `noise` up to where nothing is left
-        lost += noise * (1.0 + abs(s) / max(-s.real, 1e-3)) * float(np.exp(-s.real * edges[-1]))
+        lost += transform_error(s, noise, edges)
         wave = np.exp(log_mass - root * nodes)
         slope = complex((wave * nodes).sum())
         waited = np.exp(-root * release.delay)

@@ -86,7 +86,7 @@ def diffusion_passage(
     corners = fresh.breakpoints[fresh.breakpoints > abs(start)]
     corners = np.append(corners, -start) if start < 0.0 and float(fresh.cdf(-start)) > accuracy else corners
     blurred = np.sqrt(2.0 * diffusion * (corners - start))
-    narrow = min(_narrowest(fresh), _narrowest(final), float(blurred.min(initial=np.inf)))
+    narrow = min(narrowest(fresh), narrowest(final), float(blurred.min(initial=np.inf)))
     size = narrow * min(accuracy / _EASY, 1.0) ** (1.0 / _DEGREE)
     coarse = _march(problem, 1.6 * size, accuracy)
     steps = np.diff(coarse.advance)
@@ -121,7 +121,7 @@ def _bulk(fresh: Thresholds, final: Thresholds) -> float:
     return max(float(fresh.isf(_FEW)), float(final.isf(_FEW)))
 
 
-def _narrowest(law: Thresholds) -> float:
+def narrowest(law: Thresholds) -> float:
     """Width of a Gaussian as sharp as the sharpest tenth of the weight."""
     spread = np.diff(law.ppf(_DECILES))
     return float(spread[spread > 0.0].min(initial=law.mean())) / 0.25

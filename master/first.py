@@ -15,6 +15,7 @@ import numpy.typing as npt
 from master.corners import bends
 from master.law import Law
 from master.piecewise import Piecewise, tabulate
+from master.poles import Poles
 from master.starting import NARROW, StartSum, thin
 from master.tally import Tally
 from origins import Contacts
@@ -54,6 +55,7 @@ class FirstBreaks:
     """
 
     stiffness: Piecewise | None = None
+    _poles: Poles | None = None
 
     def __init__(self, contacts: Contacts, law: Law, end: float, accuracy: float) -> None:
         self.end = end
@@ -65,6 +67,7 @@ class FirstBreaks:
         self.onsets, self.onset_heights = np.empty(0), np.empty(0)
         span = np.asarray(contacts.start.span) / law.unit
         self.single = bool(span[1] - span[0] < _NARROW)
+        self._plain = contacts.delay is None and contacts.reforming is None
         if self.single:
             self._from_single(contacts.start.mean() / law.unit)
             self._defect += float(span[1] - span[0]) / min(law.narrowest, 1.0)
@@ -91,7 +94,8 @@ class FirstBreaks:
     def released(self, x: Array) -> Array:
         """J_0: stretch released per contact by first breaks up to X = x; a break at x itself counts."""
         count = np.searchsorted(self.atoms[self._order], x * (1.0 + 1e-13), side="right")
-        return self._released.integral(x) + self._atom_sums[count]
+        released = self._released.integral(x) + self._atom_sums[count]
+        return released if self._poles is None else self._poles.put_right(x, released)
 
     def rate(self, x: Array) -> Array:
         """dJ_0/dX, atoms left out."""
@@ -112,13 +116,18 @@ class FirstBreaks:
         least = abs(start)
         survival = float(law.sf(np.array([least]))[0])
         self.mean_start = start
+        if law.declares_poles and self._plain:
+            self._poles = Poles(law, start, survival, self._factor)
         keep = law.atoms > least
+        if self._poles is not None:
+            keep &= ~self._poles.among(law.atoms)
         self.atoms = law.atoms[keep] - start
         self.atom_weights = law.atom_weights[keep] / survival
         self.atom_stiffness = self.atom_weights * (law.atoms[keep] * self._factor if self._factor else 1.0)
         self.atom_released = self.atom_stiffness * law.atoms[keep]
         onset = max(0.0, least - start)
-        edges = _clip(law.edges - start, onset, self.end)
+        edges = law.edges if self._poles is None else self._poles.outside(law.edges)
+        edges = _clip(edges - start, onset, self.end)
         at_onset = float(law.pdf(np.array([max(least, 1.0) * 1e-12 + least]))[0])
         at_onset = at_onset if at_onset < 1e3 else 0.0  # a density that diverges there has no height
         self.has_corners = start < 0.0
@@ -138,13 +147,14 @@ class FirstBreaks:
                 return np.stack([density, stiff * (x + start), stiff])
             return np.stack([density, density * (x + start)])
 
-        self.density, self._released, self.stiffness = tabulate_rows(rows, edges, self._accuracy)
+        self.density, self._released, self.stiffness = tabulate_rows(rows, edges, self._accuracy, self._poles)
         if edges.size > 1:
             last = start + edges[-1]
-            if law.atoms.size:  # just short of it: rounding must not put an atom there on either side at once
+            if self.atoms.size:  # just short of it: rounding must not put an atom there on either side at once
                 last *= 1.0 - 2e-15
             reached = law.atoms[keep] <= last
-            held = float(law.sf(np.array([last]))[0]) + float(law.atom_weights[keep][reached].sum())
+            held = float(law.weight_between(np.array([last]), np.array([np.inf]))[0])
+            held += float(law.atom_weights[keep][reached].sum())
             self._defect = abs(1.0 - held / survival - self.density.total)
 
     def _from_distribution(self, contacts: Contacts) -> None:
@@ -196,12 +206,17 @@ class FirstBreaks:
         return np.append(0.0, at[sharp]), np.append(self.density(np.zeros(1)), (above - below)[sharp])
 
 
-def tabulate_rows(rows: Function, edges: Array, accuracy: float) -> tuple[Piecewise, Piecewise, Piecewise | None]:
+def tabulate_rows(
+    rows: Function, edges: Array, accuracy: float, poles: Poles | None = None
+) -> tuple[Piecewise, Piecewise, Piecewise | None]:
     """Tables of two rows, or three."""
     if edges.size < 2:
         nothing = Piecewise(np.zeros(1), np.empty((16, 0)))
         return nothing, nothing, None
-    density, released, *rest = tabulate(rows, edges, accuracy)
+    if poles is None:
+        density, released, *rest = tabulate(rows, edges, accuracy)
+    else:
+        density, released, *rest = poles.filled(tabulate(rows, edges, accuracy, poles.beside))
     return density, released, rest[0] if rest else None
 
 

@@ -136,6 +136,8 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
         message = f"{_limit(problem, floor, share)}, {asked}"
         return problem.chain.released(x), floor, None, message
     step = first_step(problem.law, problem.rough, end, tolerance)
+    if problem.powers is not None:
+        step = max(min(step, problem.powers.widest_step), 64.0 * end / MOST_NODES)
     rough = problem.rough
     shrink = 0.5 if rough else _CLOSE
     coarser: tuple[LaterReleased, Array] | None = None
@@ -155,7 +157,8 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 difference = max(difference, float(np.abs(later(around) - coarser[0](around)).max(initial=0.0)))
             handed_over = 1.5 * float(change[~finer].max(initial=0.0))
             if rough:
-                left = estimate(difference, before, least_share(problem, step), problem.law.diverges)
+                diverges = problem.law.diverges and problem.powers is None
+                left = estimate(difference, before, least_share(problem, step), diverges)
             else:
                 # two lattices that do not resolve the law may be closer to each other than to the truth
                 left = difference if step < _RESOLVED * problem.law.narrowest else 4.0 * difference
@@ -202,6 +205,8 @@ def least_share(problem: Problem, step: float) -> float:
     """The smallest part of the last difference that is believed to be the error left."""
     if not problem.rough:
         return SMOOTH
+    if problem.powers is not None:
+        return 2.0  # errors of the fits beside powers fall fast until round-off sets in, and then no more
     tallest = np.abs(np.concatenate([problem.law.jump_sizes, problem.first.jump_sizes])).max(initial=0.0)
     # what stands between two jumps closer than some nodes is not resolved: there nothing falls evenly yet
     return 2.0 if tallest * step > 0.25 else 0.25

@@ -27,9 +27,13 @@ from origins.quadrature import gauss, panel_edges
 Array = npt.NDArray[np.float64]
 
 _LEAST, _MOST = -32.0, 7.0  # ln e: little is spent below, nothing is left above
-_TOP = np.cbrt([2.0, 1.4, 0.9, 0.45, 0.0])
+_NEAR = -2.0  # ln A, less that of the threshold, from which a stiff contact's power 2/3 is felt
+_BEFORE, _AFTER = 6.0, 4.5  # of ln e about 0, between which most breaks lie
+_WIDER, _WIDEST = 1.3, 4.0
+_RUNG = 1.0  # in k_BT
+_TOP, _COARSE_TOP = np.cbrt([2.0, 1.6, 1.2, 0.85, 0.55, 0.28, 0.08, 0.0]), np.cbrt([2.0, 1.4, 0.9, 0.45, 0.0])
 _TOLERANCE = 1e-9
-_INVERSE = 1e-10  # relative error of a stretch found from its amount
+_INVERSE = 1e-10  # relative error of a short stretch found from its amount
 _ROUND_OFF = 4e-16
 
 
@@ -153,6 +157,7 @@ def _moments(contacts: Contacts, speeds: Array, fine: bool) -> tuple[Array, Arra
     if float(shares.sum()) < 1.0 - 1e-14:
         # slow contacts hold on to their strongest thresholds: the far tail counts
         edges = panel_edges(law, accuracy=1e-12 if fine else 1e-8, tail=1e-30 if fine else 1e-20)
+        edges = _by_barriers(contacts, edges, float(speeds.min()), _RUNG if fine else 1.5 * _RUNG)
         nodes, weights = gauss(edges[:-1], edges[1:])
         mass = (weights * law.pdf(nodes)).ravel()
         felt = mass > (1e-26 if fine else 1e-18)
@@ -161,11 +166,14 @@ def _moments(contacts: Contacts, speeds: Array, fine: bool) -> tuple[Array, Arra
     log_all = thermal.log_cumulative(positions, positions, stiffness=stiffness)
     # ln A below that of the threshold, the same for all speeds; by cube roots where a stiff contact's x has a power 2/3
     deepest = _LEAST - max(float(log_all.max() - np.log(speeds.min())), 0.0)
-    left = np.linspace(deepest, -2.0, 2 + int((-2.0 - deepest) / (0.6 if fine else 0.85)))
-    below, width = gauss(left[:-1], left[1:])
-    roots, across = gauss(_TOP[1:], _TOP[:-1])
-    below = np.append(below.ravel(), -(roots.ravel() ** 3))
-    width = np.append(width.ravel(), (3.0 * roots * roots * across).ravel())
+    first, last = np.log(speeds.min()) - float(log_all.max()), np.log(speeds.max()) - float(log_all.min())
+    edges = _panels(deepest, first - _BEFORE, last + _AFTER, 0.6 if fine else 0.85)
+    below, width = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
+    if edges[-1] == _NEAR:
+        top = _TOP if fine else _COARSE_TOP
+        roots, across = gauss(top[1:], top[:-1])
+        below = np.append(below, -(roots.ravel() ** 3))
+        width = np.append(width, (3.0 * roots * roots * across).ravel())
     amount = log_all[:, None] + below
     x = thermal.inverse(np.exp(amount), positions[:, None], stiffness=stiffness[:, None])
     length, square = np.zeros(speeds.size), np.zeros(speeds.size)
@@ -179,3 +187,28 @@ def _moments(contacts: Contacts, speeds: Array, fine: bool) -> tuple[Array, Arra
         length[i] = float((weight * first[:, used]).sum() + rest @ ends)
         square[i] = float((weight * second[:, used]).sum() + rest @ mixed)
     return length, square
+
+
+def _panels(deepest: float, first: float, last: float, width: float) -> Array:
+    """Edges from `deepest` up, at most to _NEAR: `width` apart between first and last, ever wider below, none above."""
+    top = min(last, _NEAR)
+    bottom = max(min(first, top - width), deepest)
+    fine = np.linspace(bottom, top, 2 + int((top - bottom) / width))
+    far = bottom - np.cumsum(np.minimum(width * _WIDER ** np.arange(1.0, 200.0), _WIDEST))
+    return np.concatenate([[deepest] if bottom > deepest else [], far[far > deepest][::-1], fine])
+
+
+def _by_barriers(contacts: Contacts, edges: Array, slowest: float, rung: float) -> Array:
+    """Edges between thresholds, with those where the barrier of a relaxed contact is `rung` higher: from an amount that
+    it spends at once to one that brings it close to its threshold, x goes within one k_BT."""
+    thermal = contacts.thermal
+    assert thermal is not None
+    lowest, highest = float(edges[0]), float(edges[-1])
+    # what h spends on its way is at most that of an attempt at each moment
+    spent = np.log(max(thermal.attempt_frequency * highest / slowest, 1.0))
+    barriers = np.arange(rung, -_LEAST + spent + rung, rung)
+    if contacts.stiffness == "linked":
+        rungs = np.cbrt(2.0 * thermal.temperature * contacts.mean_threshold * barriers)
+    else:
+        rungs = np.sqrt(2.0 * thermal.temperature * barriers)
+    return np.unique(np.append(edges, rungs[(rungs > lowest) & (rungs < highest)]))

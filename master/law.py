@@ -1,5 +1,7 @@
 """Thresholds in units of their mean, so that everything beyond is free of scale."""
 
+from functools import cached_property
+
 import numpy as np
 import numpy.typing as npt
 
@@ -11,6 +13,7 @@ Array = npt.NDArray[np.float64]
 
 _LEAST = 1e-290  # of the mean: below it a density nears the largest numbers there are
 _LOST = 1e-12  # weight that may lie there
+_ULP = 1e-15
 _DECILES = np.linspace(0.05, 0.95, 10)
 
 
@@ -22,7 +25,7 @@ class Law:
 
     `held` is the survival at the far end of the start; panels reach to 1e-18 of that, and `begins` is below all weight
     but 1e-19. `narrowest` is the width of a Gaussian as sharp as the sharpest tenth of the weight; `jumps` and
-    `jump_sizes` say where the density jumps and by how much, `diverges` whether it does at any point above 0.
+    `jump_sizes` say where the density jumps and by how much, `poles` where above 0 it diverges.
 
     Raises InputError where the law has weight so near to 0 that floating point cannot hold its density.
     """
@@ -52,7 +55,7 @@ class Law:
             )
         self._scale = 1.0
         self.edges, self.narrowest, self._hard = np.empty(0), 1.0, np.empty(0, dtype=bool)
-        self.jumps, self.jump_sizes, self.diverges = np.empty(0), np.empty(0), False
+        self.jumps, self.jump_sizes, self.poles = np.empty(0), np.empty(0), np.empty(0)
         self.bends, self.bend_sizes = np.empty(0), np.empty(0)
         self.onset: tuple[float, float] | None = None
         self.begins, self._below = self.support[0], np.zeros(1)
@@ -61,8 +64,10 @@ class Law:
             self.edges = panel_edges(thresholds, self.top * self.unit, tail=tail) / self.unit
         if self.edges.size > 1:
             self._look_closely()
-            points = self._points()
-            self.jumps, self.jump_sizes, self.diverges = self._find_jumps(points)
+            points = self.points
+            self.jumps, self.jump_sizes, self.poles = self._find_jumps(points)
+            if self.declares_poles:
+                self._scale = 1.0  # what the panels beside a pole lack is lacking there, not everywhere
             if self.atoms.size:  # bends and the onset matter where they fold with these
                 self.bends, self.bend_sizes = bends(self.pdf, points, self.narrowest)
                 self.onset = onset(self.pdf, self.support[0], self.narrowest)
@@ -146,18 +151,33 @@ class Law:
         spread = spread[spread > 0.0]
         return float(spread.min()) / 0.25 if spread.size else 1.0
 
-    def _points(self) -> Array:
+    @cached_property
+    def points(self) -> Array:
         """Where above 0 the density may jump, bend or diverge."""
         points = self.breakpoints
         if not self.knows_breakpoints:
             points = np.concatenate([points, self._pinned()])
         return points[(points > 0.0) & (points < self.top * (1.0 + 1e-9))]
 
-    def _find_jumps(self, points: Array) -> tuple[Array, Array, bool]:
-        """Those of the points where the density jumps by a finite amount, by how much, and whether it diverges at
-        one."""
+    @property
+    def diverges(self) -> bool:
+        """Whether the density does at any point above 0."""
+        return bool(self.poles.size)
+
+    @property
+    def declares_poles(self) -> bool:
+        """Whether the density diverges above 0, and at declared breakpoints alone."""
+        return self.diverges and bool(np.isin(self.poles, self.breakpoints).all())
+
+    @property
+    def onset_order(self) -> float:
+        """m + 1 where P_c begins as (x - a)^m; inf where it is flatter than any power."""
+        return self._thresholds.onset_power + 1.0
+
+    def _find_jumps(self, points: Array) -> tuple[Array, Array, Array]:
+        """Those of the points where the density jumps by a finite amount, by how much, and those where it diverges."""
         if not points.size:
-            return np.empty(0), np.empty(0), False
+            return np.empty(0), np.empty(0), np.empty(0)
         # a point that only the panels know is known to the width of the narrowest
         near, far = (1e-12, 1e-10) if self.knows_breakpoints else (3e-9, 9e-9)
         offsets = points[:, None] * (1.0 + np.array([-far, -near, near, far]))
@@ -167,8 +187,10 @@ class Law:
         steady = (np.abs(above - above_far) < 1e-6 * size) & (np.abs(below - below_far) < 1e-6 * size)
         sharp = steady & (np.abs(above - below) > 1e-7 * size)
         grows = np.maximum(above / 1.02 - above_far, below / 1.02 - below_far) > 0.0
-        diverges = (~steady & grows & (size > 1e-3)).any()
-        return points[sharp], (above - below)[sharp], bool(diverges)
+        poles = points[~steady & grows & (size > 1e-3)]
+        # panels crowd about a pole that the law declares, and are none themselves
+        known = (np.abs(poles[:, None] - self.breakpoints) == 0.0).any(axis=1)
+        return points[sharp], (above - below)[sharp], poles[known] if known.any() else poles
 
     def _pinned(self) -> Array:
         """Points that panels close in on or meet at, and that the law does not declare."""
@@ -198,6 +220,14 @@ class Law:
             if panel < self.edges.size and self._below[panel] <= enough:
                 return float(self._below[panel])
         return float(self.cdf(np.array([x]))[0])
+
+    def weight_between(self, left: Array, right: Array) -> Array:
+        """Weight from `left` to `right`, from the side that knows it better."""
+        # an end of the support, rounded, is not to lie inside it, where an ulp may weigh much
+        lower, upper = self.support[0] * (1.0 + _ULP), self.support[1] * (1.0 - _ULP)
+        left, right = (np.where(x >= upper, np.inf, np.where(x <= lower, -np.inf, x)) for x in (left, right))
+        below = self.cdf(right)
+        return np.where(below < 0.5, below - self.cdf(left), self.sf(left) - self.sf(right))
 
     def sf(self, x: Array) -> Array:
         """Survival."""

@@ -32,12 +32,17 @@ class Lives(Protocol):
         At which fresh contacts break (per time): what a moving slider's steps resolve as well; 0 where they do not.
     error : float
         What `held` is off by however small the steps.
+    work : int
+        Numbers looked at for each cohort in one step: how many steps are affordable.
     """
 
     length: float
     time: float
     rate: float
-    error: float
+    work: int
+
+    @property
+    def error(self) -> float: ...
 
     @property
     def held(self) -> Array: ...

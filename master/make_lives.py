@@ -18,6 +18,7 @@ Array = npt.NDArray[np.float64]
 
 _NARROW = 1e-9  # of the mean threshold: below, all stand at one stretch
 _BIRTHS = 8
+_STARTS = 24
 _TAIL = 1e-19
 
 
@@ -26,6 +27,8 @@ def make_lives(contacts: Contacts, level: int = 0) -> Lives:
     from master.strands import CohortLives
     from master.wear import ColdWear
 
+    if contacts.ageing is not None:
+        return _ageing(contacts, level)
     law = Law(contacts, np.inf)
     length = law.narrowest * contacts.mean_threshold
     wear: Wear
@@ -39,6 +42,17 @@ def make_lives(contacts: Contacts, level: int = 0) -> Lives:
         again = again[0], again[1] / contacts.thresholds.sf(np.abs(again[0]))
     start = _nodes(contacts, law)
     return CohortLives(wear, (start[0], start[1] / contacts.thresholds.sf(np.abs(start[0]))), again)
+
+
+def _ageing(contacts: Contacts, level: int) -> Lives:
+    """Cohorts that carry their thresholds' density."""
+    from master.ageing_lives import AgeingLives
+
+    law, again = Law(contacts, np.inf), (np.zeros(1), np.ones(1))
+    start = gathered(*_nodes(contacts, law), _STARTS + 8 * level)
+    if contacts.reforming is not None:
+        again = gathered(*_nodes(Contacts(contacts.thresholds, contacts.reforming.law), law), _BIRTHS + 4 * level)
+    return AgeingLives(contacts, level, start, again)
 
 
 def _warm(contacts: Contacts, length: float) -> "Wear":
@@ -90,3 +104,15 @@ def gathered(nodes: Array, weights: Array, number: int) -> tuple[Array, Array]:
         before, now = now, rest / beside[-1]
     values, vectors = eigh_tridiagonal(np.array(diagonal), np.array(beside[:-1]))
     return values, vectors[0] ** 2
+
+
+def prepare(contacts: Contacts) -> None:
+    """Compile what the lives of these contacts need, which takes its time once."""
+    thermal = contacts.thermal
+    if thermal is None or thermal.closure == "paper" or contacts.ageing is not None:
+        return
+    if thermal.law == "stiff" or contacts.stiffness == "linked":
+        lives = make_lives(contacts)
+        lives.born()
+        lives.advance(0.0, 1.0)
+        lives.copy()

@@ -39,6 +39,7 @@ class OriginBreaks(FirstBreaks):
         unit = law.unit
         self._unit, self._contacts = unit, contacts
         self._spread: SpreadBreaks | None = None
+        self._may_bend = True
         low, high = np.asarray(contacts.start.span) / unit
         self.single = bool(high - low < _NARROW)
         marks = breaking.marks / unit
@@ -63,13 +64,16 @@ class OriginBreaks(FirstBreaks):
             self.atom_stiffness = np.empty(0)
             rough = contacts.start.breakpoints / unit
             rough = np.concatenate([rough[(rough >= low) & (rough <= high)], [low, high]])
+            # what is known by a numerical solution bends by its error
+            self._may_bend = marks.size + rough.size > 2 or isinstance(breaking, AgeingBreaking)
             seeds = np.concatenate([(marks[:, None] - rough).ravel(), -2.0 * rough, marks - self.mean_start])
             bend = np.zeros(1 if breaking.bends_at_zero else 0)
             self._cuts = np.unique(np.concatenate([law.inner_edges(self._sum.widest), marks, bend]))
             if isinstance(breaking, ThermalBreaking):
                 self._spread = SpreadBreaks(breaking, self._sum, law, np.append(marks, bend), self._accuracy)
                 self._cuts = self._spread.cuts
-        peak = float(law.edges[law.cdf(law.edges).searchsorted(0.5)]) if law.edges.size else 1.0
+        inner = law.edges[law.cdf(law.edges) < 0.5]
+        peak = float(inner[-1]) if inner.size else 1.0
         across = max(high - low, law.narrowest)
         seeds = np.concatenate([seeds, peak - self.mean_start + across * np.linspace(-2.0, 2.0, 9)])
         top = min(end, breaking.top / unit - low)
@@ -77,7 +81,7 @@ class OriginBreaks(FirstBreaks):
         fast = breaking.panels / unit
         edges = np.unique(np.concatenate([np.linspace(0.0, top, 9), seeds, fast[fast < top]]))
         # closer than rounding is once
-        edges = edges[np.append(np.diff(edges) > _SAME, True)]
+        edges = edges[np.append(np.diff(edges) > min(_SAME, 0.01 * top), True)]
         self.density, self._released, self.stiffness = tabulate_rows(self._rows, edges, self._accuracy)
         self._find_corners(seeds, law)
         self._order = np.argsort(self.atoms, kind="stable")
@@ -95,7 +99,9 @@ class OriginBreaks(FirstBreaks):
         known = np.isin(table.edges[:-1], seeds) & (np.abs(size) > _JUMP)
         known[0] = True
         self.jumps, self.jump_sizes = table.edges[:-1][known], size[known]
-        self.bends, self.bend_sizes = bends(table, seeds, law.narrowest) if seeds.size else (np.empty(0), np.empty(0))
+        self.bends, self.bend_sizes = np.empty(0), np.empty(0)
+        if seeds.size and self._may_bend:  # round-off of the tables looks like bends where there are none
+            self.bends, self.bend_sizes = bends(table, seeds, law.narrowest)
         self.onsets, self.onset_heights = np.empty(0), np.empty(0)
         self.has_corners = bool(known[1:].any() or self.bends.size)
 

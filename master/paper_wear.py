@@ -21,7 +21,7 @@ _LEAST = -745.0  # the logarithm of what is nothing
 class PaperWear:
     """`worn` are the logarithm of what is left, times S(|r|), and |r|."""
 
-    width, error = 2, 1e-13
+    width, error, work = 2, 1e-13, 30
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         assert contacts.thermal is not None

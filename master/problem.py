@@ -8,6 +8,8 @@ from master.births import standing
 from master.cycle import Cycle
 from master.first import FirstBreaks
 from master.law import Law
+from master.piecewise import Piecewise
+from master.powers import Powers, find_powers
 from master.release import PLAIN, Release
 from origins import Contacts
 
@@ -21,6 +23,8 @@ class Problem:
     units of the cycle's length)."""
 
     release: Release = PLAIN
+    powers: Powers | None = None  # places where J_1 is known to be a power of the distance
+    table: Piecewise | None = None  # P_c, where it diverges
 
     def __init__(self, contacts: Contacts, end: float, tolerance: float, cycle: Cycle | None = None) -> None:
         self.contacts = contacts
@@ -30,13 +34,24 @@ class Problem:
         furthest = _BEYOND * end
         self.law = Law(contacts, furthest + max(contacts.start.span[1], 0.0) / self.unit, cycle.law, self.unit)
         self.first = self._first(furthest, 1e-4 * tolerance)
+        self.table = self._table(furthest, 1e-4 * tolerance)
         # corners of the law or of the first breaks above X = 0 make errors uneven
         self.rough = self.law.rough or self.first.has_corners
+        if self.rough and cycle.law is contacts.thresholds:
+            self.powers = find_powers(contacts, self.law, end)
         self.release = cycle.release
         self.chain = AtomicChain(self.law, self.first.atoms, self.first.atom_weights, end, self.release)
         self._standing = (self.first.mean_start, 1.0)
         if self.release.stiffness:
             self._standing = standing(contacts, self.unit)
+
+    def _table(self, end: float, accuracy: float) -> Piecewise | None:
+        """P_c with the weight that the cdf tells beside the poles that it declares; None where it has none."""
+        if self.cycle.law is not self.contacts.thresholds or not self.law.declares_poles:
+            return None
+        if self.first.single and self.first.mean_start == 0.0:
+            return self.first.density
+        return FirstBreaks(Contacts(self.contacts.thresholds), self.law, end, accuracy).density
 
     def known(self, x: Array) -> Array:
         """F at x as the starting contacts and the births after their breaks, as if these never broke, make it."""

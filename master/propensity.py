@@ -23,6 +23,7 @@ _ZOOMS = 12
 _JUST_BESIDE = 1e-12
 _BESIDE_ERROR = 4e-12
 _FURTHEST = 1000.0
+_UNSTRETCHED = 1e-12
 
 
 @dataclass(frozen=True)
@@ -57,11 +58,14 @@ class Propensity:
 
 def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float = 1.0) -> Propensity:
     """Stick-slip propensity of `contacts` on a slider that moves forward from their start, at `velocity` (length per
-    time; only rates tell).
+    time; only rates, ageing and delay tell).
 
     F(X) is followed for ten mean thresholds (of the stretches at which contacts break, where that is by a rate), and
     beyond the one that one in a million exceeds (at most 1,000 means), on lattices refined until K* (relative to
     1 + K*) and F_s/F_k change by less than `tolerance`, or as far as a million nodes allow; the errors say how far.
+
+    Of contacts that age, those that start beside their thresholds break at a rate without bound as X = 0 is left, few
+    as they may be: there F' is looked at from X = tolerance <x_s> on.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with.
     """
@@ -108,19 +112,21 @@ def _horizon(contacts: Contacts, cycle: Cycle) -> float:
 def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, float]:
     """K*, its error, the largest force and its error, in units of the mean threshold."""
     floor = round_off(problem)
-    drops = problem.chain.weights.size > 0 or problem.law.diverges
+    # what breaks without a stretch takes no force away, however many they are
+    at_once = np.abs(problem.release.force_at(problem.law.poles)) > _UNSTRETCHED
+    drops = problem.chain.weights.size > 0 or bool(at_once.any())
     if problem.law.atomic and problem.first.single:
         at = problem.chain.births
         before = at * (1.0 - _JUST_BESIDE)
         force = problem.known(before) + (at - before) - problem.chain.released(before)
         return np.inf, 0.0, float(force.max()), floor
-    rough = problem.rough
+    rough, begin = problem.rough, 0.0 if problem.contacts.ageing is None else tolerance
     step = first_step(problem.law, rough, problem.end, tolerance)
     found: list[Array] = []
     error = np.full(2, np.inf)
     while True:
         later = LaterReleased(problem, step, np.linspace(0.0, problem.end, 4096), 1e-2 * tolerance)
-        found.append(_largest(problem, later))
+        found.append(_largest(problem, later, begin))
         if len(found) >= 3:
             last, before = np.abs(found[-1] - found[-2]), np.abs(found[-2] - found[-3])
             diverges = problem.law.diverges
@@ -141,8 +147,8 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
     return (np.inf, 0.0, *largest) if drops else (max(spring, 0.0), float(error[0]), *largest)
 
 
-def _largest(problem: Problem, later: LaterReleased) -> Array:
-    """Largest -dF/dX and largest F over 0 <= X <= end."""
+def _largest(problem: Problem, later: LaterReleased, begin: float) -> Array:
+    """Largest -dF/dX and largest F over begin <= X <= end."""
     first, end = problem.first, problem.end
 
     def fall(x: Array) -> Array:
@@ -154,7 +160,7 @@ def _largest(problem: Problem, later: LaterReleased) -> Array:
     nodes = later.lattice.step * np.arange(1, int(end / later.lattice.step))
     jumps = np.concatenate([first.jumps, first.density.edges, problem.chain.births])
     beside = np.concatenate([jumps * (1.0 - _JUST_BESIDE), jumps * (1.0 + _JUST_BESIDE), [0.0, end]])
-    x = np.unique(np.concatenate([nodes, beside[(beside >= 0.0) & (beside <= end)]]))
+    x = np.unique(np.concatenate([nodes[nodes > begin], beside[(beside > begin) & (beside <= end)], [begin]]))
     return np.array([_maximum(fall, x), _maximum(force, x)])
 
 

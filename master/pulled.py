@@ -326,6 +326,8 @@ class Pull:
         low, high = 0.0, travel
         if slope(high) > 0.0:
             return high, when(high)
+        if slope(low) <= 0.0:  # by rounding, or by what a coarse step before it has wrong
+            return low, when(low)
         way = float(brentq(slope, low, high, xtol=1e-12 * self._length, rtol=1e-12))
         return way, when(way)
 

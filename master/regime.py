@@ -79,6 +79,8 @@ def _judge(
     tolerance: float,
 ) -> tuple[Verdict, str]:
     slips = drive.size
+    if contacts.thermal is not None and (not slips or rule == "reset"):
+        return _judge_warm(spring, rule, slips, critical)
     if not slips:
         if spring >= critical:
             return "smooth", f"K = {spring:.6g} is at least K* = {critical:.6g}: the spring never lets go"
@@ -102,6 +104,17 @@ def _judge(
     if trend < -_STEADY:
         return "decaying transient", f"{slips} slips, each drop {-trend:.2%} smaller than the one before"
     return "stick-slip", f"{slips} slips up to the end of the path, their drops not fading"
+
+
+def _judge_warm(spring: float, rule: SlipRule, slips: int, critical: float) -> tuple[Verdict, str]:
+    """Where rates tell, K* is that of a rigid slider as fast as the drive, and a soft one has a speed of its own."""
+    beside = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
+    if not slips:
+        verdict: Verdict = "smooth" if spring >= critical else "undecided"
+        return verdict, f"no slip up to the end of the path, at the slider's own speed; {beside}"
+    if slips == 1:
+        return "undecided", f"one slip up to the end of the path is too few to tell, lengthen it; {beside}"
+    return "stick-slip", f"{slips} slips, each after a reset that leaves nothing of what was before; {beside}"
 
 
 def _trend(drop: Array) -> float | None:

@@ -42,23 +42,32 @@ class Renewal:
     """
 
     def __init__(self, problem: Problem, step: float, end: float, tiny: float) -> None:
-        law, chain = problem.law, problem.chain
+        law, chain, self._powers = problem.law, problem.chain, problem.powers
+        if self._powers is not None:
+            end = self._powers.reach(end, step)
         size = int(np.ceil(end / step * (1.0 - 1e-12))) + _MARGIN + 1
         self.step = step
         self.size = size
 
         smooth, smooth_released, source = self._lay(problem)
-        kernel = smooth + deposit_atoms(law.atoms, law.atom_weights, step, size)
+        # beside its poles the table has all of the law
+        atoms, weights = (law.atoms, law.atom_weights) if problem.table is None else (np.empty(0), np.empty(0))
+        kernel = smooth + deposit_atoms(atoms, weights, step, size)
         does = problem.release
-        at_atoms = law.atom_weights * does.force_at(law.atoms)
-        release = smooth_released[0] + deposit_atoms(law.atoms, at_atoms, step, size)
+        release = smooth_released[0] + deposit_atoms(atoms, weights * does.force_at(atoms), step, size)
+        stiffness = np.zeros(size)
+        if does.stiffness:
+            stiffness = smooth_released[1] + deposit_atoms(atoms, weights * does.stiffness_at(atoms), step, size)
         self.defect = 0.0
         highest = max(law.edges[-1:].max(initial=0.0), law.atoms.max(initial=0.0))
         if 0.0 < highest < step * (size - 1):
             # every generation would lose again what weight the lattice lacks
-            lost = 1.0 - float(kernel.sum())
-            self.defect = abs(lost)
-            kernel, release = kernel + lost * kernel, release + lost * release
+            lost = softer = 1.0 - float(kernel.sum())
+            if does.stiffness:  # and contacts would keep more stiffness than they were born with
+                softer = does.birth_stiffness / float(stiffness.sum()) - 1.0
+            self.defect = max(abs(lost), abs(softer))
+            kernel, release = kernel + lost * kernel, release + softer * release
+            stiffness = stiffness + softer * stiffness
         flux = np.zeros(size)
         self._from_chain = np.zeros(size)
         if chain.births.size:
@@ -69,22 +78,23 @@ class Renewal:
         breaks, released = renew(source, kernel, release)
         flux += released
         if not does.plain:
-            flux += self._beside(problem, smooth_released, kernel, breaks)
+            flux += self._beside(problem, smooth_released, kernel, stiffness, breaks)
         self.released = integrate(flux)
         self._flux = flux
         self._kinks: Kinks | None = None
-        if law.jumps.size or law.atoms.size:
+        if self._powers is None and (law.jumps.size or law.atoms.size):
             self._kinks = Kinks(problem, step, end, tiny)
         self._kernel, self._breaks = kernel, breaks
 
-    def _beside(self, problem: Problem, smooth: list[Array], kernel: Array, breaks: Array) -> Array:
+    def _beside(
+        self, problem: Problem, smooth: list[Array], kernel: Array, stiffness: Array, breaks: Array
+    ) -> Array:
         """What else lets the force fall: stiffness that later breaks took away, less what their births bring."""
-        law, chain, release, step, size = problem.law, problem.chain, problem.release, self.step, self.size
+        chain, release, step, size = problem.chain, problem.release, self.step, self.size
         later = self._from_chain + convolve(kernel, breaks, size)
         softer = later
         if release.stiffness:
-            at_atoms = law.atom_weights * release.stiffness_at(law.atoms)
-            softer = convolve(smooth[1] + deposit_atoms(law.atoms, at_atoms, step, size), breaks, size)
+            softer = convolve(stiffness, breaks, size)
             if chain.births.size:
                 births = deposit_atoms(chain.births, chain.weights, step, size)
                 softer = softer + convolve(smooth[1], births, size)
@@ -94,17 +104,17 @@ class Renewal:
 
     def _lay(self, problem: Problem) -> tuple[Array, list[Array], Array]:
         """P_c, what its breaks release, and b_0 on the nodes, atoms left out."""
-        law, first, step, size = problem.law, problem.first, self.step, self.size
+        law, first, table, step, size = problem.law, problem.first, problem.table, self.step, self.size
 
         def thresholds(x: Array) -> list[Array]:
-            density = law.pdf(x)
+            density = law.pdf(x) if table is None else table(x)
             return [density, *problem.release.densities(x, density)]
 
         def breaks(x: Array) -> list[Array]:
             return [first.density(x)]
 
         rows = 3 if problem.release.stiffness else 2
-        ends, others = law.edges_for(step), first.edges_for(step)
+        ends, others = law.edges_for(step) if table is None else table.edges, first.edges_for(step)
         if problem.rough:
             # beside a point where P_c diverges its weight is right on its own panels alone
             smooth, *released = lay(thresholds, rows, ends, step, size)
@@ -126,6 +136,9 @@ class Renewal:
 
     def count_at(self, x: Array) -> Array:
         """Later breaks up to positions x, those of the chain at its atoms left out."""
+        return self._beside_powers(self._counted_at, x)
+
+    def _counted_at(self, x: Array) -> Array:
         count = self.read(self.counted, x)
         return count if self._kinks is None else count + self._kinks.count(x)
 
@@ -136,8 +149,15 @@ class Renewal:
 
     def released_at(self, x: Array) -> Array:
         """J_1 at positions x, the kinks of its slope put right."""
+        return self._beside_powers(self._released_at, x)
+
+    def _released_at(self, x: Array) -> Array:
         released = self.read(self.released, x)
         return released if self._kinks is None else released + self._kinks.released(x)
+
+    def _beside_powers(self, read: Callable[[Array], Array], x: Array) -> Array:
+        values = read(x)
+        return values if self._powers is None else self._powers.put_right(x, values, read, self.step, self.size)
 
     def rate_at(self, x: Array) -> Array:
         """dJ_1/dX at positions x, atoms of the chain left out, the kinks put right likewise."""

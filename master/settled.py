@@ -27,7 +27,7 @@ def longest_life(cycle: Cycle, tolerance: float) -> float:
     them."""
     life = 1.0
     for _ in range(4):
-        life = float(cycle.law.isf(_SHARE * tolerance / max(life, 1.0) ** 2)) / cycle.unit
+        life = float(cycle.law.isf(_SHARE * min(tolerance, 0.1) / max(life, 1.0) ** 2)) / cycle.unit
     return life
 
 

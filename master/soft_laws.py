@@ -8,20 +8,19 @@ import numpy as np
 import numpy.typing as npt
 
 from master.forward import ROUND_OFF
-from master.make_lives import make_lives
+from master.make_lives import make_lives, prepare
 from master.marching import lagrange
 from master.outcome import outcome
 from master.pulled import COARSEST, Pull, TooLong, Track
 from master.regime import regime
 from master.soft import Slips, SoftSolution
-from master.timed import Extrapolation
+from master.timed import Extrapolation, most_steps, uneven
 from master.timeline import pieces, times
 from origins import Contacts, Drive
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-_MOST = 6_000
 _STENCIL = 6
 _BISECTIONS = 60
 
@@ -33,6 +32,7 @@ def solve_soft_laws(contacts: Contacts, drive: Drive, tolerance: float) -> SoftS
     The drive begins at t = 0 where it balances the start, X_T = F(0)/K with the slider at X = 0. A contact that breaks
     in a slip waits out its delay, where there is one, under every rule but "reset".
     """
+    prepare(contacts)
     began = clocks.perf_counter()
     assert drive.spring is not None
     unit, spring = contacts.mean_threshold, drive.spring
@@ -82,13 +82,14 @@ def _refine(
         contacts.thresholds,
         None if contacts.reforming is None else contacts.reforming.law,
         contacts.thermal,
-        delay=contacts.delay,
+        contacts.ageing,
+        contacts.delay,
         reforming=None if contacts.reforming is None else contacts.reforming.law,
         stiffness=contacts.stiffness,
     )
     scale = np.array([spring, 0.0, 0.0, 1.0, 1.0])[:, None] / unit
     plan: list[float] = []
-    table, best = Extrapolation(), (np.inf, np.empty((5, 0)), np.empty(0), np.empty(0), 0)
+    table, best = Extrapolation(uneven(contacts)), (np.inf, np.empty((5, 0)), np.empty(0), np.empty(0), 0)
     before: list[Array] = []
     level = 0
     message = ""
@@ -106,7 +107,7 @@ def _refine(
         slips = np.array(rows).reshape(-1, 5).T
         force, holding = _read(pull.tracks, asked, contacts)
         if before and before[-1].shape != slips.shape:
-            table, before = Extrapolation(), []
+            table, before = Extrapolation(uneven(contacts)), []
         before.append(slips)
         near = np.zeros(asked.size, dtype=bool)
         for one, other in pairwise(before[-3:]):
@@ -125,7 +126,7 @@ def _refine(
             rest = answer[2 * asked.size :].reshape(-1, slips.shape[1]) if slips.size else np.empty((7, 0))
             better = np.stack([rest[0] / spring, rest[5], rest[6], rest[3], rest[4]]) * unit
             best = error, better, f, h, pull.steps
-        if best[0] <= tolerance or 2 * pull.steps > _MOST:
+        if best[0] <= tolerance or error < 2.0 * lives.error or 2 * pull.steps > 0.7 * most_steps(lives):
             break
         level += 1
     error, slips, force, holding, steps = best

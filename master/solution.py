@@ -10,6 +10,7 @@ import numpy.typing as npt
 from master.distribution import StretchDistribution, distribution_at
 from master.problem import Problem
 from master.renewal import LaterReleased
+from origins.errors import finite
 
 Array = npt.NDArray[np.float64]
 
@@ -51,7 +52,7 @@ class Solution:
 
     def distribution(self, position: float) -> StretchDistribution:
         """Q(x;X) at X = position, between 0 and the path's end; InputError elsewhere."""
-        problem, end = self._problem, float(self.path[-1])
+        problem, end, position = self._problem, float(self.path[-1]), finite("position", position)
         settled = problem.end * problem.unit
         if settled < position <= end:  # beyond where contacts have forgotten their start nothing changes
             position = settled

@@ -102,9 +102,7 @@ def solve(
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
         return solve_paper(contacts, drive, tolerance)
-    steady = drive.spring is None and drive.forward and drive.time is None
-    timed = tuple(law for law in LAWS if law != "ageing")
-    check_contacts(contacts, "master.solve" if steady else "master.solve on this drive", LAWS if steady else timed)
+    check_contacts(contacts, "master.solve", LAWS)
     laws = (contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
     plain = laws == (None, None, None, None) and contacts.stiffness == "independent"
     if drive.spring is not None and not plain:

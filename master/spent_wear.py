@@ -19,6 +19,7 @@ Numbers = npt.NDArray[np.intp]
 
 _MOST = 500.0  # e^(-A) is nothing
 _SAME = 1e-9
+_LAYER = 1e-4  # of a panel's weight
 _TINY = 1e-12  # a threshold of 0 has no rate
 _APART = GAUSS_NODES[:, None] - GAUSS_NODES
 np.fill_diagonal(_APART, 1.0)
@@ -37,7 +38,9 @@ class SpentWear:
         self._compiled = compiled
         self._cut, self._thermal, self._stiffness = cut, thermal, contacts.relative_stiffness
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
-        self.error = error_of(cut)
+        self.error, self.work = error_of(cut), cut.nodes.size + 100
+        # in a hold a stiff contact right at its threshold hardly breaks: a share too narrow for a panel's nodes stays
+        self._layer = _LAYER * float(np.abs(np.diff(cut.law.sf(cut.edges))).max(initial=0.0))
         self._least = _TINY * contacts.mean_threshold
         self._atoms = slice(_FIRST + cut.nodes.size, _FIRST + cut.nodes.size + cut.atoms.size)
         self._own = slice(self._atoms.stop, self._atoms.stop + NODES)
@@ -166,6 +169,8 @@ class SpentWear:
             log_spent = thermal.log_cumulative(far, threshold[moves], near, spring[moves])
             out[moves] = np.exp(np.minimum(log_spent + np.log(duration[moves] / np.abs(way[moves])), 7.0))
         if stands.any():
+            if thermal.law == "stiff":
+                self.error = max(self.error, self._layer)
             x = np.clip(stretch[stands], -threshold[stands], threshold[stands])
             log_rate = thermal.log_rate(x, threshold[stands], spring[stands])
             out[stands] = np.exp(np.minimum(log_rate + np.log(duration[stands]), 7.0))

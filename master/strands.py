@@ -30,10 +30,15 @@ class CohortLives:
     """
 
     def __init__(self, wear: Wear, start: Nodes, again: Nodes) -> None:
-        self.length, self.time, self.rate, self.error = wear.length, wear.time, wear.rate, wear.error
+        self.length, self.time, self.rate = wear.length, wear.time, wear.rate
+        self.work = wear.work * again[0].size
         self._wear, self._at, self._again = wear, 0.0, again
         self._start, self._births = Strands(wear, *start), Strands(wear, *again)
         self._start.add(0.0)
+
+    @property
+    def error(self) -> float:
+        return self._wear.error
 
     @property
     def held(self) -> Array:

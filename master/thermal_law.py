@@ -31,6 +31,7 @@ _TAIL = 1e-20
 _AROUND = np.array([3.9, 3.3, 2.7, 2.1, 1.5, 0.9, 0.3, -0.4, -1.2, -2.1, -3.2, -4.6, -6.5, -9.0, -13.0, -20.0, -38.0])
 _LEAST = float(np.exp(_AROUND[-1]))
 _SMOOTH = 0.6  # change of ln(A/v) that eight nodes see through
+MOST_GROWTH = 3.0  # of A/v over the starts told by one table
 _CUTS = 10
 _STEPS = 12
 _CHUNK = 24_000  # so that what is made on the way stays in the cache
@@ -128,7 +129,9 @@ class ThermalBreaking:
     ) -> None:
         stiffness = self._contacts.relative_stiffness(threshold) if self.linked else 1.0
         for k, origin in enumerate(origins):
-            breaks = mass * np.exp(self._passed(origin, threshold, np.zeros(1))[1] - spent)
+            left = self._passed(origin, threshold, np.zeros(1))[1] - spent
+            # more is left only of thresholds that weigh nothing
+            breaks = mass * np.exp(np.minimum(left, MOST_GROWTH))
             parts = [breaks, breaks * stiffness] if self.linked else [breaks]
             for total, part in zip(out[:, k], parts, strict=True):
                 total += np.bincount(row, weights=part.sum(-1), minlength=total.size)

@@ -164,6 +164,5 @@ class PaperBreaking:
         return self._add(row, mass, at, thresholds, x.size)
 
     def _add(self, row: npt.NDArray[np.intp], mass: Array, x: Array, threshold: Array, size: int) -> Array:
-        spent = mass * np.exp(self._thermal.log_cumulative(x, threshold))
-        rate = mass * np.exp(self._thermal.log_rate(x, threshold))
-        return np.stack([np.bincount(row, weights=part.sum(-1), minlength=size) for part in (spent, rate)])
+        rate, spent = self._thermal.per_length(x, threshold, np.zeros(1), 1.0, 1.0)
+        return np.stack([np.bincount(row, weights=(mass * part).sum(-1), minlength=size) for part in (spent, rate)])

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from master.law import Law
 from master.piecewise import Bundle, bundle, tabulate
 from master.starting import StartSum
-from master.thermal_law import ThermalBreaking
+from master.thermal_law import MOST_GROWTH, ThermalBreaking
 from origins.quadrature import GAUSS_NODES, gauss
 
 Array = npt.NDArray[np.float64]
@@ -126,7 +126,9 @@ class SpreadBreaks:
     def _origins(self, low: float, high: float, reach: float) -> Array | None:
         """Few x_0 whose e^{A(x_0; ξ)/v} tell it for all others; None where that takes too many."""
         grown = self._breaking.grown(0.5 * (low + high + (high - low) * _X) * self._unit, reach * self._unit)
-        if grown.max(initial=0.0) > _MOST:
+        if not grown.size:
+            return np.array([0.5 * (low + high)])
+        if np.abs(grown).max() > _MOST or np.ptp(grown, axis=0).max() > MOST_GROWTH:
             return None
         size = np.abs(_TO_SERIES @ np.exp(grown)).max(axis=1, initial=0.0)
         for count in _SIZES:

@@ -16,8 +16,9 @@ from origins.soft_contact import log_between
 Array = npt.NDArray[np.float64]
 
 _GONE = 6.0  # e^(-e^6) is nothing
-_CHANGE = 2.0  # of ln A that eight nodes see through, but for ERROR
-ERROR = 2e-9
+_CHANGE = 1.5  # of ln A that eight nodes see through, but for ERROR
+ERROR = 5e-9
+_STEEPER = 1.75  # a stiff contact's barrier changes so much faster with its threshold, at most
 _CHUNK = 40_000
 
 
@@ -25,7 +26,8 @@ def resolved(contacts: Contacts) -> tuple[Array, Array]:
     """Thresholds, and the widths over which ln A changes by as much as nodes see through."""
     assert contacts.thermal is not None
     at = contacts.mean_threshold * 2.0 ** np.linspace(-20.0, 20.0, 400)
-    return at, _CHANGE * contacts.thermal.temperature / (at * contacts.relative_stiffness(at))
+    steep = 1.0 if contacts.thermal.law == "soft" else _STEEPER
+    return at, _CHANGE / steep * contacts.thermal.temperature / (at * contacts.relative_stiffness(at))
 
 
 def error_of(cut: CutLaw) -> float:
@@ -52,7 +54,7 @@ class SoftWear:
         self._cut, self._spring = cut, 0.5 / thermal.temperature
         self._log_frequency = float(np.log(thermal.attempt_frequency))
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
-        self.error = error_of(cut)
+        self.error, self.work = error_of(cut), cut.nodes.size + 50
         self._barrier, self._atom_barrier = (self._spring * at * at for at in (cut.nodes, cut.atoms))
 
     def fresh(self, stretch: Array) -> Array:

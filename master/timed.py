@@ -7,10 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from master.forward import ROUND_OFF, estimate
-from master.make_lives import make_lives
+from master.lives import Lives
+from master.make_lives import make_lives, prepare
 from master.marching import March, lagrange, march
 from master.outcome import outcome
-from master.timeline import Part, marks, parts, pieces, times
+from master.timeline import Part, beside, jumps, marks, parts, pieces, times
 from origins import Contacts, Drive
 
 Array = npt.NDArray[np.float64]
@@ -18,8 +19,11 @@ Array = npt.NDArray[np.float64]
 _COARSE = 0.5  # of the length over which births change
 _PER_FOLD = 2.0
 _MOST_STEPS = 6_000
+_MOST_WORK = 8e8
+_GLANCE = 0.1  # of the most steps, where even these would not do
 _STENCIL = 6
 _WATCH = 5
+_LOW, _FELT = 0.1, 1e-6
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class TimedSolution:
     holding : array of shape (n,)
         Fraction of contacts that hold: 1 but with a delay.
     run_time : float
-        Seconds that the solution took.
+        Seconds that the solution took, compilation not counted.
     nodes : int
         Steps of the finest march.
     success : bool
@@ -62,6 +66,7 @@ def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolu
 
     Marches of second order in the step, on steps halved again and again; what they tell is extrapolated to step 0.
     """
+    prepare(contacts)
     began = clocks.perf_counter()
     asked = times(drive)
     force, holding, error, nodes, message = _refine(contacts, drive, asked, tolerance)
@@ -86,38 +91,48 @@ def _refine(
     course = pieces(drive)
     if not course:
         lives = make_lives(contacts)
-        return np.full(asked.size, lives.pull[0]), np.full(asked.size, lives.held[0]), ROUND_OFF, 0, ""
+        return np.full(asked.size, lives.pull[0]), np.full(asked.size, lives.held[0]), lives.error, 0, ""
     lives = make_lives(contacts)
     lone = [contacts.start.mean()] if contacts.start.is_single else []
     again = 0.0 if contacts.reforming is None else contacts.reforming.law.mean()
     limits = np.append(contacts.thresholds.breakpoints, contacts.thresholds.atoms[0])
+    atoms = contacts.thresholds.atoms[0]
+    sharp = jumps(course, lone, again, atoms, delay)
     steps = parts(
         course,
-        marks(course, lone, again, limits, delay),
+        beside(marks(course, lone, again, limits, delay), sharp or [], course[-1].end),
         _COARSE * lives.length,
         lives.time,
         lives.rate / _COARSE,
         _PER_FOLD,
     )
+    needed, most = sum(part.steps for part in steps), most_steps(lives)
+    if needed > most:
+        steps = [part.coarser(_GLANCE * most / needed) for part in steps]
     watch = np.concatenate([part.clock(np.arange(1, _WATCH) / _WATCH) for part in steps])
     everywhere = np.concatenate([asked, watch])
     scale = np.concatenate([np.full(everywhere.size, unit), np.ones(everywhere.size)])
-    table = Extrapolation()
+    table = Extrapolation(uneven(contacts))
     best: tuple[float, Array, int] = np.inf, np.empty(0), 0
     level = 0
     while True:
         finer = [part.finer(level) for part in steps]
         count = sum(part.steps for part in finer)
-        if level and count > _MOST_STEPS:
+        if level and count > most_steps(lives):
             break
         if level:
             lives = make_lives(contacts, level)
         found = march(lives, finer, delay)
         error, answer = table.add(np.concatenate([at(found, finer, row, everywhere) for row in _ROWS]) / scale)
         error += ROUND_OFF * (1.0 + count) + lives.error
+        if sharp is None:
+            error = np.inf
         if error < best[0] or not level:
             best = error, answer, count
-        if best[0] <= tolerance:
+        if needed > most:
+            why = f"what contacts do within the path takes {needed:.0e} steps to resolve, and {most} is the most"
+            return answer[: asked.size] * unit, answer[everywhere.size :][: asked.size], np.inf, count, why
+        if best[0] <= tolerance or error < 2.0 * lives.error:
             break
         level += 1
     error, answer, count = best
@@ -126,10 +141,26 @@ def _refine(
     return here[0] * unit, here[1], error, count, f"{reached}; shorten the path or loosen the tolerance"
 
 
-class Extrapolation:
-    """Answers on steps halved each time, whose errors are series in the square of the step (Romberg's table)."""
+def most_steps(lives: Lives) -> int:
+    """As many as take a minute or less: every step asks all cohorts born before."""
+    return int(min(_MOST_STEPS, (_MOST_WORK / lives.work) ** 0.5))
 
-    def __init__(self) -> None:
+
+def uneven(contacts: Contacts) -> bool:
+    """Whether P_c jumps or bends, also where it begins at 0, so that births do."""
+    law = contacts.thresholds
+    begins = law.support()[0] == 0.0 and float(law.cdf(_LOW * contacts.mean_threshold)) > _FELT
+    return begins or law.atoms[0].size > 0 or bool((law.breakpoints > 0.0).any()) or not law.knows_breakpoints
+
+
+class Extrapolation:
+    """Answers on steps halved each time, whose errors are series in the square of the step (Romberg's table).
+
+    uneven : whether errors may fall in another way, as `uneven` tells; then the last change is taken as the error.
+    """
+
+    def __init__(self, uneven: bool) -> None:
+        self._uneven = uneven
         self._rows: list[list[Array]] = []
         self._changes: list[float] = []
 
@@ -141,13 +172,21 @@ class Extrapolation:
             row.append(row[k] + (row[k] - coarse) / (4.0 ** (k + 1) - 1.0))
         self._rows.append(row)
         best, error = answer, np.inf
-        changes = []
+        changes: list[float] = []
+        even = False
         for k, coarse in enumerate(before):
             changes.append(float(np.abs((row[k] - coarse)[watched]).max(initial=0.0)))
             last = self._changes[k] if k < len(self._changes) else np.inf
+            # the answers themselves fall as the square of the step: those extrapolated do so faster
+            even |= k == 0 and changes[0] < _EVEN * last < np.inf
             if k > 0 and np.isfinite(changes[k]):
                 # of two answers of one order the finer is better by far, where they are seen to fall
-                left = estimate(changes[k], last, _LEAST, False) if np.isfinite(last) else changes[k]
+                if self._uneven:
+                    left = changes[k]
+                elif np.isfinite(last):
+                    left = estimate(changes[k], last, _LEAST, False)
+                else:
+                    left = changes[k] * (_FIRST if even else 1.0)
                 if left < error:
                     best, error = row[k], left
         self._changes = changes
@@ -155,7 +194,7 @@ class Extrapolation:
 
 
 _COLUMNS = 2
-_LEAST = 1.0 / 16.0
+_LEAST, _FIRST, _EVEN = 1.0 / 8.0, 1.0 / 4.0, 0.27
 
 
 def at(found: March, steps: list[Part], row: str, asked: Array) -> Array:
@@ -167,6 +206,9 @@ def at(found: March, steps: list[Part], row: str, asked: Array) -> Array:
     which = np.minimum(np.searchsorted(ends, asked, side="left"), len(steps) - 1)
     for number in np.unique(which):
         part, mine = steps[number], which == number
+        if part.whole:  # a contact whose stretch has reached its threshold is broken
+            out[mine] = values[firsts[number + 1]]
+            continue
         place = part.share(asked[mine]) * part.steps
         size = min(_STENCIL, part.steps + 1)
         low = np.clip(np.round(place).astype(int) - size // 2, 0, part.steps + 1 - size)

@@ -7,7 +7,7 @@ the delay brings the same again.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,7 +20,8 @@ Array = npt.NDArray[np.float64]
 _SAME = 1e-9  # of a speed
 _CLOSE = 1e-10
 _MOST_MARKS = 400
-_ORDER = 6
+_MOST_JUMPS = 200
+WIDTH = 1e-10  # of the whole time, to either side of a jump
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,7 @@ class Part:
     after: float
     steps: int
     first: float = np.inf
+    whole: bool = False  # one step around a time at which a finite share breaks, however fine the others
 
     def clock(self, at: Array) -> Array:
         """Time after a share `at` of the steps."""
@@ -89,8 +91,11 @@ class Part:
             return (time - self.begin) / (self.end - self.begin)
         return np.log1p((time - self.begin) / self.first) / np.log1p((self.end - self.begin) / self.first)
 
+    def coarser(self, share: float) -> Part:
+        return replace(self, steps=max(1, int(share * self.steps)))
+
     def finer(self, level: int) -> Part:
-        return Part(self.begin, self.end, self.before, self.after, self.steps * 2**level, self.first)
+        return self if self.whole else replace(self, steps=self.steps * 2**level)
 
 
 def parts(
@@ -104,6 +109,9 @@ def parts(
         for begin, end in pairwise(edges.tolist()):
             share = (np.array([begin, end]) - piece.begin) / piece.duration
             before, after = (piece.before + piece.travel * share).tolist()
+            if end - begin <= 3.0 * WIDTH * course[-1].end:
+                out.append(Part(begin, end, before, after, 1, whole=True))
+                continue
             if piece.travel == 0.0:
                 first = time if np.isfinite(time) else np.inf
                 decades = np.log1p((end - begin) / time) if np.isfinite(time) else 0.0
@@ -140,3 +148,56 @@ def marks(course: list[Piece], lone: list[float], again: float, limits: Array, d
     whole = whole[(whole > 0.0) & (whole < end)][:_MOST_MARKS]
     apart = np.diff(whole, prepend=-np.inf) > _CLOSE * end
     return whole[apart]
+
+
+def jumps(course: list[Piece], lone: list[float], again: float, atoms: Array, delay: float) -> list[float] | None:
+    """Times at which a finite share breaks at an exact threshold, or is born a delay after that: of contacts that stand
+    at the stretches `lone` at t = 0, and of all that form again at `again` from those on; None where they are more than
+    can be followed."""
+    if not atoms.size or not lone:
+        return []
+    pending = [(0.0, -x) for x in lone]
+    known: set[tuple[float, float]] = set()
+    found: set[float] = set()
+    size, end = float(atoms.max()), course[-1].end
+    while pending:
+        since, place = pending.pop()
+        key = (round(since / end, 12), round(place / size, 9))
+        if key in known:
+            continue
+        known.add(key)
+        if len(known) > _MOST_JUMPS:
+            return None
+        furthest = abs(again) if since > 0.0 else abs(place)
+        for piece in course:
+            if piece.end <= since or piece.travel == 0.0:
+                continue
+            begin = max(piece.begin, since)
+            speed = piece.travel / piece.duration
+            first, last = piece.before + speed * (begin - piece.begin) - place, piece.after - place
+            for atom in atoms[(atoms > furthest * (1.0 + _CLOSE)) & (atoms <= abs(last) * (1.0 + _CLOSE))]:
+                reached = float(np.copysign(atom, last))
+                at = begin + (reached - first) / speed
+                born = at + delay
+                found.update((at, born))
+                if born < end:
+                    pending.append((born, where(course, born) - again))
+            furthest = max(furthest, abs(first), abs(last))
+    return sorted(at for at in found if at <= end)
+
+
+def beside(marks: Array, times: list[float], end: float) -> Array:
+    """The marks, and both sides of each of the times."""
+    near = WIDTH * end
+    if not times:
+        return marks
+    at = np.array(times)
+    free = marks[np.abs(marks[:, None] - at).min(axis=1) > 2.0 * near] if marks.size else marks
+    at = at[np.diff(at, prepend=-np.inf) > 4.0 * near]
+    return np.sort(np.concatenate([free, at - near, at + near]))
+
+
+def where(course: list[Piece], time: float) -> float:
+    """X at a time."""
+    piece = next((piece for piece in course if time <= piece.end), course[-1])
+    return piece.before + piece.travel * (time - piece.begin) / piece.duration

@@ -40,13 +40,14 @@ class Left:
 class Wear(Protocol):
     """Stretches and largest |x| are lengths of shape (m,); `worn` has shape (m, width).
 
-    `length`, `time`, `rate` and `error` are those of master.lives.Lives.
+    `length`, `time`, `rate`, `error` and `work` are those of master.lives.Lives.
     """
 
     length: float
     time: float
     rate: float
     error: float
+    work: int
     width: int
 
     def fresh(self, stretch: Array) -> Array:
@@ -64,7 +65,7 @@ class Wear(Protocol):
 class ColdWear:
     """Nothing breaks below its threshold."""
 
-    time, rate, error, width = np.inf, 0.0, 1e-15, 0
+    time, rate, error, work, width = np.inf, 0.0, 1e-15, 10, 0
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         self._law, self.length = contacts.thresholds, length

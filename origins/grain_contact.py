@@ -25,6 +25,10 @@ class GrainContact:
     slides at `velocity`, its age at stretch x is tau_m + rest + x/velocity; it breaks where it first meets its
     threshold.
 
+    Steady sliding at a speed v is that of origins.Contacts with `law = breaking(v)` as thresholds and, as a broken
+    contact is out until its new grains pin, with delay = Delay(growth.first_pinning_time / law.held_fraction): those
+    that never hold wait again at once, and of all waits only the mean one counts.
+
     Raises InputError for anything but a GrainGrowth.
     """
 

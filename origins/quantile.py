@@ -30,6 +30,7 @@ _INSET = 2.0**-49
 _MOST_CELLS = 200_000
 _HALVINGS = 4
 _MOST_LEFT = 1e-11
+_SMALLEST = 1e-300
 _NODES = np.array([0.0, 0.25, 0.75, 1.0])
 _TO_CUBIC = np.linalg.inv(np.vander(_NODES, 4, increasing=True)[1:, 1:])
 
@@ -113,11 +114,18 @@ def quantile_table(law: Law, deepest: float = DEEPEST, name: str = "thresholds")
     round-off of 1, as some of scipy.stats do. Cells end at jumps, gaps and atoms, and no value lies inside a
     gap. The upper side reaches down to v = min(deepest, 2^-54).
 
-    Raises InputError, with `name`, where cdf, sf, ppf and isf do not agree well enough to be certified.
+    Raises InputError, with `name`, where cdf, sf, ppf and isf do not agree well enough to be certified, and where more
+    weight than 2^-54 lies so near to 0 that no number does.
     """
     middle = float(law.ppf(0.5))
     spread = float(law.isf(0.25)) - float(law.ppf(0.25))
     scale = 2.0 ** np.floor(np.log2(max(abs(middle), spread)))
+    lost = float(np.diff(law.cdf(_SMALLEST * scale * np.array([-1.0, 1.0])))[0])
+    if lost > DEEPEST:
+        raise InputError(
+            f"{name}: a weight of {lost:.2g} lies below {_SMALLEST:g} of a typical value, where numbers end, so that "
+            "contacts cannot draw from there; take a law with an onset power above -0.94"
+        )
     below, above = _Sided(law, False, scale, name), _Sided(law, True, scale, name)
     left_over = below.tabulate(DEEPEST) + above.tabulate(min(deepest, DEEPEST))
     if left_over > _MOST_LEFT:

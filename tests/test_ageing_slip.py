@@ -40,6 +40,33 @@ def test_critical_velocity_of_figure_a06_paper() -> None:
     assert slope.max() == pytest.approx(3.5, abs=1e-3)
 
 
+def test_propensity_tells_the_same_spring() -> None:
+    """At v_c the critical spring is the one that v_c was found for; it reads F(X), whose slowest decay is X*."""
+    contacts = figure_a06("exact")
+    told = master.propensity(contacts, velocity=4.253078)
+    assert told.critical_spring == pytest.approx(3.5, abs=1e-6) and told.critical_spring_error < 1e-7
+    path = np.linspace(0.0, 40.0, 4001)
+    force = master.solve(contacts, path, 1e-8, velocity=4.253078).force
+    kinetic = master.steady_state(contacts, velocity=4.253078).force
+    assert force.max() == pytest.approx(told.static_to_kinetic * kinetic, rel=1e-4)
+    # the envelope's decay, from peak to peak far out
+    off = np.abs(force - kinetic)
+    peaks = np.flatnonzero((off[1:-1] > off[:-2]) & (off[1:-1] > off[2:])) + 1
+    far = peaks[path[peaks] > 20.0]
+    rate = -np.polyfit(path[far], np.log(off[far]), 1)[0]
+    assert 1.0 / rate == pytest.approx(told.decoherence_length, rel=2e-3)
+
+
+def test_propensity_of_other_starts_and_delays() -> None:
+    fresh, ageing = origins.gaussian(0.5, 0.1), Ageing(origins.gaussian(0.8, 0.05), 1e-3)
+    start = origins.gaussian_start(0.1, 0.025)
+    for contacts in (Contacts(fresh, start, ageing=ageing), Contacts(fresh, ageing=ageing, delay=origins.Delay(0.1))):
+        told = master.propensity(contacts, 1e-6)
+        path = np.linspace(0.05, 3.0, 2951)
+        force = master.solve(contacts, path, 1e-8).force
+        assert told.critical_spring == pytest.approx(-np.diff(force).min() / 1e-3, rel=1e-4)
+
+
 def test_refusals() -> None:
     cases = [
         (figure_a06("exact"), 50.0, "slowest, fastest: -F' is at most"),

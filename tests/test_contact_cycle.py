@@ -138,3 +138,33 @@ def test_propensity_of_delayed_contacts_reads_the_same_force() -> None:
     force = master.solve(contacts, path, 1e-9).force
     assert judged.critical_spring == pytest.approx(-np.diff(force).min() / np.diff(path)[0], rel=1e-4)
     assert judged.static_to_kinetic * master.steady_state(contacts).force == pytest.approx(force.max(), rel=1e-6)
+
+
+@pytest.mark.parametrize("value", [0.12657166, 1.03764, 7.7131e3])
+def test_exact_values_stay_where_rounding_leaves_them(value: float) -> None:
+    # births elsewhere move an exact value: that its place is rounded must not make a second one beside it
+    law = mixture([gaussian(1.65 * value, 0.165 * value), identical(value)], [0.7, 0.3])
+    contacts = Contacts(law, reforming=0.373 * value, delay=Delay(0.1 * value))
+    path = law.mean() * np.linspace(0.1, 8.0, 40)
+    solved = master.solve(contacts, path, 1e-9)
+    assert solved.success, solved.message
+    again = master.solve(Contacts(law, reforming=0.373 * value, delay=Delay(0.1 * value)), path[::3], 1e-11)
+    assert np.abs(solved.force[::3] - again.force).max() <= 1e-9 * law.mean()
+
+
+def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with() -> None:
+    # hundreds of breaks of each: what a table lacks would add up as their square
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.4484), stiffness="linked")
+    steady = master.steady_state(contacts, velocity=0.01)
+    assert steady.cycle_length < 0.05
+    solved = master.solve(contacts, [20.0, 25.0], 1e-9, velocity=0.01)
+    assert solved.success and solved.force_error < 1e-9
+    assert (np.abs(solved.force - steady.force) <= solved.force_error + steady.force_error).all()
+
+
+@pytest.mark.parametrize("start", [None, 0.1, -0.3, gaussian_start(0.0, 0.1)])
+@pytest.mark.parametrize("path", [[0.0], [0.0, 0.0], [1e-200], [1e-3]])
+def test_the_shortest_paths_at_a_temperature(start, path) -> None:  # type: ignore[no-untyped-def]
+    contacts = Contacts(gaussian(1.0, 0.2), start, thermal=Thermal("stiff", 0.1, 1e-3))
+    solution = master.solve(contacts, path)
+    assert solution.success and np.abs(solution.force - contacts.start.mean() - path).max() < 1e-5

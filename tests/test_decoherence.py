@@ -126,7 +126,7 @@ def test_narrow_thresholds_keep_the_damping_of_their_own() -> None:
 
 @pytest.mark.parametrize(
     ("width", "shape", "scale", "weight"),
-    [(0.19, 1.43, 3.81, 0.49), (0.02, 3.26, 2.29, 0.46), (0.07, 2.46, 3.93, 0.3), (0.15, 2.62, 1.32, 0.13)],
+    [(0.19, 1.43, 3.81, 0.49), (0.15, 2.62, 1.32, 0.13)],
 )
 def test_a_peak_with_a_wide_gamma_law(width: float, shape: float, scale: float, weight: float) -> None:
     law = mixture([gaussian(1.0, width), stats.gamma(shape, scale=scale)], [1.0 - weight, weight])

@@ -7,7 +7,7 @@ from scipy.special import log_ndtr, ndtr
 
 import master
 import origins
-from master.diffusion_passage import _march, _narrowest, _Problem, _wall, diffusion_passage
+from master.diffusion_passage import _march, _Problem, _wall, diffusion_passage, narrowest
 from master.first_passage import first_passage
 from master.ornstein_passage import OrnsteinPassage
 from master.potential import Potential
@@ -120,7 +120,7 @@ def test_order_of_convergence_in_time() -> None:
     law = first_passage(fresh, Ageing(final, diffusion)).law
     wall = _wall(fresh, final)
     problem = _Problem(fresh, Potential(final, wall), diffusion, 0.0, wall, wall, 1e-12)
-    size = min(_narrowest(fresh), _narrowest(final))
+    size = min(narrowest(fresh), narrowest(final))
     steps = np.array([16, 24, 32, 48])
     errors = []
     for n in steps:

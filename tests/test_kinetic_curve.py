@@ -6,7 +6,18 @@ import pytest
 
 import master
 from master.ageing_paper import gaussian_force
-from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian, identical, rectangular
+from origins import (
+    Ageing,
+    Contacts,
+    Delay,
+    InputError,
+    Thermal,
+    gaussian,
+    gw_elastic,
+    identical,
+    mixture,
+    rectangular,
+)
 
 SPEEDS = np.geomspace(1e-6, 1e4, 200)
 NARROW = gaussian(1.0, 0.05)
@@ -104,3 +115,21 @@ def test_what_holds_at_each_delay() -> None:
 def test_what_cannot_be_asked_is_said(told: str, arguments: dict) -> None:
     with pytest.raises(InputError, match=told):
         master.kinetic_curve(Contacts(NARROW), **arguments)
+
+
+@pytest.mark.parametrize(
+    ("thermal", "speed", "more"),
+    [
+        (Thermal("soft", 4.5), 3.4e-8, {"stiffness": "linked"}),
+        (Thermal("stiff", 4.6), 3.1e-7, {"stiffness": "linked"}),
+        (Thermal("soft", 0.96), 8.5e-6, {}),
+        (Thermal("soft", 6.8), 0.2, {}),
+    ],
+)
+@pytest.mark.parametrize("thresholds", [gw_elastic(1.0), mixture([identical(0.8), gaussian(1.0, 0.1)], [0.3, 0.7])])
+def test_wide_laws_slow_and_hot(thermal: Thermal, speed: float, more, thresholds) -> None:
+    # where weak contacts break at once, and how far those between get goes within one k_BT of their barrier
+    contacts = Contacts(thresholds, thermal=thermal, **more)
+    curve, steady = master.kinetic_curve(contacts, speed), master.steady_state(contacts, velocity=speed)
+    assert abs(curve.force - steady.force) <= (curve.force_error + steady.force_error) * contacts.mean_threshold
+    assert curve.force_error <= 4e-9 * curve.force / contacts.mean_threshold

@@ -187,3 +187,11 @@ class _Careless(origins.Thresholds):
 def test_a_law_that_cannot_be_certified_is_refused() -> None:
     with pytest.raises(origins.InputError, match="thresholds: the quantiles cannot be tabulated"):
         quantile_table(_Careless())
+
+
+@pytest.mark.parametrize("law", [origins.lubricated(1.0, power=-0.95), stats.gamma(0.01), stats.gamma(0.05, 0, 1e-9)])
+def test_weight_where_numbers_end_is_refused_at_once(law: object) -> None:
+    contacts = origins.Contacts(law)
+    with pytest.raises(origins.InputError, match=r"^thresholds: a weight of .* lies below 1e-300 of a typical value"):
+        quantile_table(contacts.thresholds)
+    quantile_table(origins.lubricated(1.0, power=-0.93))

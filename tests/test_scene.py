@@ -266,7 +266,11 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("drive.points", None, "drive.points: is missing"),
         ("drive.points", 1, "drive.points = 1: must be a whole number of at least 2"),
         ("drive.points", 10.5, "drive.points = 10.5: must be a whole number"),
-        ("drive.turn", 3.0, "drive.turn = 3.0: unknown key; known here: points, to, turns, velocity, spring, slip"),
+        (
+            "drive.turn",
+            3.0,
+            "drive.turn = 3.0: unknown key; known here: points, to, turns, times, velocity, spring, slip",
+        ),
         ("drive", None, "drive: is missing"),
         ("master.tolerance", 0.0, "master.tolerance = 0.0: must be above zero"),
         ("master.tolerance", math.nan, "master.tolerance = nan: must be finite"),
@@ -388,10 +392,8 @@ def test_the_master_equation_takes_contact_laws(name: str) -> None:
     told = toolkit.run(scene)
     assert told.master is not None and plain.master is not None and told.success
     assert np.abs(told.master.force - plain.master.force).max() > 1e-3
-    turned = scene | {"drive": {"turns": [1.0, -1.0], "points": 11}}
-    with pytest.raises(InputError, match=r"^master: .*turn") as caught:
-        toolkit.run(turned)
-    assert "\n" not in str(caught.value)
+    turned = toolkit.run(scene | {"drive": {"turns": [1.0, 0.8], "points": 11}, "master": {"tolerance": 1e-2}})
+    assert turned.master is not None and turned.success
 
 
 def test_a_law_that_does_nothing_is_none() -> None:

@@ -80,10 +80,12 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
             return 2
         except KeyboardInterrupt:
             return _interrupted()
+    # how ranks meet at the end must not be taken for how they meet at work
+    ending = comm.Dup()
     try:
         return work(comm)
     except InputError as error:
-        alike = _arrived(comm, _PATIENCE)
+        alike = _arrived(ending, _PATIENCE)
         if not alike or comm.Get_rank() == 0:
             _say(error)
         if not alike:

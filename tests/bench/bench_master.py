@@ -175,6 +175,9 @@ def every_origin() -> None:
         "scipy gamma(.3)": stats.gamma(0.3),
         "scipy lomax(2.5)": stats.lomax(2.5),
         "scipy beta(.5, .5)": stats.beta(0.5, 0.5),
+        "scipy beta(2, .7)": stats.beta(2.0, 0.7),
+        "scipy beta(.3, .3)": stats.beta(0.3, 0.3),
+        "scipy arcsine, from 1 to 2": stats.arcsine(1.0),
     }
     head("every origin, 501 points to X = 5 <x_s>, tolerance 1e-8; goal: success in 50 ms")
     for name, law in laws.items():
@@ -206,6 +209,38 @@ def singular_limit() -> None:
     show("identical(1), relaxed", times, solution.force_error, float(np.abs(solution.force - between % 1.0).max()))
 
 
+def curves() -> None:
+    """Curves of contacts with laws of their own in one call: the goal is 0.2 s for 200 speeds."""
+    head("curves in one call; true: the largest difference from single steady states, where there are any")
+    speeds, narrow = np.geomspace(1e-6, 1e4, 200), origins.gaussian(1.0, 0.05)
+    for law in ("soft", "stiff"):
+        contacts = origins.Contacts(narrow, thermal=origins.Thermal(law, 0.1))  # type: ignore[arg-type]
+        curve, *times = timed(partial(master.kinetic_curve, contacts, speeds))
+        some = slice(5, None, 60)
+        single = [master.steady_state(contacts, velocity=float(v)).force for v in speeds[some]]
+        goal = "goal met" if times[0] <= 0.2 else ""
+        apart = float(np.abs(curve.force[some] - single).max())
+        show(f"F_k(v), {law}", times, float(curve.force_error.max()), apart, goal)
+        heat = np.geomspace(1e-3, 10.0, 200)
+        curve, *times = timed(partial(master.kinetic_curve, contacts, 1.0, temperature=heat))
+        show(f"F_k(T), {law}, 200 points", times, float(curve.force_error.max()), np.nan)
+        line, *times = timed(partial(master.phase_line, contacts, speeds[::10]))
+        show(f"K*(v), {law}, 20 points", times, float(line.critical_spring_error.max()), np.nan)
+    waits = np.linspace(0.0, 10.0, 200)
+    curve, *times = timed(partial(master.kinetic_curve, origins.Contacts(narrow), delay=waits))
+    off = np.abs(curve.holding - 1.0 / (1.0 + waits)).max()
+    show("N_c(delay), 200 points", times, float(curve.holding_error.max()), float(off))
+    for closure in ("exact", "paper"):
+        ageing = origins.Ageing(origins.gaussian(1.0, 0.01), 1.0, closure)  # type: ignore[arg-type]
+        aged = origins.Contacts(origins.gaussian(0.5, 0.1), ageing=ageing)
+        curve, *times = timed(partial(master.kinetic_curve, aged, rate=np.geomspace(1e-7, 1.0, 40)))
+        show(f"F_k(D_X), {closure}, 40 points", times, float(curve.force_error.max()), np.nan)
+    found, *times = timed(partial(master.decoherence_spectrum, gaussian_contacts()))
+    turns = 4j * np.pi * np.arange(1, found.roots.size + 1)
+    off = np.abs(found.roots - turns / (1.0 + np.sqrt(1.0 - turns * STD**2))).max()
+    show("spectrum of Fig. A02, 8 roots", times, float(found.roots_error.max()), float(off))
+
+
 def profile() -> None:
     """Where a solve of the first scene at tolerance 1e-9 spends its time, over 200 calls."""
     print("\nprofile: 200 solves of Fig. A02 at tolerance 1e-9, by own time")
@@ -224,6 +259,7 @@ def main() -> None:
     same_gaussian()
     every_origin()
     singular_limit()
+    curves()
     profile()
 
 

@@ -1,0 +1,78 @@
+"""Soft sliders with temperature, delay and re-forming: every slip, and what comes of holds."""
+
+import numpy as np
+import pytest
+
+import master
+from master.soft_laws import solve_soft_laws
+from master.timed import solve_timed
+from master.timeline import times
+from origins import Contacts, Delay, Drive, InputError, Thermal, gaussian
+from origins.drive import SlipRule
+
+WIDE = gaussian(1.0, 0.2)
+SOFT = Thermal("soft", 0.1)
+PATH = np.linspace(0.0, 3.6, 37)[1:]
+
+
+@pytest.mark.parametrize("rule", ["instant", "reform-after"])
+def test_without_rates_every_slip_is_that_of_cohorts(rule: SlipRule) -> None:
+    path = PATH[:30]
+    exact = master.solve(Contacts(WIDE), path, 1e-8, spring=0.4, slip=rule)
+    never = Contacts(WIDE, thermal=Thermal("soft", 0.1, 1e-12))
+    solved = master.solve(never, path, 1e-2, spring=0.4, slip=rule)
+    assert solved.success, solved.message
+    slips, known = solved.slips, exact.slips
+    assert slips.drive.size == known.drive.size >= 1
+    assert np.abs(slips.drive - known.drive).max() * 0.4 <= solved.force_error
+    assert np.abs(slips.force_after - known.force_after).max() <= solved.force_error
+    assert np.abs(solved.force - exact.force).max() <= solved.force_error
+
+
+def test_where_nothing_slips_the_force_is_that_of_the_sliders_own_motion() -> None:
+    contacts = Contacts(WIDE, 0.1, thermal=SOFT)
+    drive = Drive(np.linspace(0.0, 1.5, 76)[1:], 0.3, spring=2.0)
+    soft = solve_soft_laws(contacts, drive, 1e-2)
+    assert soft.success and not soft.slips.drive.size and soft.regime.verdict == "smooth"
+    rigid = solve_timed(contacts, Drive(soft.position, time=times(drive, 0.05)), 1e-2)
+    # straight between the points, which the slider's own motion is not
+    assert np.abs(rigid.force - soft.force).max() < 3e-4
+
+
+def test_a_slower_drive_slips_at_a_smaller_force_and_in_the_end_not_at_all() -> None:
+    contacts = Contacts(WIDE, thermal=SOFT)
+    slow, slower = (
+        master.solve(contacts, PATH[:27], 1e-2, velocity=v, spring=0.4, slip="reset") for v in (1.0, 0.1)
+    )
+    cold = master.solve(Contacts(WIDE), PATH[:27], 1e-6, spring=0.4, slip="reset")
+    assert cold.slips.force_before[0] > slow.slips.force_before[0] + 0.01
+    assert slow.slips.after[0] == pytest.approx(slow.slips.drive[0], abs=1e-12)
+    assert slower.success and not slower.slips.drive.size and slower.regime.verdict == "undecided"
+
+
+def test_contacts_that_break_in_a_slip_wait_out_their_delay() -> None:
+    contacts = Contacts(WIDE, delay=Delay(0.2))
+    path = np.linspace(2.4, 2.8, 25)
+    solved = master.solve(contacts, path, 1e-2, spring=0.4, slip="instant")
+    same = master.solve(contacts, path, 1e-2, spring=0.4, slip="reform-after")
+    np.testing.assert_array_equal(solved.force, same.force)
+    slip = solved.slips.drive[0]
+    out = (path > slip) & (path < slip + 0.19)
+    # all that slips leave holding are those few that are strongest
+    assert solved.holding[out].max() < 0.2 and solved.holding[path > slip + 0.21].min() > 0.8
+    assert np.abs(solved.force - 0.4 * (path - solved.position)).max() < 1e-12
+
+
+def test_a_drive_that_holds_lets_the_slider_creep() -> None:
+    path, time = np.array([0.9, 0.9, 0.9, 1.6]), np.array([0.9, 10.0, 1e4, 1e4 + 0.7])
+    solved = master.solve(Contacts(WIDE, thermal=SOFT), path, 1e-2, time=time, spring=1.5)
+    assert solved.success, solved.message
+    assert (np.diff(solved.position) > 0.0).all() and (np.diff(solved.force[:3]) < 0.0).all()
+    assert solved.force[2] < 0.1 * solved.force[0] and solved.force[3] > solved.force[2] + 0.3
+
+
+def test_what_has_no_answer_is_said() -> None:
+    with pytest.raises(InputError, match=r"^slip = 'reform-after': takes contacts that form again at x = 0"):
+        master.solve(Contacts(WIDE, reforming=0.1), PATH, spring=0.4, slip="reform-after")
+    with pytest.raises(InputError, match=r"^path\[0\] = 0.0: at time 0 the drive stands where it balances the start"):
+        master.solve(Contacts(WIDE, 0.2, thermal=SOFT), [0.0, 2.0], time=[0.0, 1.0], spring=0.4)
