@@ -271,3 +271,22 @@ def test_picture_of_every_sort_of_law_is_drawn(law: dict[str, Any], tmp_path: Pa
     scene = {"contacts": {"thresholds": law}, "drive": {"to": 2.0, "points": 21}, "master": {}}
     toolkit.save(toolkit.run(scene), tmp_path)
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_a_hold_leaves_is_in_the_result() -> None:
+    scene = {
+        "contacts": {
+            "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2},
+            "thermal": {"law": "soft", "temperature": 0.1},
+        },
+        "drive": {"turns": [1.0, 1.0, 2.0], "times": [1.0, 51.0, 52.0], "points": 31},
+        "master": {"tolerance": 1e-4},
+    }
+    found = toolkit.run(scene).master
+    assert found is not None and found.success
+    # ten points to each piece; the hold lets go of most of the force
+    before, after = found.force[10], found.force[20]
+    assert found.path[10] == found.path[20] == 1.0 and before > 0.4 and after < 0.25 * before
+    spring = scene | {"drive": {**scene["drive"], "spring": 2.0}, "master": {"tolerance": 1e-2}}  # type: ignore[dict-item]
+    soft = toolkit.run(spring).master
+    assert soft is not None and soft.force[20] < 0.5 * soft.force[10]

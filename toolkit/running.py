@@ -51,21 +51,13 @@ def run(
 def _solve(scene: Scene, asked: MasterTable) -> Solved:
     import master
 
-    drive = scene.drive
+    drive, contacts, path, tolerance = scene.drive, scene.contacts, scene.path, asked.tolerance
+    paced: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
     with laws.inside("master", {"tolerance": "tolerance"}):
         if drive.spring is None:
-            solved: Any = master.solve(scene.contacts, scene.path, asked.tolerance, velocity=drive.velocity)
+            solved: Any = master.solve(contacts, path, tolerance, **paced)
             return ageing_record(solved) if hasattr(solved, "mass_defect") else solved
-        return soft_record(
-            master.solve(
-                scene.contacts,
-                scene.path,
-                asked.tolerance,
-                velocity=drive.velocity,
-                spring=drive.spring,
-                slip=drive.slip,
-            )
-        )
+        return soft_record(master.solve(contacts, path, tolerance, **paced, spring=drive.spring, slip=drive.slip))
 
 
 def _simulate(scene: Scene, asked: EqTable, comm: Any, progress: Callable[[int, int], None] | None) -> Simulated:
