@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from typing import Any
@@ -39,7 +39,7 @@ class EnsembleResult:
         ensemble and not in its error: one contact's stretch divided by their number.
     holding : fraction of contacts that hold, shape (n,).
     holding_standard_error : of that, shape (n,).
-    histograms : of stretches and thresholds, at the points asked for.
+    histograms : of stretches and thresholds, at the points asked for, each made when it is asked for.
     contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
     success, message : whether the tolerance is reached, or all contacts followed, and in words.
     run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.
@@ -50,7 +50,7 @@ class EnsembleResult:
     force_standard_error: Array
     holding: Array
     holding_standard_error: Array
-    histograms: list[Histogram]
+    histograms: Sequence[Histogram]
     contacts: int
     breaks: int
     breaks_per_rank: list[int]
@@ -83,7 +83,18 @@ class State:
         if self.sums.shape != other.sums.shape:
             raise InputError("earlier: was found on another path, or for other contacts; start anew")
         run_time, steps = max(self.run_time, other.run_time), self.steps + other.steps
-        return State(self.sums + other.sums, self.breaks + other.breaks, steps, self.done + other.done, run_time)
+        done = layout.merged(self.done + other.done)
+        return State(self.sums + other.sums, self.breaks + other.breaks, steps, done, run_time)
+
+    @property
+    def contacts(self) -> int:
+        """How many."""
+        return sum(map(len, self.done))
+
+    def overlaps(self, other: State) -> bool:
+        """Whether some contact is in both, which then must not be joined."""
+        both = sum(map(len, layout.merged(self.done + other.done)))
+        return both < self.contacts + other.contacts
 
     def without_sums(self) -> State:
         """The rest alone."""
@@ -100,6 +111,9 @@ class Ensemble:
 
     Parameters and errors as for `simulate`; besides, `earlier` are the states of all ranks of an ensemble of the same
     parameters that was cut short: what these did is not done again, and the result is the same to the last bit.
+
+    Attributes: `total`, contacts in all; `expected`, how many of them will be followed, which with a tolerance is known
+    better after each round.
     """
 
     def __init__(
@@ -137,6 +151,7 @@ class Ensemble:
         self.total = self.n_contacts * replicas
         if self.total > _MOST_CONTACTS:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
+        self.expected = self.total
         self.drive = Drive(path, velocity, time)
         beginning = Beginning(contacts, self.n_contacts, key_of(seed))
         points = _points(histograms, self.drive.path.size)
@@ -159,7 +174,8 @@ class Ensemble:
         self._state = reduce(State.joined, found, nothing) if first else nothing
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
-        """Do this rank's share, once; after each block (contacts done, contacts in the share).
+        """Do this rank's share, once; after each block (contacts done, contacts in the share), and while it waits for
+        the others.
 
         With a tolerance the shares of further rounds follow while it is not reached. All ranks must go on to the end.
         """
@@ -179,7 +195,9 @@ class Ensemble:
                 late = self._wall_time is not None and clock.monotonic() - begun > self._wall_time
                 if late:
                     break
-            if self._enough(late):
+            for _ in layout.meeting(self.comm):
+                yield done, total
+            if self._enough(one_round, late):
                 return
 
     @property
@@ -187,14 +205,27 @@ class Ensemble:
         """What this rank has found so far, to go on from in another run: see `earlier`."""
         return self._state
 
-    def _enough(self, late: bool) -> bool:
+    def _enough(self, one_round: range, late: bool) -> bool:
         """Whether no further round is wanted; every rank must call."""
         if self._tolerance is None:
             return late
-        found = self.result()
         if self.comm is not None:
             late = any(self.comm.allgather(late))
-        return late or found.success
+        # what was done beyond this round says that it was not enough then
+        if late or any(part.stop > one_round.stop for part in self._before):
+            return late
+        found = self.result()
+        wanted = self._wanted(found.contacts, float(found.force_standard_error.max()) / self.contacts.mean_threshold)
+        self.expected = next(
+            (part.stop for part in layout.rounds(self.total, True) if part.stop >= wanted), self.total
+        )
+        return found.success
+
+    def _wanted(self, contacts: int, largest: float) -> float:
+        """How many contacts reach the tolerance, if these had this largest standard error."""
+        if self._tolerance is None:
+            return float(self.total)
+        return contacts * (largest / self._tolerance) ** 2 if np.isfinite(largest) else np.inf
 
     def result(self) -> EnsembleResult:
         """What all ranks found; every rank must call, and gets the same bits."""
@@ -237,7 +268,7 @@ class Ensemble:
         if self._tolerance is not None:
             if largest <= self._tolerance:
                 return True, f"{found}, within the tolerance {self._tolerance:.1e}"
-            more = contacts * (largest / self._tolerance) ** 2 if np.isfinite(largest) else np.inf
+            more = self._wanted(contacts, largest)
             return False, f"{found}, above the tolerance {self._tolerance:.1e}; it takes about {more:.1e} contacts"
         if contacts < self.total:
             return False, f"{found}: stopped before all {self.total} were followed"

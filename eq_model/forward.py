@@ -4,6 +4,8 @@ The stretches at which each of them breaks, its thresholds or at a temperature l
 else is needed of it.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -91,7 +93,7 @@ class Forward:
         mean = force(self.lattice, n, total[:, 0], total[:, 1:])
         return np.ones(mean.size), mean, spread
 
-    def histograms(self, n: int, sums: npt.NDArray[np.int64]) -> list[Histogram]:
+    def histograms(self, n: int, sums: npt.NDArray[np.int64]) -> Sequence[Histogram]:
         """None."""
         return []
 

@@ -1,5 +1,6 @@
 """Who does which contacts: contacts of all replicas in one row, a share for each rank, blocks in each share."""
 
+import time as clock
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
@@ -11,6 +12,7 @@ _BLOCK_BREAKS = 1 << 24  # a block takes about a twentieth of a second
 _ALL_MEASURED = 4 * BLOCK
 _ROW = 8 * BLOCK
 _FIRST_ROUND = 1 << 14
+_NAP = 0.001  # seconds
 
 
 def rounds(total: int, several: bool) -> list[range]:
@@ -40,6 +42,17 @@ def joined(done: list[range], block: range) -> list[range]:
     if done and done[-1].stop == block.start:
         return [*done[:-1], range(done[-1].start, block.stop)]
     return [*done, block]
+
+
+def merged(done: list[range]) -> list[range]:
+    """The same contacts in order, in as few ranges as there can be."""
+    out: list[range] = []
+    for part in sorted(done, key=lambda part: part.start):
+        if out and part.start <= out[-1].stop:
+            out[-1] = range(out[-1].start, max(out[-1].stop, part.stop))
+        else:
+            out.append(part)
+    return out
 
 
 def share(contacts: list[range], rank: int, size: int) -> list[range]:
@@ -90,10 +103,22 @@ def rank_and_size(comm: Any) -> tuple[int, int]:
 
 def in_turn(comm: Any, work: Any) -> None:
     """Call `work` on rank 0 first, then on the others together: they find on disk what rank 0 compiled."""
-    rank, size = rank_and_size(comm)
+    rank = rank_and_size(comm)[0]
     if rank == 0:
         work()
-    if size > 1:
-        comm.Barrier()
+    for _ in meeting(comm):
+        pass
     if rank > 0:
         work()
+
+
+def meeting(comm: Any) -> Iterator[None]:
+    """Wait for all ranks, which must call; an item a millisecond, to do something else meanwhile.
+
+    MPI's own waits keep a core busy, and hear no signal.
+    """
+    if rank_and_size(comm)[1] > 1:
+        request = comm.Ibarrier()
+        while not request.Test():
+            clock.sleep(_NAP)
+            yield

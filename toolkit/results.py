@@ -17,6 +17,7 @@ from toolkit.interfaces import Number
 from toolkit.scene import SceneTable, read_table
 
 if TYPE_CHECKING:
+    from eq_model.histogram import Histogram
     from master.soft import SoftSolution
 
 Array = npt.NDArray[np.float64]
@@ -50,10 +51,23 @@ class Solved(Curve, Protocol):
 
 
 class Simulated(Curve, Protocol):
-    """The ensemble's answer; `force_standard_error` (n,) is a length, times are in seconds."""
+    """The ensemble's answer; `force_standard_error` (n,) is a length, that of the fraction that holds a number.
+
+    `histograms` are those of stretches and thresholds that were asked for; times are in seconds.
+    """
 
     @property
     def force_standard_error(self) -> Array: ...
+    @property
+    def holding_standard_error(self) -> Array: ...
+    @property
+    def histograms(self) -> Sequence["Histogram"]: ...
+    @property
+    def contacts(self) -> int: ...
+    @property
+    def success(self) -> bool: ...
+    @property
+    def message(self) -> str: ...
     @property
     def breaks(self) -> int: ...
     @property
@@ -122,10 +136,15 @@ class SimulatedRecord:
     force: Array
     holding: Array
     force_standard_error: Array
+    holding_standard_error: Array
+    histograms: Sequence["Histogram"]
+    contacts: int
     breaks: int
     breaks_per_rank: tuple[int, ...]
     run_time: float
     compile_time: float
+    success: bool
+    message: str
 
 
 @dataclass(frozen=True)
@@ -159,8 +178,9 @@ class Result:
         `path`, `force` = F/(N_c<k>) (lengths), `holding` (a fraction), each of shape (n,); `force_error` (in <x_s>),
         `success`, `message`, `run_time`; a SoftRecord where a spring pulls. None where not asked for.
     eq : Simulated or None
-        `path`, `force`, `holding`, `force_standard_error` (a length), each of shape (n,); `breaks`,
-        `breaks_per_rank`, `run_time`, `compile_time`. None where not asked for.
+        `path`, `force`, `holding`, `force_standard_error` (a length), `holding_standard_error`, each of shape (n,);
+        `histograms`, of eq_model.histogram.Histogram, each read when it is asked for; `contacts` followed, `breaks`,
+        `breaks_per_rank`, `success`, `message`, `run_time`, `compile_time`. None where not asked for.
     notes : tuple of str
         What to keep in mind of the thresholds: where samples, surface or load strain them.
     interface : dict or None
@@ -186,7 +206,7 @@ class Result:
     @property
     def success(self) -> bool:
         """Whether every solver reached what was asked of it."""
-        return self.master is None or self.master.success
+        return all(answer is None or answer.success for answer in (self.master, self.eq))
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:

@@ -22,6 +22,7 @@ from toolkit.toml import to_toml
 SHIPPED = Path(__file__).parent / "scenes"
 _MOST_POINTS = 10_000_000
 _FURTHEST = 1e6  # mean thresholds
+_SAME_PLACE = 1e-9  # of the furthest point
 _EXPECTED = {
     "object": "a table",
     "float": "a number, such as 1.0",
@@ -48,6 +49,7 @@ class DriveTable(Table, frozen=True):
     points: int
     to: float | None = None
     turns: list[float] | None = None
+    times: list[float] | None = None
     velocity: float = 1.0
     spring: float | None = None
     slip: Literal["reset", "reform-after", "instant"] = "reset"
@@ -61,6 +63,9 @@ class EqTable(Table, frozen=True):
     contacts: int = 100_000
     replicas: int = 16
     seed: int = 1
+    tolerance: float | None = None
+    wall_time: float | None = None
+    histograms: list[float] | None = None
 
 
 class SceneTable(Table, frozen=True):
@@ -92,6 +97,22 @@ class Scene:
     @property
     def path(self) -> npt.NDArray[np.float64]:
         return self.drive.path
+
+    def histogram_points(self) -> npt.NDArray[np.intp]:
+        """Indices of the path's points at the positions that eq.histograms names, each time the slider is there.
+
+        Raises InputError for a position that is none of the path's points.
+        """
+        found: list[npt.NDArray[np.intp]] = []
+        close = _SAME_PLACE * float(np.abs(self.path).max())
+        for k, position in enumerate((self.eq and self.eq.histograms) or ()):
+            away = np.abs(self.path - finite(f"eq.histograms[{k}]", position))
+            if away.min() > close:
+                nearest = np.unique(self.path[np.argsort(away, kind="stable")[:2]])
+                near = " and ".join(f"{x:.12g}" for x in nearest)
+                refuse(f"eq.histograms[{k}]", position, f"is none of the path's points; near it are {near}")
+            found.append(np.flatnonzero(away <= close))
+        return np.unique(np.concatenate(found)) if found else np.empty(0, np.intp)
 
     def only_forward(self, what: str) -> "Scene":
         """Itself, if its slider is rigid and moves forward; InputError with the name of `what` takes no other."""
@@ -155,14 +176,25 @@ def _checked(
     if table.master is not None:
         positive("master.tolerance", table.master.tolerance)
     if table.eq is not None:
-        whole("eq.contacts", table.eq.contacts, least=1)
-        whole("eq.replicas", table.eq.replicas, least=1)
-        whole("eq.seed", table.eq.seed, least=0)
+        _check_ensemble(table.eq)
     contacts = _contacts(table.contacts, folder, comm)
     scene = Scene(name, table.title, text, folder, contacts, _drive(table.drive), table.master, table.eq)
     if solved:
         _check_reach(scene, table.drive)
-    return scene if table.eq is None else scene.only_forward("the ensemble [eq]")
+    if table.eq is not None:
+        if scene.drive.spring is not None:
+            refuse("drive.spring", scene.drive.spring, "the ensemble [eq] takes a rigid slider; leave one of them out")
+        scene.histogram_points()
+    return scene
+
+
+def _check_ensemble(table: EqTable) -> None:
+    whole("eq.contacts", table.contacts, least=1)
+    whole("eq.replicas", table.replicas, least=1)
+    whole("eq.seed", table.seed, least=0)
+    for name in ("tolerance", "wall_time"):
+        if (value := getattr(table, name)) is not None:
+            positive(f"eq.{name}", value)
 
 
 def _drive(table: DriveTable) -> Drive:
@@ -172,26 +204,44 @@ def _drive(table: DriveTable) -> Drive:
     if (table.to is None) == (table.turns is None):
         both = "both are given" if table.to is not None else "neither is given"
         raise InputError(f"drive: needs one of to = 5.0 and turns = [3.0, -3.0, 3.0], and {both}")
+    if table.times is not None and (table.turns is None or len(table.times) != len(table.turns)):
+        refuse("drive.times", table.times, "needs drive.turns, with one time for each of them")
     ends = [positive("drive.to", table.to)] if table.turns is None else table.turns
-    path = _path(ends, points)
-    with laws.inside("drive", {"velocity": "velocity", "spring": "spring", "slip": "slip"}):
-        return Drive(path, table.velocity, None, table.spring, table.slip)
+    number, places = _spaced(ends, points, stands=table.times is not None)
+    path = np.interp(np.arange(points), number, places)
+    times = None if table.times is None else _times(table.times, number, places)
+    with laws.inside("drive", {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}):
+        return Drive(path, table.velocity, times, table.spring, table.slip)
 
 
-def _path(ends: list[float], points: int) -> npt.NDArray[np.float64]:
-    """Straight from 0 to each of the ends in turn, all of them among the points; these as even as that allows."""
+def _spaced(ends: list[float], points: int, stands: bool) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+    """0 and each of the ends in turn, and which of the points they are; these as even as that allows.
+
+    Where the slider `stands` two may be the same.
+    """
     places = np.array([0.0, *(finite(f"drive.turns[{k}]", end) for k, end in enumerate(ends))])
     if places.size < 2 or points < places.size:
         refuse("drive.turns", ends, f"must hold a position at least, and fewer than drive.points = {points}")
     same = np.flatnonzero(np.diff(places) == 0.0)
-    if same.size:
+    if same.size and not stands:
         refuse(f"drive.turns[{same[0]}]", ends[same[0]], "is where the path already stands; leave it out")
     travelled = np.append(0.0, np.abs(np.diff(places)).cumsum())
+    if travelled[-1] == 0.0:
+        refuse("drive.turns", ends, "must lead away from X = 0")
     number = np.round(travelled / travelled[-1] * (points - 1)).astype(int)
     # each leg has a point of its own at least, whichever way rounding went
     number = np.maximum.accumulate(number - np.arange(places.size)) + np.arange(places.size)
-    number = np.minimum(number, points - 1 - np.arange(places.size)[::-1])
-    return np.interp(np.arange(points), number, places)
+    return np.minimum(number, points - 1 - np.arange(places.size)[::-1]), places
+
+
+def _times(
+    times: list[float], number: npt.NDArray[np.int64], places: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """When each of the points is reached, at one speed between the ends."""
+    when = np.array([0.0, *(finite(f"drive.times[{k}]", time) for k, time in enumerate(times))])
+    for k in np.flatnonzero((np.diff(when) < 0.0) | ((np.diff(when) == 0.0) & (np.diff(places) != 0.0))):
+        refuse(f"drive.times[{k}]", times[k], f"must come after {when[k]:g}, when the slider is at {places[k]:g}")
+    return np.interp(np.arange(number[-1] + 1), number, when)
 
 
 def _check_reach(scene: Scene, table: DriveTable) -> None:
