@@ -65,6 +65,18 @@ def test_it_stops_where_the_tolerance_is_reached() -> None:
     same(dataclasses.replace(run, message=""), dataclasses.replace(first, message=""))
 
 
+def test_a_round_that_was_not_enough_is_not_judged_again() -> None:
+    """Cut short in the round after it, whose finished blocks would make it enough."""
+    asked: dict[str, Any] = {"n_contacts": 2_000_000, "tolerance": 1.15e-3}
+    whole = followed(eq_model.Ensemble(PLAIN, PATH, **asked))
+    assert whole.success
+    for blocks in range(1, 7):
+        first = eq_model.Ensemble(PLAIN, PATH, **asked)
+        list(islice(first, blocks))
+        assert first.expected >= whole.contacts
+        same(followed(eq_model.Ensemble(PLAIN, PATH, **asked, earlier=[first.state])), whole)
+
+
 def test_a_tolerance_out_of_reach_is_said() -> None:
     run = eq_model.simulate(PLAIN, PATH, n_contacts=50_000, tolerance=1e-4)
     assert not run.success and run.contacts == 50_000 and "above the tolerance" in run.message

@@ -48,7 +48,7 @@ def follow(
                     asked.signal = None
                     result = ensemble.result()
                     return replace(result, success=False, message=f"interrupted: {result.message}")
-                asked.pass_on("its finished blocks are kept" if checkpoint is not None else "nothing was written")
+                asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
             elif checkpoint is not None:
                 checkpoint.keep(ensemble.state)
     result = ensemble.result()

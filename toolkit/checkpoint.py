@@ -58,11 +58,18 @@ class Checkpoint:
         self._turn, self._old = 0, list[Path]()
         self._last, self._warned = time.monotonic(), False
         self._written: State | None = None
+        self._written_well = False
 
     @property
     def is_first(self) -> bool:
         """Whether this rank speaks for all."""
         return self._rank == 0
+
+    @property
+    def note(self) -> str:
+        """What is left when the run ends here."""
+        kept = "its finished blocks are kept in" if self._written_well else "what it found last could not be written to"
+        return f"{kept} {self._home}"
 
     def earlier(self) -> list[State]:
         """What an earlier run found, for `Ensemble`: whole on rank 0, elsewhere which contacts it was; [] if nothing.
@@ -87,12 +94,14 @@ class Checkpoint:
 
     def write(self, state: State) -> None:
         """Write this rank's `state`; a disk that refuses is told once, by rank 0."""
+        self._written_well = False
         try:
             self._home.mkdir(parents=True, exist_ok=True)
             _write(self._home / f"{self._turn:03d}-rank-{self._rank:05d}.npz", state, self._identity)
             if self.is_first:
                 while self._old:  # all of it is in the new one
                     self._old.pop().unlink(missing_ok=True)
+            self._written_well = True
         except OSError as error:
             if self.is_first and not self._warned:
                 say(f"{self._home}: no checkpoint: {error.strerror or error}; the run goes on")

@@ -25,7 +25,7 @@ Record = TypeVar("Record", SolvedRecord, SoftRecord, SimulatedRecord, ThresholdC
 
 RESULT, SUMMARY, PICTURE = "result.h5", "summary.json", "picture.png"
 
-_HISTOGRAMS = "histograms"
+_HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
     *("path", "position", "force", "force_standard_error", "x", "atoms", "stretch_edges", "threshold_edges"),
     *(f"slip_{name}" for name in ("drive", "before", "after", "force_before", "force_after")),
@@ -148,32 +148,40 @@ def _speakable(value: Any) -> Any:
 
 
 def _write_result(result: Result, path: Path) -> None:
+    """In memory first, where histograms are compressed: on a full disk HDF5 takes the process down with it."""
     import h5py
 
-    with h5py.File(path, "w") as store:
-        store.attrs.update(
-            name=result.name,
-            title=result.title,
-            scene=result.text,
-            version=result.version,
-            mean_threshold=result.mean_threshold,
-        )
-        unit = result.thresholds.unit
-        _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
-        if result.notes:
-            store["notes"] = list(result.notes)
-            store["notes"].attrs["units"] = "text"
-        if result.interface is not None:
-            _write_interface(store.create_group("interface"), result.interface)
-        if result.master is not None:
-            solved = result.master
-            kind = SoftRecord if isinstance(solved, SoftRecord) else SolvedRecord
-            _write(store.create_group("master"), solved, kind, unit)
-        if result.eq is not None and result.asked.eq is not None:
-            store.attrs["seed"] = result.asked.eq.seed
-            group = store.create_group("eq")
-            _write(group, result.eq, SimulatedRecord, unit)
-            _write_histograms(group, result.eq.histograms, unit)
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as store:
+        _fill(result, store)
+        store.flush()
+        image = store.id.get_file_image()
+    path.write_bytes(image)
+
+
+def _fill(result: Result, store: "h5py.File") -> None:
+    store.attrs.update(
+        name=result.name,
+        title=result.title,
+        scene=result.text,
+        version=result.version,
+        mean_threshold=result.mean_threshold,
+    )
+    unit = result.thresholds.unit
+    _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
+    if result.notes:
+        store["notes"] = list(result.notes)
+        store["notes"].attrs["units"] = "text"
+    if result.interface is not None:
+        _write_interface(store.create_group("interface"), result.interface)
+    if result.master is not None:
+        solved = result.master
+        kind = SoftRecord if isinstance(solved, SoftRecord) else SolvedRecord
+        _write(store.create_group("master"), solved, kind, unit)
+    if result.eq is not None and result.asked.eq is not None:
+        store.attrs["seed"] = result.asked.eq.seed
+        group = store.create_group("eq")
+        _write(group, result.eq, SimulatedRecord, unit)
+        _write_histograms(group, result.eq.histograms, unit)
 
 
 def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str) -> None:
@@ -181,7 +189,7 @@ def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str)
     units = {"density": f"1 / {unit}", **dict.fromkeys(_LENGTHS, unit)}
     for field in fields(record):
         value = getattr(answer, field.name)
-        if isinstance(value, np.ndarray):
+        if isinstance(value, np.ndarray) or field.name == _PER_RANK:
             group[field.name] = value
             group[field.name].attrs["units"] = units.get(field.name, "1")
         elif field.name != _HISTOGRAMS:
@@ -251,5 +259,7 @@ def _read(group: "h5py.Group", record: type[Record], given: Mapping[str, Any] = 
     for name, value in group.attrs.items():
         plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
         values[name] = tuple(plain) if isinstance(plain, list) else plain
+    if _PER_RANK in values:
+        values[_PER_RANK] = tuple(values[_PER_RANK].tolist())  # of thousands of ranks: too many for an attribute
     values |= given
     return record(**{field.name: values[field.name] for field in fields(record)})

@@ -15,7 +15,7 @@ from toolkit.running import make_ensemble
 from toolkit.scene import Scene
 
 _FIRST, _GROWTH = 64, 4  # contacts of each rank in the first pilot, and how many times as many in the next
-_LONG_ENOUGH = 0.15  # seconds of a pilot
+_LONG_ENOUGH = 0.05  # seconds of a pilot
 _SPEED = 2.0  # other users, another clock rate, tables that leave the cache: a machine is this much faster or slower
 _AFTERWARDS = 160.0  # MB at most for result files and pictures, once the ensemble is done
 _COMPILED = 0.6  # of a pilot's peak, if it compiled what the run finds compiled
@@ -59,7 +59,7 @@ class Forecast:
 
 
 def forecast(scene: Scene, comm: Any = None) -> Forecast:
-    """Run pilots of the scene's ensemble, each larger than the one before, for about half a second in all.
+    """Run pilots of the scene's ensemble, each larger than the one before, for some tenths of a second in all.
 
     All ranks of the communicator must call: they work at once, as they will. Raises InputError for a scene without
     [eq], and as a run does.
