@@ -83,18 +83,12 @@ class State:
         if self.sums.shape != other.sums.shape:
             raise InputError("earlier: was found on another path, or for other contacts; start anew")
         run_time, steps = max(self.run_time, other.run_time), self.steps + other.steps
-        done = layout.merged(self.done + other.done)
-        return State(self.sums + other.sums, self.breaks + other.breaks, steps, done, run_time)
+        return State(self.sums + other.sums, self.breaks + other.breaks, steps, self.done + other.done, run_time)
 
     @property
     def contacts(self) -> int:
         """How many."""
         return sum(map(len, self.done))
-
-    def overlaps(self, other: State) -> bool:
-        """Whether some contact is in both, which then must not be joined."""
-        both = sum(map(len, layout.merged(self.done + other.done)))
-        return both < self.contacts + other.contacts
 
     def without_sums(self) -> State:
         """The rest alone."""

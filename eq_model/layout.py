@@ -44,17 +44,6 @@ def joined(done: list[range], block: range) -> list[range]:
     return [*done, block]
 
 
-def merged(done: list[range]) -> list[range]:
-    """The same contacts in order, in as few ranges as there can be."""
-    out: list[range] = []
-    for part in sorted(done, key=lambda part: part.start):
-        if out and part.start <= out[-1].stop:
-            out[-1] = range(out[-1].start, max(out[-1].stop, part.stop))
-        else:
-            out.append(part)
-    return out
-
-
 def share(contacts: list[range], rank: int, size: int) -> list[range]:
     """The contacts of one rank: shares follow one another and differ by at most one contact."""
     total = sum(map(len, contacts))

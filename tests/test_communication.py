@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+import eq_model
+import origins
 import toolkit
 from toolkit.running import make_ensemble
 
@@ -74,6 +76,17 @@ def test_calls_and_bytes_are_as_documented(ranks: int, tmp_path: Path) -> None:
     # ten times the contacts: the same
     assert few.bytes["Allreduce"] == many.bytes["Allreduce"]
     assert abs(few.bytes["allgather"] - many.bytes["allgather"]) <= 8 * ranks
+
+
+@pytest.mark.parametrize("stiffness", ["independent", "linked"])
+@pytest.mark.parametrize("path", [np.linspace(0.1, 5.0, 50), np.array([0.3, 0.9, 1.0, 5.0, -2.0, 40.0]), np.ones(1)])
+def test_the_sums_are_as_many_as_documented(path: Any, stiffness: Any) -> None:
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), stiffness=stiffness)
+    many, each = [eq_model.Ensemble(contacts, path, histograms=points).state.sums.shape[1] for points in ((), (0,))]
+    most = 3 * (9 * path.size + 2100) * (2 if stiffness == "linked" else 1)
+    assert many <= most and each <= most + 8192
+    if path.size == 50 and stiffness == "independent":
+        assert many <= 3 * (path.size + 2)
 
 
 def test_a_tolerance_takes_a_meeting_for_each_doubling(tmp_path: Path) -> None:

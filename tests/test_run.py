@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -104,7 +105,9 @@ def test_bar_is_for_long_runs_only(capsys: pytest.CaptureFixture[str], monkeypat
     assert capsys.readouterr().err == ""
     for done in (2, 3, 4):
         long(done, 4)
-    assert "50%" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    # how far, how fast, how long still
+    assert "50%" in told and re.search(r"<[\d:?]+, .*contacts/s\]", told)
 
 
 def test_only_named_solvers_run() -> None:

@@ -12,8 +12,11 @@ import os
 import sys
 import time
 import tomllib
+from bisect import bisect_left, insort
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
+from functools import reduce
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -116,7 +119,10 @@ class Checkpoint:
             self._home.rmdir()
 
     def _read(self) -> State | None:
+        from eq_model import layout
+
         found: State | None = None
+        taken: list[range] = []
         self._old = _files(self._home)
         for file in self._old:
             self._turn = max(self._turn, _turn(file) + 1)
@@ -126,12 +132,11 @@ class Checkpoint:
                 continue
             state, other = read
             self._check(other)
-            if found is None:
-                found = state
-            elif not found.overlaps(state):
-                found = found.joined(state)
+            if _take(state.done, taken):
+                found = state if found is None else found.joined(state)
         if found is not None:
             say(f"going on from the checkpoint in {self._home}: {found.contacts:,} contacts are done")
+            found = replace(found, done=reduce(layout.joined, taken, []))
         return found
 
     def _check(self, other: dict[str, str]) -> None:
@@ -179,6 +184,18 @@ def _drawn(law: Thresholds) -> str:
 def _files(home: Path) -> list[Path]:
     """Those of the last turn first, and of each turn that of rank 0."""
     return sorted(home.glob("[0-9]*-rank-*.npz"), key=lambda file: (-_turn(file), file.name))
+
+
+def _take(done: list[range], taken: list[range]) -> bool:
+    """Add `done` to `taken`, which is in order, unless one of these contacts is there already."""
+    for part in done:
+        at = bisect_left(taken, part.start, key=lambda other: other.start)
+        before, after = taken[max(at - 1, 0) : at], taken[at : at + 1]
+        if any(other.stop > part.start for other in before) or any(other.start < part.stop for other in after):
+            return False
+    for part in done:
+        insort(taken, part, key=lambda other: other.start)
+    return True
 
 
 def _turn(file: Path) -> int:
