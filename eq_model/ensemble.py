@@ -24,6 +24,7 @@ from origins.streams import MOST_REPLICAS, key_of
 Array = npt.NDArray[np.float64]
 
 _MOST_CONTACTS = 1 << 37
+_LONG = 0.5  # seconds of a block: who stops a run waits for its end
 
 
 @dataclass(frozen=True)
@@ -173,22 +174,28 @@ class Ensemble:
 
         With a tolerance the shares of further rounds follow while it is not reached. All ranks must go on to the end.
         """
-        rank, size = layout.rank_and_size(self.comm)
+        rank, ranks = layout.rank_and_size(self.comm)
         each = float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum()) / self.contacts.mean_threshold
+        size = most = layout.block_size(each * self._engine.weight)
         begun, done = clock.monotonic(), 0
         for one_round in layout.rounds(self.total, self._tolerance is not None):
-            mine = layout.share(layout.left(one_round, self._before), rank, size)
+            mine = layout.share(layout.left(one_round, self._before), rank, ranks)
             total, late = done + sum(map(len, mine)), False
-            for block in (block for part in mine for block in layout.blocks(part, each)):
+            while mine and not late:
+                block, rest = layout.cut(mine[0], size)
+                mine = [rest, *mine[1:]] if len(rest) else mine[1:]
                 started = clock.perf_counter()
                 added = self._engine.follow(block)
+                seconds = clock.perf_counter() - started
                 # one assignment: whatever interrupts, the state is that of whole blocks
-                self._state = self._state.after(block, *added, clock.perf_counter() - started)
+                self._state = self._state.after(block, *added, seconds)
+                if len(block) == size and seconds > _LONG:
+                    size = max(size // 2, 1)
+                elif 4.0 * seconds < _LONG:
+                    size = min(2 * size, most)
                 done += len(block)
                 yield done, total
                 late = self._wall_time is not None and clock.monotonic() - begun > self._wall_time
-                if late:
-                    break
             for _ in layout.meeting(self.comm):
                 yield done, total
             if self._enough(one_round, late):

@@ -30,8 +30,10 @@ class Forward:
     """The sums of such contacts, and what they say of the force.
 
     size : of the sums, 3 + 3 bins: all births and each bin's thresholds; then, of those contacts that are measured,
-    births, squared births, and each bin's thresholds and second moments in turn.
+    births, squared births, and each bin's thresholds and second moments in turn. weight : of a break, to go by.
     """
+
+    weight = 1.0
 
     def __init__(self, drive: Drive, beginning: Beginning) -> None:
         self._beginning, table = beginning, beginning.table

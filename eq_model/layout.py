@@ -57,17 +57,19 @@ def share(contacts: list[range], rank: int, size: int) -> list[range]:
     return out
 
 
-def blocks(contacts: range, breaks_each: float) -> Iterator[range]:
-    """`contacts` cut into blocks of about 2^24 breaks, `breaks_each` expected of each contact.
+def block_size(breaks_each: float) -> int:
+    """Contacts of a block, of which so many breaks of the plainest sort are expected each."""
+    return int(min(max(_BLOCK_BREAKS / max(breaks_each, 1.0), 1.0), BLOCK))
+
+
+def cut(contacts: range, size: int) -> tuple[range, range]:
+    """A block of `size` contacts or less, and the rest.
 
     None reaches across a multiple of 2^16 contacts, so that all of a block is measured or none.
     """
-    size = int(min(max(_BLOCK_BREAKS / max(breaks_each, 1.0), 1.0), BLOCK))
     first = contacts.start
-    while first < contacts.stop:
-        last = min(first + size, contacts.stop, (first // BLOCK + 1) * BLOCK)
-        yield range(first, last)
-        first = last
+    last = min(first + size, contacts.stop, (first // BLOCK + 1) * BLOCK)
+    return range(first, last), range(last, contacts.stop)
 
 
 def is_measured(contact: int) -> bool:

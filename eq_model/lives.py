@@ -95,12 +95,14 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
 class Lives:
     """The sums of such contacts, and what they say of the force.
 
-    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms.
+    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms. weight : about how
+    much longer a break takes than one of the other engine's.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
         contacts, table = beginning.contacts, beginning.table
         self._beginning, self.linked = beginning, contacts.stiffness == "linked"
+        self.weight = 10.0 if contacts.ageing is None else 300.0
         reforming = contacts.reforming
         furthest = max(map(abs, contacts.start.span))
         if reforming is not None:

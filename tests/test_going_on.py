@@ -45,6 +45,15 @@ def test_gone_on_with_twice_it_is_the_uninterrupted_one(contacts: Contacts) -> N
     same(followed(last), whole)
 
 
+def test_blocks_that_take_long_become_smaller(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = followed(eq_model.Ensemble(WAITING, PATH, n_contacts=200_000))
+    monkeypatch.setattr("eq_model.ensemble._LONG", 2e-3)
+    ensemble = eq_model.Ensemble(WAITING, PATH, n_contacts=200_000)
+    sizes = np.diff([0, *(done for done, _ in ensemble)])
+    assert sizes[0] == 1 << 16 and sizes[1:].max() <= 1 << 15 and sizes.min() < 1 << 14
+    same(ensemble.result(), whole)
+
+
 def test_states_of_several_ranks_are_joined_and_gaps_filled() -> None:
     whole = followed(eq_model.Ensemble(PLAIN, PATH, n_contacts=200_000))
     ensemble = eq_model.Ensemble(PLAIN, PATH, n_contacts=200_000)

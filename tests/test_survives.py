@@ -272,6 +272,16 @@ def test_thresholds_from_a_file_that_changed_are_another_run(tmp_path: Path) -> 
     assert [key for key in names[0] if names[0][key] != names[1][key]] == ["contacts.thresholds as drawn"]
 
 
+def test_long_lists_are_told_apart_in_few_letters() -> None:
+    names = []
+    for last in (1.5, 1.6):
+        law = {"kind": "from-samples", "x_s": [*np.linspace(1.0, 1.4, 500), last]}
+        names.append(identity(toolkit.load_scene(SCENE | {"contacts": {"thresholds": law}})))
+    apart = [key for key in names[0] if names[0][key] != names[1][key]]
+    assert apart == ["contacts.thresholds.x_s", "contacts.thresholds as drawn"]
+    assert max(map(len, names[0].values())) < 100
+
+
 def test_whatever_is_left_behind_no_contact_counts_twice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Rank 0 has written what was found before, another rank's old file is still there, and one file is spoiled."""
     scene = toolkit.load_scene(SCENE | {"eq": SCENE["eq"] | {"contacts": 1000, "histograms": [2.0]}})

@@ -38,6 +38,7 @@ NAME = "checkpoint"
 EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
 
 _BESIDE = {"title", "master.tolerance", "eq.wall_time"}  # what the ensemble's numbers do not depend on
+_LONG = 60  # letters
 _QUANTILES = np.linspace(0.0, 1.0, 66)[1:-1]
 
 
@@ -172,12 +173,17 @@ def _flat(value: Any, where: tuple[str, ...]) -> Iterator[tuple[str, str]]:
         for key, item in value.items():
             yield from _flat(item, (*where, key))
     elif value is not None:
-        yield ".".join(where), json.dumps(value)
+        text = json.dumps(value)
+        # thousands of samples need not be repeated in the file of every rank
+        yield ".".join(where), text if len(text) <= _LONG else f"{text[:_LONG]}... {_digest(text)}"
 
 
 def _drawn(law: Thresholds) -> str:
     """Twelve letters that tell one law from another, where a file's contents say what it is."""
-    text = " ".join(f"{x:.9g}" for x in law.ppf(_QUANTILES))
+    return _digest(" ".join(f"{x:.9g}" for x in law.ppf(_QUANTILES)))
+
+
+def _digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()[:12]
 
 

@@ -76,23 +76,16 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
     Bad input is one line and status 2, SIGINT one and 130, SIGTERM one and 143, each printed once. Any other exception
     of one rank ends all ranks.
     """
+    ending = None
     with _terminable():
         try:
             comm = communicator(launched)
             # how ranks meet at the end must not be taken for how they meet at work
             ending = None if comm is None else comm.Dup()
-        except InputError as error:
-            if launched.rank == 0:
-                _say(error)
-            return 2
-        try:
             return work(comm)
         except InputError as error:
-            if ending is None:
-                _say(error)
-                return 2
-            alike = _arrived(ending, _PATIENCE)
-            if not alike or ending.Get_rank() == 0:
+            alike = ending is None or _arrived(ending, _PATIENCE)
+            if launched.rank == 0 or not alike:
                 _say(error)
             if not alike:
                 _abort(ending, 2)
@@ -100,7 +93,7 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
         except (KeyboardInterrupt, Terminated) as stop:
             status, word = (143, "terminated") if isinstance(stop, Terminated) else (130, "interrupted")
             alike = ending is None or _arrived(ending, _GRACE)
-            if not alike or launched.rank == 0:
+            if launched.rank == 0 or not alike:
                 note = (getattr(stop, "__notes__", None) or ["nothing was written"])[0]
                 print(f"mesofriction: {word}; {note}", file=sys.stderr, flush=True)
             if ending is None:
