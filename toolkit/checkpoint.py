@@ -180,7 +180,8 @@ def _flat(value: Any, where: tuple[str, ...]) -> Iterator[tuple[str, str]]:
 
 def _drawn(law: Thresholds) -> str:
     """Twelve letters that tell one law from another, where a file's contents say what it is."""
-    return _digest(" ".join(f"{x:.9g}" for x in law.ppf(_QUANTILES)))
+    numbers = [*law.ppf(_QUANTILES), law.mean(), law.moment(2), *law.support()]
+    return _digest(" ".join(f"{x:.10g}" for x in numbers))
 
 
 def _digest(text: str) -> str:
