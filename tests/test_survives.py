@@ -60,8 +60,7 @@ FORKS = (
     + """
 import time
 
-def child(words, error, seconds=None, limit=None, **fate):
-    begun = time.monotonic()
+def child(words, error, share=None, usual=0.0, limit=None, **fate):
     pid = os.fork()
     if pid == 0:
         os.dup2(os.open(error, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
@@ -75,11 +74,18 @@ def child(words, error, seconds=None, limit=None, **fate):
         finally:
             sys.stderr.flush()
             os._exit(status)
-    if seconds is not None:
-        time.sleep(seconds)
-        os.kill(pid, signal.SIGKILL)
-    status = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
-    return status, open(error).read(), time.monotonic() - begun
+    begun = deadline = float("inf")
+    ended = 0
+    while not ended:
+        ended, status = os.waitpid(pid, 0 if share is None else os.WNOHANG)
+        now = time.monotonic()
+        if share is not None and begun > now and os.path.isdir(words[3] + "/checkpoint"):
+            begun, deadline = now, now + share * usual
+        if now > deadline:
+            os.kill(pid, signal.SIGKILL)
+            deadline = float("inf")
+        time.sleep(0.001)
+    return os.waitstatus_to_exitcode(status), open(error).read(), max(now - begun, 0.0)
 
 signals = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
 words = lambda out, every="0.001": ["run", "scene.json.toml", "--out", out, "--checkpoint", every]
@@ -135,21 +141,25 @@ print(json.dumps(told), file=stdout)
 def test_killed_at_10_to_90_percent_of_its_time(python: Callable[..., Any], tmp_path: Path) -> None:
     scene_file(tmp_path, contacts=20 * BLOCK)
     program = """
-usual = min(child(words("usual"), "error")[2] for _ in range(2))
+# from the first checkpoint to the end; killed after each tenth of that
+usual = child(words("usual"), "error", share=1.0, usual=60.0)[2]
 for tenth in range(1, 10):
-    killed = child(words(f"out{tenth}"), "error", seconds=0.1 * tenth * usual)
-    there = os.path.isdir(f"out{tenth}/checkpoint")
-    told.append([killed[0], there, *child(words(f"out{tenth}"), "error")])
+    for attempt in range(5):  # other tests share the cores: it may have been faster than it was
+        status, _, lasted = child(words(f"out{tenth}{attempt}"), "error", share=0.1 * tenth, usual=usual)
+        if status != 0:
+            break
+        usual = min(usual, lasted)
+    told.append([f"out{tenth}{attempt}", status, *child(words(f"out{tenth}{attempt}"), "error")[:2]])
 print(json.dumps(told), file=stdout)
 """
     done = python(FORKS + program)
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
-    for tenth, (killed, there, status, error, _) in enumerate(told, 1):
-        assert killed in (-signal.SIGKILL, 0) and status == 0
-        assert (followed(error) > 0) == (there and killed != 0)
-        same(tmp_path / "whole", tmp_path / f"out{tenth}")
-    assert sum(there for _, there, *_ in told) >= 6
+    for folder, killed, status, _ in told:
+        assert killed == -signal.SIGKILL and status == 0
+        same(tmp_path / "whole", tmp_path / folder)
+    kept = [followed(error) for *_, error in told]
+    assert min(kept) > 0 and max(kept) > 10 * BLOCK
 
 
 def test_ranks_killed_one_or_all_and_another_number_goes_on(

@@ -27,5 +27,10 @@ class Progress:
         self._bar.total = expected
         self._bar.update(done - self._bar.n)
         if done >= expected:
+            self.close()
+
+    def close(self) -> None:
+        """Take the bar away."""
+        if self._bar is not None:
             self._bar.close()
             self._bar = None

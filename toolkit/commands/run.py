@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from contextlib import closing
 from typing import Any
 
 ALL_RANKS = True
@@ -40,7 +41,8 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     folder = arguments.out or f"{scene.name}-output"
     # refused before the work, not after it
     kept = open_checkpoint(folder, scene, comm, arguments.checkpoint)
-    result, finished = solve(scene, comm, Progress() if first else None, kept)
+    with closing(Progress()) as progress:
+        result, finished = solve(scene, comm, progress if first else None, kept)
     for line in report(result):
         print(line)
     write(result, folder, comm, kept if finished else None)
