@@ -16,6 +16,7 @@ from eq_model.beginning import Beginning
 from eq_model.forward import Forward, takes
 from eq_model.histogram import Histogram
 from eq_model.lives import LAWS, Lives
+from eq_model.state import State
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse, whole
@@ -59,41 +60,6 @@ class EnsembleResult:
     compile_time: float
     success: bool
     message: str
-
-
-@dataclass(frozen=True)
-class State:
-    """What the contacts of some blocks did: whole numbers, so that states may be joined in any order.
-
-    sums : shape (2, m), of the engine; breaks, steps : of these contacts; done : the contacts; run_time : s.
-    """
-
-    sums: npt.NDArray[np.int64]
-    breaks: int
-    steps: int
-    done: list[range]
-    run_time: float
-
-    def after(self, block: range, sums: npt.NDArray[np.int64], breaks: int, steps: int, seconds: float) -> State:
-        """With one block more."""
-        done = layout.joined(self.done, block)
-        return State(self.sums + sums, self.breaks + breaks, self.steps + steps, done, self.run_time + seconds)
-
-    def joined(self, other: State) -> State:
-        """Of both."""
-        if self.sums.shape != other.sums.shape:
-            raise InputError("earlier: was found on another path, or for other contacts; start anew")
-        run_time, steps = max(self.run_time, other.run_time), self.steps + other.steps
-        return State(self.sums + other.sums, self.breaks + other.breaks, steps, self.done + other.done, run_time)
-
-    @property
-    def contacts(self) -> int:
-        """How many."""
-        return sum(map(len, self.done))
-
-    def without_sums(self) -> State:
-        """The rest alone."""
-        return State(np.zeros((2, 0), np.int64), self.breaks, self.steps, self.done, self.run_time)
 
 
 class Ensemble:
@@ -176,7 +142,7 @@ class Ensemble:
         """
         rank, ranks = layout.rank_and_size(self.comm)
         each = float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum()) / self.contacts.mean_threshold
-        size = most = layout.block_size(each * self._engine.weight)
+        size, most = layout.block_size(each * self._engine.weight), layout.block_size(each)
         begun, done = clock.monotonic(), 0
         for one_round in layout.rounds(self.total, self._tolerance is not None):
             mine = layout.share(layout.left(one_round, self._before), rank, ranks)

@@ -32,7 +32,7 @@ from toolkit.ranks import on_root
 from toolkit.scene import Scene, read_table
 
 if TYPE_CHECKING:
-    from eq_model.ensemble import State
+    from eq_model.state import State
 
 NAME = "checkpoint"
 EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
@@ -238,7 +238,7 @@ def _write(file: Path, state: State, told: dict[str, str]) -> None:
 
 def _read(file: Path) -> tuple[State, dict[str, str]] | None:
     """State and identity; None for a file that a failing disk spoiled."""
-    from eq_model.ensemble import State
+    from eq_model.state import State
 
     try:
         with np.load(file) as stored:
