@@ -30,13 +30,14 @@ def inside(number: Estimate, found: float) -> bool:
 
 
 @pytest.mark.parametrize("tables", [SCENE, LATE, WANTED], ids=["plain", "late", "wanted"])
-def test_a_run_is_as_foretold(tables: dict[str, Any]) -> None:
+def test_a_run_is_as_foretold(tables: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("toolkit.forecast._LONG_ENOUGH", 0.01)  # so that it is a long run beside the pilot
     # other tests share the cores: one of three must find the machine as the pilot found it
     for _ in range(3):
         told = forecast(toolkit.load_scene(tables))
         run = toolkit.run(tables).eq
         assert run is not None
-        assert told.pilot_time < 2.0 and told.pilot_contacts < run.contacts / 2
+        assert told.pilot_time < 2.0 and told.pilot_contacts < run.contacts / 4
         assert inside(told.contacts, run.contacts) and inside(told.breaks, run.breaks)
         assert inside(told.error, run.force_standard_error.max())
         assert told.error.high < 2.0 * told.error.low * (4.0 if told.tolerance else 1.0)

@@ -35,6 +35,10 @@ class Estimate:
         """Both above zero and independent of each other."""
         return Estimate(self.value * other.value, self.low * other.low, self.high * other.high)
 
+    def after(self, ready: float) -> "Estimate":
+        """And what it takes to get ready, of which no range is known."""
+        return Estimate(self.value + ready, self.low, self.high + _SPEED * ready)
+
 
 @dataclass(frozen=True)
 class Forecast:
@@ -67,18 +71,20 @@ def forecast(scene: Scene, comm: Any = None) -> Forecast:
     asked = scene.eq
     if asked is None:
         raise InputError("dry run: the scene has no [eq], and only the ensemble's work is foreseen")
-    ranks, most, spent = 1 if comm is None else comm.Get_size(), asked.contacts * asked.replicas, 0.0
+    ranks, most = 1 if comm is None else comm.Get_size(), asked.contacts * asked.replicas
+    ready = spent = 0.0
     n = min(_FIRST * ranks, most)
     while True:
         pilot = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
+        ready = max(ready, _largest(comm, pilot.state.run_time))  # tables are made once
         begun = time.perf_counter()
         found = follow(pilot)
         seconds = _largest(comm, time.perf_counter() - begun)
         spent += seconds
-        if seconds > _LONG_ENOUGH or n == most:
+        largest = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
+        if seconds > _LONG_ENOUGH or _GROWTH * n > _followed(asked.tolerance, n, largest, most):
             break
-        n = min(_GROWTH * n, most)
-    largest = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
+        n *= _GROWTH
     off = min(_SIGMAS * math.sqrt(_TAILS / n), 0.9)
     of_n = Estimate(largest, largest * (1.0 - off), largest * (1.0 + off))
     contacts = Estimate(*(_followed(asked.tolerance, n, error, most) for error in (of_n.value, of_n.low, of_n.high)))
@@ -89,7 +95,7 @@ def forecast(scene: Scene, comm: Any = None) -> Forecast:
         most=most,
         contacts=contacts,
         breaks=contacts.times(_each(scene, found.breaks / n, n)),
-        run_time=contacts.times(Estimate(cost, cost / _SPEED, cost * _SPEED)),
+        run_time=contacts.times(Estimate(cost, cost / _SPEED, cost * _SPEED)).after(ready),
         memory=Estimate(memory + 0.5 * _AFTERWARDS, _COMPILED * memory, memory + _AFTERWARDS),
         error=Estimate(
             of_n.value * math.sqrt(n / contacts.value),
