@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from typing import Any
@@ -16,6 +16,7 @@ from eq_model.beginning import Beginning
 from eq_model.forward import Forward, takes
 from eq_model.histogram import Histogram
 from eq_model.lives import LAWS, Lives
+from eq_model.state import State
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse, whole
@@ -24,6 +25,7 @@ from origins.streams import MOST_REPLICAS, key_of
 Array = npt.NDArray[np.float64]
 
 _MOST_CONTACTS = 1 << 37
+_LONG = 0.5  # seconds of a block: who stops a run waits for its end
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class EnsembleResult:
         ensemble and not in its error: one contact's stretch divided by their number.
     holding : fraction of contacts that hold, shape (n,).
     holding_standard_error : of that, shape (n,).
-    histograms : of stretches and thresholds, at the points asked for.
+    histograms : of stretches and thresholds, at the points asked for, each made when it is asked for.
     contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
     success, message : whether the tolerance is reached, or all contacts followed, and in words.
     run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.
@@ -50,7 +52,7 @@ class EnsembleResult:
     force_standard_error: Array
     holding: Array
     holding_standard_error: Array
-    histograms: list[Histogram]
+    histograms: Sequence[Histogram]
     contacts: int
     breaks: int
     breaks_per_rank: list[int]
@@ -58,36 +60,6 @@ class EnsembleResult:
     compile_time: float
     success: bool
     message: str
-
-
-@dataclass(frozen=True)
-class State:
-    """What the contacts of some blocks did: whole numbers, so that states may be joined in any order.
-
-    sums : shape (2, m), of the engine; breaks, steps : of these contacts; done : the contacts; run_time : s.
-    """
-
-    sums: npt.NDArray[np.int64]
-    breaks: int
-    steps: int
-    done: list[range]
-    run_time: float
-
-    def after(self, block: range, sums: npt.NDArray[np.int64], breaks: int, steps: int, seconds: float) -> State:
-        """With one block more."""
-        done = layout.joined(self.done, block)
-        return State(self.sums + sums, self.breaks + breaks, self.steps + steps, done, self.run_time + seconds)
-
-    def joined(self, other: State) -> State:
-        """Of both."""
-        if self.sums.shape != other.sums.shape:
-            raise InputError("earlier: was found on another path, or for other contacts; start anew")
-        run_time, steps = max(self.run_time, other.run_time), self.steps + other.steps
-        return State(self.sums + other.sums, self.breaks + other.breaks, steps, self.done + other.done, run_time)
-
-    def without_sums(self) -> State:
-        """The rest alone."""
-        return State(np.zeros((2, 0), np.int64), self.breaks, self.steps, self.done, self.run_time)
 
 
 class Ensemble:
@@ -100,6 +72,9 @@ class Ensemble:
 
     Parameters and errors as for `simulate`; besides, `earlier` are the states of all ranks of an ensemble of the same
     parameters that was cut short: what these did is not done again, and the result is the same to the last bit.
+
+    Attributes: `total`, contacts in all; `expected`, how many of them will be followed, which with a tolerance is known
+    better after each round.
     """
 
     def __init__(
@@ -137,6 +112,7 @@ class Ensemble:
         self.total = self.n_contacts * replicas
         if self.total > _MOST_CONTACTS:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
+        self.expected = self.total
         self.drive = Drive(path, velocity, time)
         beginning = Beginning(contacts, self.n_contacts, key_of(seed))
         points = _points(histograms, self.drive.path.size)
@@ -159,27 +135,36 @@ class Ensemble:
         self._state = reduce(State.joined, found, nothing) if first else nothing
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
-        """Do this rank's share, once; after each block (contacts done, contacts in the share).
+        """Do this rank's share, once; after each block (contacts done, contacts in the share), and while it waits for
+        the others.
 
         With a tolerance the shares of further rounds follow while it is not reached. All ranks must go on to the end.
         """
-        rank, size = layout.rank_and_size(self.comm)
+        rank, ranks = layout.rank_and_size(self.comm)
         each = float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum()) / self.contacts.mean_threshold
+        size, most = layout.block_size(each * self._engine.weight), layout.block_size(each)
         begun, done = clock.monotonic(), 0
         for one_round in layout.rounds(self.total, self._tolerance is not None):
-            mine = layout.share(layout.left(one_round, self._before), rank, size)
+            mine = layout.share(layout.left(one_round, self._before), rank, ranks)
             total, late = done + sum(map(len, mine)), False
-            for block in (block for part in mine for block in layout.blocks(part, each)):
+            while mine and not late:
+                block, rest = layout.cut(mine[0], size)
+                mine = [rest, *mine[1:]] if len(rest) else mine[1:]
                 started = clock.perf_counter()
                 added = self._engine.follow(block)
+                seconds = clock.perf_counter() - started
                 # one assignment: whatever interrupts, the state is that of whole blocks
-                self._state = self._state.after(block, *added, clock.perf_counter() - started)
+                self._state = self._state.after(block, *added, seconds)
+                if len(block) == size and seconds > _LONG:
+                    size = max(size // 2, 1)
+                elif 4.0 * seconds < _LONG:
+                    size = min(2 * size, most)
                 done += len(block)
                 yield done, total
                 late = self._wall_time is not None and clock.monotonic() - begun > self._wall_time
-                if late:
-                    break
-            if self._enough(late):
+            for _ in layout.meeting(self.comm):
+                yield done, total
+            if self._enough(one_round, late):
                 return
 
     @property
@@ -187,14 +172,27 @@ class Ensemble:
         """What this rank has found so far, to go on from in another run: see `earlier`."""
         return self._state
 
-    def _enough(self, late: bool) -> bool:
+    def _enough(self, one_round: range, late: bool) -> bool:
         """Whether no further round is wanted; every rank must call."""
         if self._tolerance is None:
             return late
-        found = self.result()
         if self.comm is not None:
             late = any(self.comm.allgather(late))
-        return late or found.success
+        # what was done beyond this round says that it was not enough then
+        if late or any(part.stop > one_round.stop for part in self._before):
+            return late
+        found = self.result()
+        wanted = self._wanted(found.contacts, float(found.force_standard_error.max()) / self.contacts.mean_threshold)
+        self.expected = next(
+            (part.stop for part in layout.rounds(self.total, True) if part.stop >= wanted), self.total
+        )
+        return found.success
+
+    def _wanted(self, contacts: int, largest: float) -> float:
+        """How many contacts reach the tolerance, if these had this largest standard error."""
+        if self._tolerance is None:
+            return float(self.total)
+        return contacts * (largest / self._tolerance) ** 2 if np.isfinite(largest) else np.inf
 
     def result(self) -> EnsembleResult:
         """What all ranks found; every rank must call, and gets the same bits."""
@@ -237,7 +235,7 @@ class Ensemble:
         if self._tolerance is not None:
             if largest <= self._tolerance:
                 return True, f"{found}, within the tolerance {self._tolerance:.1e}"
-            more = contacts * (largest / self._tolerance) ** 2 if np.isfinite(largest) else np.inf
+            more = self._wanted(contacts, largest)
             return False, f"{found}, above the tolerance {self._tolerance:.1e}; it takes about {more:.1e} contacts"
         if contacts < self.total:
             return False, f"{found}: stopped before all {self.total} were followed"

@@ -4,6 +4,8 @@ The stretches at which each of them breaks, its thresholds or at a temperature l
 else is needed of it.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -28,8 +30,10 @@ class Forward:
     """The sums of such contacts, and what they say of the force.
 
     size : of the sums, 3 + 3 bins: all births and each bin's thresholds; then, of those contacts that are measured,
-    births, squared births, and each bin's thresholds and second moments in turn.
+    births, squared births, and each bin's thresholds and second moments in turn. weight : of a break, to go by.
     """
+
+    weight = 1.0
 
     def __init__(self, drive: Drive, beginning: Beginning) -> None:
         self._beginning, table = beginning, beginning.table
@@ -91,7 +95,7 @@ class Forward:
         mean = force(self.lattice, n, total[:, 0], total[:, 1:])
         return np.ones(mean.size), mean, spread
 
-    def histograms(self, n: int, sums: npt.NDArray[np.int64]) -> list[Histogram]:
+    def histograms(self, n: int, sums: npt.NDArray[np.int64]) -> Sequence[Histogram]:
         """None."""
         return []
 

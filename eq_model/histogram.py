@@ -1,6 +1,8 @@
 """What stretches and thresholds the contacts have that hold: counted where asked for, the contacts not kept."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 import numpy.typing as npt
@@ -43,3 +45,21 @@ def _density(counts: Array, total: int, low: float, high: float) -> tuple[Array,
     """Edges, density and its standard error."""
     share, width = counts / total, (high - low) / BINS
     return np.linspace(low, high, BINS + 1), share / width, np.sqrt(share * (1.0 - share) / total) / width
+
+
+class Made(Sequence[Histogram]):
+    """Histograms that are made, or read, each when it is asked for: all of them at once might not fit."""
+
+    def __init__(self, size: int, make: Callable[[int], Histogram]) -> None:
+        self._size, self._make = size, make
+
+    def __len__(self) -> int:
+        return self._size
+
+    @overload
+    def __getitem__(self, index: int) -> Histogram: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Histogram]: ...
+    def __getitem__(self, index: int | slice) -> Histogram | list[Histogram]:
+        chosen = range(self._size)[index]
+        return self._make(chosen) if isinstance(chosen, int) else [self._make(k) for k in chosen]

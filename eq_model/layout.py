@@ -1,6 +1,6 @@
 """Who does which contacts: contacts of all replicas in one row, a share for each rank, blocks in each share."""
 
-import time
+import time as clock
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
@@ -12,6 +12,7 @@ _BLOCK_BREAKS = 1 << 24  # a block takes about a twentieth of a second
 _ALL_MEASURED = 4 * BLOCK
 _ROW = 8 * BLOCK
 _FIRST_ROUND = 1 << 14
+_NAP = 0.001  # seconds
 
 
 def rounds(total: int, several: bool) -> list[range]:
@@ -56,17 +57,19 @@ def share(contacts: list[range], rank: int, size: int) -> list[range]:
     return out
 
 
-def blocks(contacts: range, breaks_each: float) -> Iterator[range]:
-    """`contacts` cut into blocks of about 2^24 breaks, `breaks_each` expected of each contact.
+def block_size(breaks_each: float) -> int:
+    """Contacts of a block, of which so many breaks of the plainest sort are expected each."""
+    return int(min(max(_BLOCK_BREAKS / max(breaks_each, 1.0), 1.0), BLOCK))
+
+
+def cut(contacts: range, size: int) -> tuple[range, range]:
+    """A block of `size` contacts or less, and the rest.
 
     None reaches across a multiple of 2^16 contacts, so that all of a block is measured or none.
     """
-    size = int(min(max(_BLOCK_BREAKS / max(breaks_each, 1.0), 1.0), BLOCK))
     first = contacts.start
-    while first < contacts.stop:
-        last = min(first + size, contacts.stop, (first // BLOCK + 1) * BLOCK)
-        yield range(first, last)
-        first = last
+    last = min(first + size, contacts.stop, (first // BLOCK + 1) * BLOCK)
+    return range(first, last), range(last, contacts.stop)
 
 
 def is_measured(contact: int) -> bool:
@@ -91,13 +94,22 @@ def rank_and_size(comm: Any) -> tuple[int, int]:
 
 def in_turn(comm: Any, work: Any) -> None:
     """Call `work` on rank 0 first, then on the others together: they find on disk what rank 0 compiled."""
-    rank, size = rank_and_size(comm)
+    rank = rank_and_size(comm)[0]
     if rank == 0:
         work()
-    if size > 1:
-        compiled = comm.Ibarrier()
-        # MPI's own waits keep a core busy, which rank 0 may need
-        while not compiled.Test():
-            time.sleep(0.001)
+    for _ in meeting(comm):
+        pass
     if rank > 0:
         work()
+
+
+def meeting(comm: Any) -> Iterator[None]:
+    """Wait for all ranks, which must call; an item a millisecond, to do something else meanwhile.
+
+    MPI's own waits keep a core busy, and hear no signal.
+    """
+    if rank_and_size(comm)[1] > 1:
+        request = comm.Ibarrier()
+        while not request.Test():
+            clock.sleep(_NAP)
+            yield

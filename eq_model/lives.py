@@ -1,5 +1,6 @@
 """Contacts with laws of their own, or on a path that turns or takes its time: the ensemble's second engine."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from eq_model.beginning import Beginning, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
-from eq_model.histogram import BINS, Histogram, histogram
+from eq_model.histogram import BINS, Histogram, Made, histogram
 from eq_model.lattice import Whole, joined, split
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive
@@ -94,12 +95,14 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
 class Lives:
     """The sums of such contacts, and what they say of the force.
 
-    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms.
+    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms. weight : about how
+    much longer a break takes than one of the other engine's.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
         contacts, table = beginning.contacts, beginning.table
         self._beginning, self.linked = beginning, contacts.stiffness == "linked"
+        self.weight = 10.0 if contacts.ageing is None else 300.0
         reforming = contacts.reforming
         furthest = max(map(abs, contacts.start.span))
         if reforming is not None:
@@ -163,11 +166,13 @@ class Lives:
         holding, force, variance = moments(self.course, self.linked, n, sums[:, : self._events])
         return holding, force, np.maximum(variance, self._reached**2 / n)  # one break that might have been
 
-    def histograms(self, n: int, sums: Whole) -> list[Histogram]:
+    def histograms(self, n: int, sums: Whole) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""
         counts = joined(sums[:, self._events :]).reshape(-1, 2, BINS)
         back = np.argsort(self._order)
-        return [
-            histogram(int(point), float(self.course.path[point]), self._longest, counts[k], n)
-            for point, k in zip(self._points, back, strict=True)
-        ]
+
+        def make(index: int) -> Histogram:
+            point = int(self._points[index])
+            return histogram(point, float(self.course.path[point]), self._longest, counts[back[index]], n)
+
+        return Made(self._points.size, make)

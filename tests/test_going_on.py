@@ -45,6 +45,15 @@ def test_gone_on_with_twice_it_is_the_uninterrupted_one(contacts: Contacts) -> N
     same(followed(last), whole)
 
 
+def test_blocks_that_take_long_become_smaller(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = followed(eq_model.Ensemble(WAITING, PATH, n_contacts=200_000))
+    monkeypatch.setattr("eq_model.ensemble._LONG", 2e-3)
+    ensemble = eq_model.Ensemble(WAITING, PATH, n_contacts=200_000)
+    sizes = np.diff([0, *(done for done, _ in ensemble)])
+    assert sizes[0] == 1 << 16 and sizes[1:].max() <= 1 << 15 and sizes.min() < 1 << 14
+    same(ensemble.result(), whole)
+
+
 def test_states_of_several_ranks_are_joined_and_gaps_filled() -> None:
     whole = followed(eq_model.Ensemble(PLAIN, PATH, n_contacts=200_000))
     ensemble = eq_model.Ensemble(PLAIN, PATH, n_contacts=200_000)
@@ -63,6 +72,18 @@ def test_it_stops_where_the_tolerance_is_reached() -> None:
     # the contacts are the first ones of all
     first = eq_model.simulate(PLAIN, PATH, n_contacts=run.contacts)
     same(dataclasses.replace(run, message=""), dataclasses.replace(first, message=""))
+
+
+def test_a_round_that_was_not_enough_is_not_judged_again() -> None:
+    """Cut short in the round after it, whose finished blocks would make it enough."""
+    asked: dict[str, Any] = {"n_contacts": 2_000_000, "tolerance": 1.15e-3}
+    whole = followed(eq_model.Ensemble(PLAIN, PATH, **asked))
+    assert whole.success
+    for blocks in range(1, 7):
+        first = eq_model.Ensemble(PLAIN, PATH, **asked)
+        list(islice(first, blocks))
+        assert first.expected >= whole.contacts
+        same(followed(eq_model.Ensemble(PLAIN, PATH, **asked, earlier=[first.state])), whole)
 
 
 def test_a_tolerance_out_of_reach_is_said() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -104,7 +105,9 @@ def test_bar_is_for_long_runs_only(capsys: pytest.CaptureFixture[str], monkeypat
     assert capsys.readouterr().err == ""
     for done in (2, 3, 4):
         long(done, 4)
-    assert "50%" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    # how far, how fast, how long still
+    assert "50%" in told and re.search(r"<[\d:?]+, .*contacts/s\]", told)
 
 
 def test_only_named_solvers_run() -> None:
@@ -147,7 +150,7 @@ def test_arrays_have_units_and_the_scene_goes_with_them(result: Any, tmp_path: P
         assert store["eq/holding"].attrs["units"] == "1"
         arrays: list[Any] = []
         store.visititems(lambda _, item: arrays.append(item) if isinstance(item, h5py.Dataset) else None)
-        assert len(arrays) == 12 and all("units" in array.attrs for array in arrays)
+        assert len(arrays) == 14 and all("units" in array.attrs for array in arrays)
 
 
 def test_lengths_of_a_surface_are_metres(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import eq_model
 import origins
 import toolkit
 from origins.errors import InputError
@@ -281,7 +282,13 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("eq.replicas", -3, "eq.replicas = -3: must be a whole number of at least 1"),
         ("eq.seed", -1, "eq.seed = -1: must be a whole number of at least 0"),
         ("eqs", {"note": "x" * 99}, "eqs = {'note': 'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...: unknown key"),
-        ("eq.threads", 2, "eq.threads = 2: unknown key; known here: contacts, replicas, seed"),
+        ("eq.threads", 2, "eq.threads = 2: unknown key; known here: contacts, replicas, seed, tolerance, wall"),
+        ("eq.tolerance", 0.0, "eq.tolerance = 0.0: must be above zero"),
+        ("eq.wall_time", math.inf, "eq.wall_time = inf: must be finite"),
+        ("eq.histograms", [1.0, 2.005], "eq.histograms[1] = 2.005: is none of the path's points; near it are 2 "),
+        ("eq.histograms", [math.nan], "eq.histograms[0] = nan: must be finite"),
+        ("drive.spring", 0.5, "drive.spring = 0.5: the ensemble [eq] takes a rigid slider; leave one of them out"),
+        ("drive.times", [1.0, 2.0], "drive.times = [1.0, 2.0]: must hold one time for each of drive.turns, 1"),
         ("colour", "red", "colour = 'red': unknown key; known here: contacts, drive, title, master, eq"),
         ("title", 3, "title = 3: must be text in quotes"),
     ],
@@ -375,12 +382,50 @@ def test_contact_laws_are_built() -> None:
     assert linked.relative_stiffness(2.0) == pytest.approx(2.0)
 
 
-@pytest.mark.parametrize("name", CONTACT_LAWS)
-def test_the_ensemble_refuses_contact_laws_by_name(name: str) -> None:
-    scene = changed(f"contacts.{name}", CONTACT_LAWS[name])
-    with pytest.raises(InputError, match=rf"^eq: contacts\.{name}.* does not take it yet; leave ") as caught:
-        toolkit.run({key: value for key, value in scene.items() if key != "master"})
+@pytest.mark.parametrize("name", [*CONTACT_LAWS, "turns", "times"])
+def test_the_ensemble_takes_every_law_and_path(name: str) -> None:
+    plain = {key: value for key, value in changed("eq.contacts", 2000).items() if key != "master"}
+    scene = copy.deepcopy(plain)
+    if name == "turns":
+        scene["drive"] = {"turns": [1.5, -1.0, 2.0], "points": 501, "velocity": 2.0}
+    elif name == "times":
+        scene["drive"] = {"turns": [1.5, 1.5, 5.0], "times": [1.5, 9.0, 12.5], "points": 501}
+        plain["contacts"] = scene["contacts"] = plain["contacts"] | {"delay": {"time": 2.0}}
+    else:
+        own = CONTACT_LAWS[name]
+        scene["contacts"][name] = own | {"closure": "exact"} if name == "ageing" else own
+    found, without, checked = toolkit.run(scene).eq, toolkit.run(plain).eq, toolkit.load_scene(scene)
+    assert found is not None and without is not None and found.success
+    drive, seed = checked.drive, {"n_contacts": 2000, "n_replicas": 2, "seed": 1}
+    direct = eq_model.simulate(checked.contacts, drive.path, velocity=drive.velocity, time=drive.time, **seed)
+    assert np.array_equal(found.force, direct.force) and np.array_equal(found.holding, direct.holding)
+    assert np.abs(found.force - without.force).max() > 1e-3
+
+
+def test_what_only_the_master_equation_takes_is_refused_by_name() -> None:
+    scene = {key: value for key, value in changed("contacts.ageing", CONTACT_LAWS["ageing"]).items() if key != "master"}
+    with pytest.raises(InputError, match=r"^eq: contacts\.ageing: closure = \"paper\"") as caught:
+        toolkit.run(scene)
     assert "\n" not in str(caught.value)
+
+
+def test_a_drive_in_time_holds_and_changes_speed() -> None:
+    drive = {"turns": [1.0, 1.0, 3.0, 2.0], "times": [2.0, 10.0, 11.0, 11.5], "points": 10}
+    made = toolkit.load_scene(SCENE | {"drive": drive}).drive
+    # as many points to each piece, holds among them
+    assert made.path.tolist() == pytest.approx([0.0, 0.5, 1.0, 1.0, 1.0, 5.0 / 3.0, 7.0 / 3.0, 3.0, 2.5, 2.0])
+    assert made.time.tolist() == pytest.approx([0.0, 1.0, 2.0, 6.0, 10.0, 31.0 / 3.0, 32.0 / 3.0, 11.0, 11.25, 11.5])
+    for k, time in ((0, 0.0), (1, 1.0)):
+        times = [2.0, 10.0, 11.0, 11.5]
+        times[k] = time
+        with pytest.raises(InputError, match=rf"drive\.times\[{k}\] = {time}: must be later"):
+            toolkit.load_scene(SCENE | {"drive": drive | {"times": times}})
+
+
+def test_histograms_are_counted_each_time_the_slider_is_there() -> None:
+    scene = SCENE | {"drive": {"turns": [2.0, 0.0], "points": 41}, "eq": {"histograms": [1.0, 2.0]}}
+    assert toolkit.load_scene(scene).histogram_points().tolist() == [10, 20, 30]
+    assert toolkit.load_scene(SCENE).histogram_points().size == 0
 
 
 @pytest.mark.parametrize("name", CONTACT_LAWS)

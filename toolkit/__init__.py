@@ -2,6 +2,7 @@
 
     result = toolkit.run("gaussian")         # a shipped scene, a scene file or a dict
     toolkit.save(result, "gaussian-output")  # result.h5, summary.json, picture.png
+    toolkit.run("gaussian", folder="gaussian-output")  # both, and a long run goes on where it was cut short
     result = toolkit.load("gaussian-output")
     toolkit.plot(result)
 """

@@ -140,12 +140,12 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
         sampled=bool(sampled),
         cautions=(*infinite, *unseen(sampled, found.critical_spring), *remarks(scene.contacts.thresholds)),
         run_time=found.run_time,
-        evidence=None if result.eq is None else _evidence(result, result.eq, steady.force, scene),
+        evidence=None if result.eq is None else _evidence(result, result.eq, steady.force),
         result=result,
     )
 
 
-def _evidence(result: Result, eq: Simulated, kinetic: float, scene: Scene) -> Evidence:
+def _evidence(result: Result, eq: Simulated, kinetic: float) -> Evidence:
     curve = eq if result.master is None else result.master
     at = int(np.argmax(curve.force))
     expected = deviation = reason = None
@@ -159,7 +159,7 @@ def _evidence(result: Result, eq: Simulated, kinetic: float, scene: Scene) -> Ev
         worst_deviation=deviation,
         not_compared=reason,
         run_time=eq.run_time,
-        contacts=0 if scene.eq is None else scene.eq.contacts * scene.eq.replicas,
+        contacts=eq.contacts,
     )
 
 

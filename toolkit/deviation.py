@@ -27,10 +27,7 @@ def deviation(result: Result) -> tuple[Array, Array]:
 
 def _of_one_contact(result: Result, eq: Simulated) -> Array:
     """About what a single broken contact changes the force by, a length, at each point of the path."""
-    asked = result.asked.eq
-    if asked is None:
-        raise ValueError("a result of an ensemble is needed")
-    return np.minimum(eq.path, result.mean_threshold) / (asked.contacts * asked.replicas)
+    return np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
 
 
 def worst_deviation(result: Result) -> float | None:

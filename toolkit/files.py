@@ -3,8 +3,10 @@
 import json
 import math
 import os
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -17,12 +19,15 @@ from toolkit.results import AgeingRecord, Result, SimulatedRecord, SoftRecord, S
 if TYPE_CHECKING:
     import h5py
 
-Record = TypeVar("Record", SolvedRecord, SoftRecord, AgeingRecord, SimulatedRecord, ThresholdCurve)
+    from eq_model.histogram import Histogram
+
+Record = TypeVar("Record", SolvedRecord, SoftRecord, AgeingRecord, SimulatedRecord, ThresholdCurve, "Histogram")
 
 RESULT, SUMMARY, PICTURE = "result.h5", "summary.json", "picture.png"
 
+_HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
-    *("path", "position", "force", "force_standard_error", "x", "atoms"),
+    *("path", "position", "force", "force_standard_error", "x", "atoms", "stretch_edges", "threshold_edges"),
     *(f"slip_{name}" for name in ("drive", "before", "after", "force_before", "force_after")),
 )
 
@@ -50,8 +55,9 @@ def load(folder: str | os.PathLike[str]) -> Result:
     """The Result that `save`, or the command `run`, wrote into `folder`.
 
     Its fields, where they were asked for: `master.path`, `.force`, `.force_error`, `.holding`, `.success`; `eq.path`,
-    `.force`, `.force_standard_error`, `.breaks`; `thresholds.x`, `.density`, `.survival`, `.unit`; `mean_threshold`;
-    `notes`; `interface["contact_density"].value` and more; `text`, the scene. Raises InputError where there is none.
+    `.force`, `.force_standard_error`, `.breaks`, `.histograms`, each read when it is asked for; `thresholds.x`,
+    `.density`, `.survival`, `.unit`; `mean_threshold`; `notes`; `interface["contact_density"].value` and more; `text`,
+    the scene. Raises InputError where there is none.
     """
     import h5py
 
@@ -68,7 +74,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
                 mean_threshold=float(store.attrs["mean_threshold"]),
                 thresholds=_read(store["thresholds"], ThresholdCurve),
                 master=_read_solved(store["master"]) if "master" in store else None,
-                eq=_read(store["eq"], SimulatedRecord) if "eq" in store else None,
+                eq=_read_simulated(store["eq"], file) if "eq" in store else None,
                 notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
                 interface=_read_interface(store["interface"]) if "interface" in store else None,
             )
@@ -118,6 +124,10 @@ def summary(result: Result) -> dict[str, Any]:
             "contacts": asked.eq.contacts,
             "replicas": asked.eq.replicas,
             "seed": asked.eq.seed,
+            "tolerance": asked.eq.tolerance,
+            "followed": int(result.eq.contacts),
+            "success": bool(result.eq.success),
+            "message": result.eq.message,
             "largest_standard_error": float(np.max(result.eq.force_standard_error)),
             "run_time": float(result.eq.run_time),
             "compile_time": float(result.eq.compile_time),
@@ -145,32 +155,42 @@ def _speakable(value: Any) -> Any:
 
 
 def _write_result(result: Result, path: Path) -> None:
+    """In memory first, where histograms are compressed: on a full disk HDF5 takes the process down with it."""
     import h5py
 
-    with h5py.File(path, "w") as store:
-        store.attrs.update(
-            name=result.name,
-            title=result.title,
-            scene=result.text,
-            version=result.version,
-            mean_threshold=result.mean_threshold,
-        )
-        unit = result.thresholds.unit
-        _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
-        if result.notes:
-            store["notes"] = list(result.notes)
-            store["notes"].attrs["units"] = "text"
-        if result.interface is not None:
-            _write_interface(store.create_group("interface"), result.interface)
-        if result.master is not None:
-            solved = result.master
-            for kind in (SoftRecord, AgeingRecord, SolvedRecord):
-                if isinstance(solved, kind) or kind is SolvedRecord:
-                    _write(store.create_group("master"), solved, kind, unit)
-                    break
-        if result.eq is not None and result.asked.eq is not None:
-            store.attrs["seed"] = result.asked.eq.seed
-            _write(store.create_group("eq"), result.eq, SimulatedRecord, unit)
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as store:
+        _fill(result, store)
+        store.flush()
+        image = store.id.get_file_image()
+    path.write_bytes(image)
+
+
+def _fill(result: Result, store: "h5py.File") -> None:
+    store.attrs.update(
+        name=result.name,
+        title=result.title,
+        scene=result.text,
+        version=result.version,
+        mean_threshold=result.mean_threshold,
+    )
+    unit = result.thresholds.unit
+    _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
+    if result.notes:
+        store["notes"] = list(result.notes)
+        store["notes"].attrs["units"] = "text"
+    if result.interface is not None:
+        _write_interface(store.create_group("interface"), result.interface)
+    if result.master is not None:
+        solved = result.master
+        for kind in (SoftRecord, AgeingRecord, SolvedRecord):
+            if isinstance(solved, kind) or kind is SolvedRecord:
+                _write(store.create_group("master"), solved, kind, unit)
+                break
+    if result.eq is not None and result.asked.eq is not None:
+        store.attrs["seed"] = result.asked.eq.seed
+        group = store.create_group("eq")
+        _write(group, result.eq, SimulatedRecord, unit)
+        _write_histograms(group, result.eq.histograms, unit)
 
 
 def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str) -> None:
@@ -178,10 +198,10 @@ def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str)
     units = {"density": f"1 / {unit}", **dict.fromkeys(_LENGTHS, unit)}
     for field in fields(record):
         value = getattr(answer, field.name)
-        if isinstance(value, np.ndarray):
+        if isinstance(value, np.ndarray) or field.name == _PER_RANK:
             group[field.name] = value
             group[field.name].attrs["units"] = units.get(field.name, "1")
-        else:
+        elif field.name != _HISTOGRAMS:
             group.attrs[field.name] = value
 
 
@@ -207,9 +227,50 @@ def _read_solved(group: "h5py.Group") -> SolvedRecord:
     return _read(group, SoftRecord) if "position" in group else _read(group, SolvedRecord)
 
 
-def _read(group: "h5py.Group", record: type[Record]) -> Record:
-    values: dict[str, Any] = {name: data[()] for name, data in group.items()}
+def _write_histograms(group: "h5py.Group", histograms: Sequence["Histogram"], unit: str) -> None:
+    """One group each, so that one is held at a time."""
+    for index, histogram in enumerate(histograms):
+        one = group.create_group(f"{_HISTOGRAMS}/{index}")
+        for field in fields(histogram):
+            value = getattr(histogram, field.name)
+            if isinstance(value, np.ndarray):
+                one.create_dataset(field.name, data=value, compression="gzip", shuffle=True)
+                one[field.name].attrs["units"] = unit if field.name in _LENGTHS else f"1 / {unit}"
+            else:
+                one.attrs[field.name] = value
+
+
+def _read_simulated(group: "h5py.Group", file: Path) -> SimulatedRecord:
+    from eq_model.histogram import Histogram, Made
+
+    size = len(group[_HISTOGRAMS]) if _HISTOGRAMS in group else 0
+    seen = _seen(file)
+
+    def read(index: int) -> Histogram:
+        import h5py
+
+        if not file.is_file() or _seen(file) != seen:
+            refuse("folder", str(file.parent), f"its {RESULT} is another one since it was loaded; load it again")
+        with h5py.File(file) as store:
+            return _read(store[f"{group_name}/{_HISTOGRAMS}/{index}"], Histogram)
+
+    group_name = group.name
+    return _read(group, SimulatedRecord, {_HISTOGRAMS: Made(size, read)})
+
+
+def _seen(file: Path) -> tuple[int, int, int]:
+    """What tells a file from one in its place."""
+    status = file.stat()
+    return status.st_ino, status.st_mtime_ns, status.st_size
+
+
+def _read(group: "h5py.Group", record: type[Record], given: Mapping[str, Any] = MappingProxyType({})) -> Record:
+    """The fields of `record`, but for those `given`."""
+    values: dict[str, Any] = {name: data[()] for name, data in group.items() if name not in given}
     for name, value in group.attrs.items():
         plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
         values[name] = tuple(plain) if isinstance(plain, list) else plain
+    if _PER_RANK in values:
+        values[_PER_RANK] = tuple(values[_PER_RANK].tolist())  # of thousands of ranks: too many for an attribute
+    values |= given
     return record(**{field.name: values[field.name] for field in fields(record)})

@@ -2,11 +2,15 @@
 
 import math
 import os
+import signal
 import sys
+import threading
 import time
 import traceback
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
 from typing import Any, NoReturn, TypeVar
 
 from origins.errors import InputError
@@ -16,6 +20,7 @@ T = TypeVar("T")
 
 _PASSED_ON = 0.2  # seconds, for the launcher to pass on what was said before it ends all
 _PATIENCE = 5.0  # seconds to wait for the other ranks to fail alike
+_GRACE = 10.0  # and to finish their blocks and write their checkpoints; schedulers kill some 30 s after their SIGTERM
 _NAP = 0.001  # seconds
 
 
@@ -61,42 +66,65 @@ def on_root(comm: Any, work: Callable[[], T]) -> T:
     return value
 
 
+class Terminated(BaseException):
+    """SIGTERM: a scheduler's word that time is up."""
+
+
 def end_together(work: Callable[[Any], int], launched: Launch) -> int:
     """Exit status of `work`, called with the communicator of all ranks launched (None: this process alone).
 
-    Bad input is one line and status 2, printed once. Any other exception of one rank ends all ranks.
+    Bad input is one line and status 2, SIGINT one and 130, SIGTERM one and 143, each printed once. Any other exception
+    of one rank ends all ranks.
     """
-    try:
-        comm = communicator(launched)
-    except InputError as error:
-        if launched.rank == 0:
-            _say(error)
-        return 2
-    if comm is None:
+    ending = None
+    with _terminable():
         try:
-            return work(None)
+            comm = communicator(launched)
+            # how ranks meet at the end must not be taken for how they meet at work
+            ending = None if comm is None else comm.Dup()
+            return work(comm)
         except InputError as error:
-            _say(error)
+            alike = ending is None or _arrived(ending, _PATIENCE)
+            if launched.rank == 0 or not alike:
+                _say(error)
+            if not alike:
+                _abort(ending, 2)
             return 2
-        except KeyboardInterrupt:
-            return _interrupted()
-    # how ranks meet at the end must not be taken for how they meet at work
-    ending = comm.Dup()
+        except (KeyboardInterrupt, Terminated) as stop:
+            status, word = (143, "terminated") if isinstance(stop, Terminated) else (130, "interrupted")
+            alike = ending is None or _arrived(ending, _GRACE)
+            if launched.rank == 0 or not alike:
+                note = (getattr(stop, "__notes__", None) or ["nothing was written"])[0]
+                print(f"mesofriction: {word}; {note}", file=sys.stderr, flush=True)
+            if ending is None:
+                return status
+            if not alike:
+                _abort(ending, status)
+            sys.stdout.flush()
+            os._exit(status)  # what ranks waited for in vain does not matter any more
+        except BaseException:
+            if ending is None:
+                raise
+            # an exception that leaves one rank only would leave the others waiting for ever
+            traceback.print_exc()
+            _abort(ending, 1)
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """SIGTERM raises Terminated, in the main thread, which alone may say so."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def terminate(number: int, frame: FrameType | None) -> NoReturn:
+        raise Terminated
+
+    before = signal.signal(signal.SIGTERM, terminate)
     try:
-        return work(comm)
-    except InputError as error:
-        alike = _arrived(ending, _PATIENCE)
-        if not alike or comm.Get_rank() == 0:
-            _say(error)
-        if not alike:
-            _abort(comm, 2)
-        return 2
-    except KeyboardInterrupt:
-        _abort(comm, _interrupted())
-    except BaseException:
-        # an exception that leaves one rank only would leave the others waiting for ever
-        traceback.print_exc()
-        _abort(comm, 1)
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _abort(comm: Any, status: int) -> NoReturn:
@@ -104,11 +132,6 @@ def _abort(comm: Any, status: int) -> NoReturn:
     time.sleep(_PASSED_ON)
     comm.Abort(status)
     os._exit(status)  # some launchers take their time
-
-
-def _interrupted() -> int:
-    print("mesofriction: interrupted; nothing was written", file=sys.stderr, flush=True)
-    return 130
 
 
 def _say(error: InputError) -> None:

@@ -17,6 +17,7 @@ from toolkit.interfaces import Number
 from toolkit.scene import SceneTable, read_table
 
 if TYPE_CHECKING:
+    from eq_model.histogram import Histogram
     from master.ageing_transient import AgeingTransient
     from master.soft import SoftSolution
 
@@ -51,10 +52,23 @@ class Solved(Curve, Protocol):
 
 
 class Simulated(Curve, Protocol):
-    """The ensemble's answer; `force_standard_error` (n,) is a length, times are in seconds."""
+    """The ensemble's answer; `force_standard_error` (n,) is a length, that of the fraction that holds a number.
+
+    `histograms` are those of stretches and thresholds that were asked for; times are in seconds.
+    """
 
     @property
     def force_standard_error(self) -> Array: ...
+    @property
+    def holding_standard_error(self) -> Array: ...
+    @property
+    def histograms(self) -> Sequence["Histogram"]: ...
+    @property
+    def contacts(self) -> int: ...
+    @property
+    def success(self) -> bool: ...
+    @property
+    def message(self) -> str: ...
     @property
     def breaks(self) -> int: ...
     @property
@@ -138,10 +152,15 @@ class SimulatedRecord:
     force: Array
     holding: Array
     force_standard_error: Array
+    holding_standard_error: Array
+    histograms: Sequence["Histogram"]
+    contacts: int
     breaks: int
     breaks_per_rank: tuple[int, ...]
     run_time: float
     compile_time: float
+    success: bool
+    message: str
 
 
 @dataclass(frozen=True)
@@ -176,8 +195,9 @@ class Result:
         `success`, `message`, `run_time`; a SoftRecord where a spring pulls, an AgeingRecord in the paper's closure of
         ageing. None where not asked for.
     eq : Simulated or None
-        `path`, `force`, `holding`, `force_standard_error` (a length), each of shape (n,); `breaks`,
-        `breaks_per_rank`, `run_time`, `compile_time`. None where not asked for.
+        `path`, `force`, `holding`, `force_standard_error` (a length), `holding_standard_error`, each of shape (n,);
+        `histograms`, of eq_model.histogram.Histogram, each read when it is asked for; `contacts` followed, `breaks`,
+        `breaks_per_rank`, `success`, `message`, `run_time`, `compile_time`. None where not asked for.
     notes : tuple of str
         What to keep in mind of the thresholds: where samples, surface or load strain them.
     interface : dict or None
@@ -203,7 +223,7 @@ class Result:
     @property
     def success(self) -> bool:
         """Whether every solver reached what was asked of it."""
-        return self.master is None or bool(self.master.success)
+        return all(answer is None or answer.success for answer in (self.master, self.eq))
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:

@@ -2,19 +2,29 @@
 
 from collections.abc import Callable, Mapping
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import toolkit
 from toolkit import laws
+from toolkit.folders import check_folder
 from toolkit.interfaces import of_interface, remarks
+from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated, Solved, ageing_record, sample_curve, soft_record
 from toolkit.scene import EqTable, MasterTable, Scene, load_scene
+
+if TYPE_CHECKING:
+    from eq_model import Ensemble
+    from toolkit.checkpoint import Checkpoint
+
+_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}
 
 
 def run(
     scene: Scene | Mapping[str, Any] | str | PathLike[str],
     comm: Any = None,
     progress: Callable[[int, int], None] | None = None,
+    folder: str | PathLike[str] | None = None,
+    checkpoint: float = 60.0,
 ) -> Result:
     """Solve what the scene asks for.
 
@@ -26,15 +36,58 @@ def run(
         process alone.
         Every rank gets the whole result.
     progress : callable, optional
-        Called as progress(done, total) after each block of the ensemble, with this rank's contacts.
+        Called as progress(done, expected) after each block of the ensemble, with contacts of the whole run; the other
+        ranks are taken to be as far as this one. With a tolerance what is expected changes on the way.
+    folder : path, optional
+        Where the result is written, as by `save`, and until then every `checkpoint` seconds what the ensemble has
+        found; a run that finds that of the same scene there goes on from it, to the same bits. None: nothing is
+        written.
 
-    Raises InputError for a scene that cannot be run.
+    Interrupted (SIGINT, SIGTERM), it finishes its block and writes its checkpoint first. In an interactive session an
+    interrupted ensemble's result is that of its finished blocks, with success = False.
+    Raises InputError for a scene that cannot be run, and for a folder that cannot be written or that holds the
+    checkpoint of another scene.
     """
     scene = load_scene(scene, comm=comm)
+    if folder is None:
+        return solve(scene, comm, progress)[0]
+    kept = open_checkpoint(folder, scene, comm, checkpoint)
+    result, finished = solve(scene, comm, progress, kept)
+    write(result, folder, comm, kept if finished else None)
+    return result
+
+
+def open_checkpoint(folder: str | PathLike[str], scene: Scene, comm: Any, every: float) -> "Checkpoint":
+    """The checkpoint in a folder that can be written; every rank must call. Raises InputError where it cannot."""
+    from toolkit.checkpoint import Checkpoint
+
+    on_root(comm, lambda: check_folder(folder))
+    return Checkpoint(folder, scene, comm, every)
+
+
+def write(result: Result, folder: str | PathLike[str], comm: Any, done_with: "Checkpoint | None") -> None:
+    """Save the result, on rank 0, and only then remove the checkpoint that is done with."""
+
+    def on_first() -> None:
+        from toolkit.files import save
+
+        save(result, folder)
+        if done_with is not None:
+            done_with.remove()
+
+    on_root(comm, on_first)
+
+
+def solve(
+    scene: Scene, comm: Any, progress: Callable[[int, int], None] | None = None, kept: "Checkpoint | None" = None
+) -> tuple[Result, bool]:
+    """Solve what the scene asks for, and whether nothing is left to go on with."""
     interface = scene.contacts.interface
     master = None if scene.master is None else _solve(scene, scene.master)
-    eq = None if scene.eq is None else _simulate(scene, scene.eq, comm, progress)
-    return Result(
+    eq, finished = None, True
+    if scene.eq is not None:
+        eq, finished = _simulate(scene, scene.eq, comm, progress, kept)
+    result = Result(
         name=scene.name,
         title=scene.title,
         text=scene.text,
@@ -46,6 +99,7 @@ def run(
         notes=tuple(remarks(scene.contacts.thresholds)),
         interface=None if interface is None else of_interface(interface),
     )
+    return result, finished
 
 
 def _solve(scene: Scene, asked: MasterTable) -> Solved:
@@ -60,19 +114,39 @@ def _solve(scene: Scene, asked: MasterTable) -> Solved:
         return soft_record(master.solve(contacts, path, tolerance, **paced, spring=drive.spring, slip=drive.slip))
 
 
-def _simulate(scene: Scene, asked: EqTable, comm: Any, progress: Callable[[int, int], None] | None) -> Simulated:
+def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ensemble":
+    """The ensemble that the scene's table asks for; `other` arguments of eq_model.Ensemble take the place of its own.
+
+    Raises InputError with the scene's own keys.
+    """
     import eq_model
 
-    with laws.inside("eq", {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}):
-        ensemble = eq_model.Ensemble(
-            scene.contacts,
-            scene.path,
-            n_contacts=asked.contacts,
-            n_replicas=asked.replicas,
-            seed=asked.seed,
-            comm=comm,
-        )
-        for done, total in ensemble:
-            if progress is not None:
-                progress(done, total)
-        return ensemble.result()
+    drive = scene.drive
+    arguments: dict[str, Any] = {
+        "velocity": drive.velocity,
+        "time": drive.time,
+        "n_contacts": asked.contacts,
+        "n_replicas": asked.replicas,
+        "seed": asked.seed,
+        "tolerance": asked.tolerance,
+        "wall_time": asked.wall_time,
+        "histograms": scene.histogram_points(),
+    }
+    with laws.inside("eq", _EQ_KEYS):
+        return eq_model.Ensemble(scene.contacts, scene.path, comm=comm, **(arguments | other))
+
+
+def _simulate(
+    scene: Scene,
+    asked: EqTable,
+    comm: Any,
+    progress: Callable[[int, int], None] | None,
+    kept: "Checkpoint | None",
+) -> tuple[Simulated, bool]:
+    from toolkit.blocks import follow, unfinished
+
+    earlier = [] if kept is None else kept.earlier()
+    ensemble = make_ensemble(scene, asked, comm, earlier=earlier)
+    with laws.inside("eq", _EQ_KEYS):
+        result = follow(ensemble, progress, kept, sum(state.contacts for state in earlier))
+    return result, not unfinished(ensemble, result)

@@ -17,11 +17,12 @@ from origins.contacts import Contacts
 from origins.drive import Drive
 from origins.errors import InputError, finite, positive, refuse, shown, whole, without_point
 from toolkit import laws
+from toolkit.driving import make_drive
 from toolkit.toml import to_toml
 
 SHIPPED = Path(__file__).parent / "scenes"
-_MOST_POINTS = 10_000_000
 _FURTHEST = 1e6  # mean thresholds
+_SAME_PLACE = 1e-9  # of the furthest point
 _EXPECTED = {
     "object": "a table",
     "float": "a number, such as 1.0",
@@ -62,6 +63,9 @@ class EqTable(Table, frozen=True):
     contacts: int = 100_000
     replicas: int = 16
     seed: int = 1
+    tolerance: float | None = None
+    wall_time: float | None = None
+    histograms: list[float] | None = None
 
 
 class SceneTable(Table, frozen=True):
@@ -93,6 +97,22 @@ class Scene:
     @property
     def path(self) -> npt.NDArray[np.float64]:
         return self.drive.path
+
+    def histogram_points(self) -> npt.NDArray[np.intp]:
+        """Indices of the path's points at the positions that eq.histograms names, each time the slider is there.
+
+        Raises InputError for a position that is none of the path's points.
+        """
+        found: list[npt.NDArray[np.intp]] = []
+        close = _SAME_PLACE * float(np.abs(self.path).max())
+        for k, position in enumerate((self.eq and self.eq.histograms) or ()):
+            away = np.abs(self.path - finite(f"eq.histograms[{k}]", position))
+            if away.min() > close:
+                nearest = np.unique(self.path[np.argsort(away, kind="stable")[:2]])
+                near = " and ".join(f"{x:.12g}" for x in nearest)
+                refuse(f"eq.histograms[{k}]", position, f"is none of the path's points; near it are {near}")
+            found.append(np.flatnonzero(away <= close))
+        return np.unique(np.concatenate(found)) if found else np.empty(0, np.intp)
 
     def only_forward(self, what: str) -> "Scene":
         """Itself, if its slider is rigid and moves forward; InputError with the name of `what` takes no other."""
@@ -156,62 +176,25 @@ def _checked(
     if table.master is not None:
         positive("master.tolerance", table.master.tolerance)
     if table.eq is not None:
-        whole("eq.contacts", table.eq.contacts, least=1)
-        whole("eq.replicas", table.eq.replicas, least=1)
-        whole("eq.seed", table.eq.seed, least=0)
+        _check_ensemble(table.eq)
     contacts = _contacts(table.contacts, folder, comm)
-    scene = Scene(name, table.title, text, folder, contacts, _drive(table.drive), table.master, table.eq)
+    scene = Scene(name, table.title, text, folder, contacts, make_drive(table.drive), table.master, table.eq)
     if solved:
         _check_reach(scene, table.drive)
-    return scene if table.eq is None else scene.only_forward("the ensemble [eq]")
+    if table.eq is not None:
+        if scene.drive.spring is not None:
+            refuse("drive.spring", scene.drive.spring, "the ensemble [eq] takes a rigid slider; leave one of them out")
+        scene.histogram_points()
+    return scene
 
 
-def _drive(table: DriveTable) -> Drive:
-    points = whole("drive.points", table.points, least=2)
-    if points > _MOST_POINTS:
-        refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
-    if (table.to is None) == (table.turns is None):
-        both = "both are given" if table.to is not None else "neither is given"
-        raise InputError(f"drive: needs one of to = 5.0 and turns = [3.0, -3.0, 3.0], and {both}")
-    ends = [positive("drive.to", table.to)] if table.turns is None else table.turns
-    path, time = _path(ends, table.times, points)
-    names = {"velocity": "velocity", "spring": "spring", "slip": "slip", "time": "times"}
-    with laws.inside("drive", names):
-        return Drive(path, table.velocity, time, table.spring, table.slip)
-
-
-def _path(
-    ends: list[float], times: list[float] | None, points: int
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64] | None]:
-    """Straight from 0 to each of the ends in turn, all of them among the points, and when; points as even as that
-    allows, with times as many to each piece."""
-    places = np.array([0.0, *(finite(f"drive.turns[{k}]", end) for k, end in enumerate(ends))])
-    if places.size < 2 or points < places.size:
-        refuse("drive.turns", ends, f"must hold a position at least, and fewer than drive.points = {points}")
-    if times is not None:
-        if len(times) != len(ends):
-            refuse("drive.times", times, f"must hold one time for each of drive.turns, {len(ends)}")
-        clock = np.array([0.0, *(finite(f"drive.times[{k}]", at) for k, at in enumerate(times))])
-        back = np.flatnonzero(np.diff(clock) <= 0.0)
-        if back.size:
-            refuse(f"drive.times[{back[0]}]", times[back[0]], "must be later than the time before, 0 the first of them")
-        number = _numbers(np.arange(places.size, dtype=float), points)
-        return tuple(np.interp(np.arange(points), number, values) for values in (places, clock))
-    same = np.flatnonzero(np.diff(places) == 0.0)
-    if same.size:
-        rule = "is where the path already stands; leave it out, or give drive.times for a hold"
-        refuse(f"drive.turns[{same[0]}]", ends[same[0]], rule)
-    number = _numbers(np.append(0.0, np.abs(np.diff(places)).cumsum()), points)
-    return np.interp(np.arange(points), number, places), None
-
-
-def _numbers(travelled: npt.NDArray[np.float64], points: int) -> npt.NDArray[np.int64]:
-    """Which of the points are corners, these having travelled so far."""
-    number = np.round(travelled / travelled[-1] * (points - 1)).astype(int)
-    # each leg has a point of its own at least, whichever way rounding went
-    corner = np.arange(travelled.size)
-    number = np.maximum.accumulate(number - corner) + corner
-    return np.minimum(number, points - 1 - corner[::-1])
+def _check_ensemble(table: EqTable) -> None:
+    whole("eq.contacts", table.contacts, least=1)
+    whole("eq.replicas", table.replicas, least=1)
+    whole("eq.seed", table.seed, least=0)
+    for name in ("tolerance", "wall_time"):
+        if (value := getattr(table, name)) is not None:
+            positive(f"eq.{name}", value)
 
 
 def _check_reach(scene: Scene, table: DriveTable) -> None:

@@ -2,41 +2,55 @@
 
 import argparse
 import sys
+from contextlib import closing
 from typing import Any
 
 ALL_RANKS = True
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """SCENE and --out."""
+    """SCENE, --out, --checkpoint and --dry-run."""
     parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
     parser.add_argument("--out", metavar="DIR", help="folder for the results (default: ./NAME-output)")
+    parser.add_argument(
+        "--checkpoint",
+        metavar="SECONDS",
+        type=float,
+        default=60.0,
+        help="how often a long ensemble writes what it has found into DIR, from which the same command goes on "
+        "(default: 60)",
+    )
+    parser.add_argument(
+        "--dry-run", action="store_true", help="tell work, memory, time and standard error of the ensemble; run nothing"
+    )
 
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Run, report, write; 1 where a solver did not reach its tolerance (the results are written all the same)."""
-    from toolkit.files import save
-    from toolkit.folders import check_folder
     from toolkit.progress import Progress
-    from toolkit.ranks import on_root
-    from toolkit.running import run
+    from toolkit.running import open_checkpoint, solve, write
     from toolkit.scene import load_scene
 
     scene = load_scene(arguments.scene, comm=comm)
+    first = comm is None or comm.Get_rank() == 0
+    if arguments.dry_run:
+        from toolkit.forecast import forecast, lines
+
+        print("\n".join([scene.title or scene.name, *lines(forecast(scene, comm))]))
+        return 0
     folder = arguments.out or f"{scene.name}-output"
     # refused before the work, not after it
-    on_root(comm, lambda: check_folder(folder))
-    first = comm is None or comm.Get_rank() == 0
-    result = run(scene, comm=comm, progress=Progress() if first else None)
+    kept = open_checkpoint(folder, scene, comm, arguments.checkpoint)
+    with closing(Progress()) as progress:
+        result, finished = solve(scene, comm, progress if first else None, kept)
     for line in report(result):
         print(line)
-    on_root(comm, lambda: save(result, folder))
+    write(result, folder, comm, kept if finished else None)
     print(f"written to {folder}")
-    if result.master is not None and not result.master.success:
-        if first:
-            print(f"mesofriction: master: {result.master.message}", file=sys.stderr)
-        return 1
-    return 0
+    for name, answer in (("master", result.master), ("eq", result.eq)):
+        if answer is not None and not answer.success and first:
+            print(f"mesofriction: {name}: {answer.message}", file=sys.stderr)
+    return 0 if result.success else 1
 
 
 def report(result: Any) -> list[str]:

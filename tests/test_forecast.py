@@ -1,0 +1,94 @@
+"""What a dry run foretells, against the run; and the progress that is shown on the way."""
+
+import math
+import resource
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import toolkit
+from origins.errors import InputError
+from toolkit.command import main
+from toolkit.forecast import Estimate, forecast, lines
+
+SCENE: dict[str, Any] = {
+    "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}},
+    "drive": {"to": 10.0, "points": 21},
+    "eq": {"contacts": 1_500_000, "replicas": 4, "seed": 2},
+}
+LATE = SCENE | {
+    "contacts": SCENE["contacts"] | {"delay": {"time": 0.3}},
+    "eq": {"contacts": 100_000, "replicas": 12, "histograms": [5.0]},
+}
+WANTED = SCENE | {"eq": SCENE["eq"] | {"tolerance": 2.5e-4}}
+
+
+def inside(number: Estimate, found: float) -> bool:
+    assert number.low <= number.value <= number.high
+    return number.low <= found <= number.high
+
+
+@pytest.mark.parametrize("tables", [SCENE, LATE, WANTED], ids=["plain", "late", "wanted"])
+def test_a_run_is_as_foretold(tables: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("toolkit.forecast._LONG_ENOUGH", 0.01)  # so that it is a long run beside the pilot
+    # other tests share the cores: one of three must find the machine as the pilot found it
+    for _ in range(3):
+        told = forecast(toolkit.load_scene(tables))
+        run = toolkit.run(tables).eq
+        assert run is not None
+        assert told.pilot_time < 2.0 and told.pilot_contacts < run.contacts / 4
+        assert inside(told.contacts, run.contacts) and inside(told.breaks, run.breaks)
+        assert inside(told.error, run.force_standard_error.max())
+        assert told.error.high < 2.0 * told.error.low * (4.0 if told.tolerance else 1.0)
+        held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
+        assert inside(told.memory, held)
+        if inside(told.run_time, run.run_time):
+            return
+    pytest.fail(f"{run.run_time} s is not within {told.run_time}")
+
+
+def test_what_a_small_pilot_knows_is_not_claimed() -> None:
+    few = SCENE | {"eq": {"contacts": 1, "replicas": 1}}
+    told = forecast(toolkit.load_scene(few))
+    assert told.pilot_contacts == 1 and told.error.value == math.inf
+    assert "standard error  inf" in "\n".join(lines(told))
+
+
+def test_the_tolerance_is_foretold() -> None:
+    for tolerance, word in ((1e-9, "no"), (1e-2, "yes")):
+        tables = SCENE | {"eq": SCENE["eq"] | {"tolerance": tolerance, "wall_time": 1e-3}}
+        text = "\n".join(lines(forecast(toolkit.load_scene(tables))))
+        assert f"tolerance       {tolerance:.1e} reached: {word}" in text and "wall time       0.001 s stops it" in text
+
+
+def test_the_command_tells_and_writes_nothing(
+    tmp_path: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "gaussian", "--dry-run"]) == 0
+    told = capsys.readouterr().out.splitlines()
+    words = ["Gaussian", "contacts", "breaks", "run", "memory", "standard", "from"]
+    assert [line.split()[0].rstrip(",") for line in told] == words
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(InputError, match="has no \\[eq\\]"):
+        forecast(toolkit.load_scene({key: SCENE[key] for key in ("contacts", "drive")} | {"master": {}}))
+
+
+def test_ranks_foretell_together(mpirun: Callable[..., Any], tmp_path: Any) -> None:
+    from toolkit.toml import to_toml
+
+    (tmp_path / "scene.toml").write_text(to_toml(LATE))
+    done = mpirun(2, "import sys; from toolkit.command import main; sys.exit(main())", "run", "scene.toml", "--dry-run")
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    assert done.stdout.count("standard error") == 1 and "on 2 rank(s)" in done.stdout
+
+
+def test_progress_is_that_of_the_whole_run() -> None:
+    told: list[tuple[int, int]] = []
+    run = toolkit.run(WANTED, progress=lambda done, expected: told.append((done, expected))).eq
+    assert run is not None and run.success
+    assert told[0][1] == 6_000_000 and told[-1] == (run.contacts, run.contacts)
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    # what is expected is known well soon after the first round
+    assert run.contacts / 2 <= told[5][1] <= 2 * run.contacts

@@ -1,0 +1,366 @@
+"""What clusters do to jobs: killed, told to stop, a full disk; the run that goes on from the checkpoint has the same
+bits as one that nothing happened to."""
+
+import dataclasses
+import json
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import toolkit
+from origins.errors import InputError
+from toolkit.checkpoint import Checkpoint, identity
+from toolkit.running import make_ensemble
+
+SCENE: dict[str, Any] = {
+    "title": "survivor",
+    "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "delay": {"time": 0.1}},
+    "drive": {"to": 2.0, "points": 11},
+    "eq": {"contacts": 1_900_000, "replicas": 1, "seed": 5, "histograms": [2.0]},
+}
+BLOCK = 1 << 16
+
+# The command in this process, which may end after so many blocks, before or after their checkpoint; no picture, which
+# takes longer than all else.
+PROGRAM = """
+import json, os, signal, sys
+import eq_model
+from toolkit.command import main
+from toolkit.launch import read_environment
+import toolkit.plots
+
+toolkit.plots.save_picture = lambda result, path: path.touch()
+
+def run(words, kills=None, after=0, late=True, victims=(0,)):
+    real = eq_model.Ensemble.__iter__
+    def mortal(self):
+        mine = read_environment().rank in victims
+        for number, found in enumerate(real(self), 1):
+            if mine and kills and number == after and not late:
+                os.kill(os.getpid(), kills)
+            yield found
+            if mine and kills and number == after and late:
+                os.kill(os.getpid(), kills)
+    eq_model.Ensemble.__iter__ = mortal
+    try:
+        return main(words)
+    finally:
+        eq_model.Ensemble.__iter__ = real
+"""
+RANK = PROGRAM + "sys.exit(run(sys.argv[2:], **json.loads(sys.argv[1])))"
+
+# Children of one process that has imported and compiled everything: a kill costs no more than the work it undoes.
+FORKS = (
+    PROGRAM
+    + """
+import time
+
+def child(words, error, share=None, usual=0.0, limit=None, **fate):
+    pid = os.fork()
+    if pid == 0:
+        os.dup2(os.open(error, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        if limit is not None:
+            import resource
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        status = 1
+        try:
+            status = run(words, **fate)
+        finally:
+            sys.stderr.flush()
+            os._exit(status)
+    begun = deadline = float("inf")
+    ended = 0
+    while not ended:
+        ended, status = os.waitpid(pid, 0 if share is None else os.WNOHANG)
+        now = time.monotonic()
+        if share is not None and begun > now and os.path.isdir(words[3] + "/checkpoint"):
+            begun, deadline = now, now + share * usual
+        if now > deadline:
+            os.kill(pid, signal.SIGKILL)
+            deadline = float("inf")
+        time.sleep(0.001)
+    return os.waitstatus_to_exitcode(status), open(error).read(), max(now - begun, 0.0)
+
+signals = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
+words = lambda out, every="0.001": ["run", "scene.json.toml", "--out", out, "--checkpoint", every]
+sys.stdout, stdout = open(os.devnull, "w"), sys.stdout
+assert run(words("whole")) == 0
+told = []
+"""
+)
+
+
+def scene_file(folder: Path, **eq: Any) -> None:
+    from toolkit.toml import to_toml
+
+    (folder / "scene.json.toml").write_text(to_toml(SCENE | {"eq": SCENE["eq"] | eq}))
+
+
+def same(folder: Path, other: Path) -> None:
+    """Bits of two results, histograms and all."""
+    one, two = toolkit.load(folder).eq, toolkit.load(other).eq
+    assert one is not None and two is not None and one.success and two.success
+    for name in ("force", "force_standard_error", "holding", "holding_standard_error", "breaks", "contacts", "message"):
+        assert np.array_equal(getattr(one, name), getattr(two, name)), name
+    for mine, yours in zip(one.histograms, two.histograms, strict=True):
+        for field in dataclasses.fields(mine):
+            assert np.array_equal(getattr(mine, field.name), getattr(yours, field.name)), field.name
+    assert not (other / "checkpoint").exists()
+
+
+def followed(told: str) -> int:
+    """Contacts that a run says it need not follow again; 0 where it says nothing."""
+    return int(told.split("checkpoint: ")[1].split()[0].replace(",", "")) if "going on" in told else 0
+
+
+def test_killed_eight_times_in_turn_it_loses_no_block(python: Callable[..., Any], tmp_path: Path) -> None:
+    scene_file(tmp_path)
+    program = """
+for turn in range(8):
+    late = turn % 2 == 0
+    told.append([late, *child(words("out"), "error", kills=signal.SIGKILL, after=3, late=late)])
+told.append([True, *child(words("out"), "error")])
+print(json.dumps(told), file=stdout)
+"""
+    done = python(FORKS + program)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert [status for _, status, *_ in told] == [-signal.SIGKILL] * 8 + [0]
+    # each finished three blocks, the last of which some had no time to keep; nothing else is done again
+    kept = np.cumsum([0] + [3 if late else 2 for late, *_ in told[:-1]])
+    assert [followed(error) for *_, error, _ in told] == [BLOCK * int(blocks) for blocks in kept]
+    same(tmp_path / "whole", tmp_path / "out")
+
+
+def test_killed_at_10_to_90_percent_of_its_time(python: Callable[..., Any], tmp_path: Path) -> None:
+    scene_file(tmp_path, contacts=20 * BLOCK)
+    program = """
+# from the first checkpoint to the end; killed after each tenth of that
+usual = child(words("usual"), "error", share=1.0, usual=60.0)[2]
+for tenth in range(1, 10):
+    for attempt in range(5):  # other tests share the cores: it may have been faster than it was
+        status, _, lasted = child(words(f"out{tenth}{attempt}"), "error", share=0.1 * tenth, usual=usual)
+        if status != 0:
+            break
+        usual = min(usual, lasted)
+    told.append([f"out{tenth}{attempt}", status, *child(words(f"out{tenth}{attempt}"), "error")[:2]])
+print(json.dumps(told), file=stdout)
+"""
+    done = python(FORKS + program)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    for folder, killed, status, _ in told:
+        assert killed == -signal.SIGKILL and status == 0
+        same(tmp_path / "whole", tmp_path / folder)
+    kept = [followed(error) for *_, error in told]
+    assert min(kept) > 0 and max(kept) > 10 * BLOCK
+
+
+def test_ranks_killed_one_or_all_and_another_number_goes_on(
+    python: Callable[..., Any], mpirun: Callable[..., Any], tmp_path: Path
+) -> None:
+    scene_file(tmp_path)
+    words = ["run", "scene.json.toml", "--out", "out", "--checkpoint", "0.001"]
+    before = 0
+    for victims in ([1], [0, 1], [0]):
+        fate = {"kills": int(signal.SIGKILL), "after": 4, "victims": victims}
+        done = mpirun(2, RANK, json.dumps(fate), *words)
+        assert done.returncode not in (0, 2)
+        now = followed(done.stderr)
+        assert now > before or victims == [1]
+        before = now
+    done = python(FORKS + 'print(*child(words("out"), "error"), file=stdout)')
+    assert done.returncode == 0 and done.stdout.startswith("0 "), done.stderr
+    assert followed(done.stdout) > before
+    same(tmp_path / "whole", tmp_path / "out")
+
+
+def test_told_to_stop_it_keeps_its_finished_blocks(
+    python: Callable[..., Any], mpirun: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Even where no checkpoint was due."""
+    scene_file(tmp_path)
+    program = """
+for number in signals[:2]:
+    told.append(child(words("out", "60"), "error", kills=number, after=3, late=False))
+told.append(child(words("out", "60"), "error"))
+print(json.dumps(told), file=stdout)
+"""
+    done = python(FORKS + program)
+    assert done.returncode == 0, done.stderr
+    interrupted, terminated, whole = json.loads(done.stdout)
+    going_on = f"mesofriction: going on from the checkpoint in out/checkpoint: {BLOCK * 3:,} contacts are done\n"
+    kept = "its finished blocks are kept in out/checkpoint\n"
+    assert interrupted[:2] == [130, f"mesofriction: interrupted; {kept}"]
+    assert terminated[:2] == [143, f"{going_on}mesofriction: terminated; {kept}"]
+    assert whole[0] == 0 and followed(whole[1]) == 6 * BLOCK
+    same(tmp_path / "whole", tmp_path / "out")
+    # a launcher passes it on to all ranks
+    fate = {"kills": int(signal.SIGTERM), "after": 2, "late": False, "victims": [0, 1]}
+    done = mpirun(2, RANK, json.dumps(fate), "run", "scene.json.toml", "--out", "many")
+    assert done.returncode == 143 and done.stdout == ""
+    assert done.stderr == f"mesofriction: terminated; {kept.replace('out', 'many')}"
+    assert sorted(os.listdir(tmp_path / "many/checkpoint")) == ["000-rank-00000.npz", "000-rank-00001.npz"]
+
+
+def test_full_disk(python: Callable[..., Any], tmp_path: Path) -> None:
+    """No checkpoint: one warning. No result: one line. Nothing half written, and the checkpoint still there."""
+    scene_file(tmp_path, contacts=5 * BLOCK, histograms=[1.0, 1.2, 1.6, 2.0])
+    program = """
+# the checkpoint holds counts as they are, the result holds them compressed: in between it alone can be written
+told = [child(words("none"), "error", limit=1000)]
+told.append(child(words("some"), "error", limit=440_000))
+child(words("all"), "error", kills=signal.SIGKILL, after=2)
+told.append(child(words("all"), "error", limit=1000))
+print(json.dumps(told), file=stdout)
+"""
+    done = python(FORKS + program)
+    assert done.returncode == 0, done.stderr
+    none, some, rest = json.loads(done.stdout)
+    warned = "mesofriction: {0}/checkpoint: no checkpoint: File too large; the run goes on\n"
+    refused = "mesofriction: out = '{0}': cannot be written: File too large\n"
+    assert none[:2] == [2, (warned + refused).format("none")]
+    assert some[:2] == [0, warned.format("some")]
+    same(tmp_path / "whole", tmp_path / "some")
+    assert rest[0] == 2 and followed(rest[1]) == 2 * BLOCK and rest[1].endswith((warned + refused).format("all"))
+    assert [str(p.relative_to(tmp_path)) for p in sorted((tmp_path / "none").rglob("*"))] == ["none/checkpoint"]
+    assert os.listdir(tmp_path / "all") == ["checkpoint"] and len(os.listdir(tmp_path / "all/checkpoint")) == 1
+
+
+# -- in one process -----------------------------------------------------------------------------------------
+
+SMALL = SCENE | {"eq": SCENE["eq"] | {"contacts": 3 * BLOCK, "wall_time": 1e-4}}
+
+
+def cut_short(folder: Path, **eq: Any) -> Any:
+    """A run that its wall time stops after its first block."""
+    return toolkit.run(SMALL | {"eq": SMALL["eq"] | eq}, folder=folder).eq
+
+
+def test_stopped_by_its_wall_time_it_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    whole = toolkit.run(SCENE | {"eq": SMALL["eq"] | {"wall_time": None}}).eq
+    found = [cut_short(tmp_path / "out") for _ in range(3)]
+    assert [eq.contacts for eq in found] == [BLOCK, 2 * BLOCK, 3 * BLOCK]
+    assert [eq.success for eq in found] == [False, False, True] and "stopped before all" in found[0].message
+    assert whole is not None and np.array_equal(found[-1].force, whole.force)
+    assert not (tmp_path / "out/checkpoint").exists()
+    told = capsys.readouterr().err.splitlines()
+    assert told[0] == f"mesofriction: stopped by the wall time; run it again with {tmp_path}/out to go on"
+    assert [followed(line) for line in told] == [0, BLOCK, 0, 2 * BLOCK]
+
+
+def test_another_scenes_checkpoint_is_refused(tmp_path: Path) -> None:
+    cut_short(tmp_path)
+    files = sorted(tmp_path.rglob("*"))
+    with pytest.raises(InputError) as caught:
+        cut_short(tmp_path, seed=6)
+    assert str(caught.value) == (
+        f"out = '{tmp_path}': holds the checkpoint of another run, eq.seed = 5 there and 6 here; choose another "
+        f"folder, or remove {tmp_path}/checkpoint"
+    )
+    with pytest.raises(InputError, match=r"eq\.tolerance = left out there and 0\.001 here; "):
+        cut_short(tmp_path, tolerance=1e-3)
+    assert sorted(tmp_path.rglob("*")) == files
+    # what the ensemble's numbers do not depend on may change
+    assert toolkit.run(SMALL | {"title": "renamed", "master": {"tolerance": 1e-3}}, folder=tmp_path).eq is not None
+
+
+def test_thresholds_from_a_file_that_changed_are_another_run(tmp_path: Path) -> None:
+    law = {"kind": "from-samples", "file": "x.txt"}
+    tables = SMALL | {"contacts": {"thresholds": law}}
+    names = []
+    for samples in ("1.0 1.1 1.2 1.4 1.6", "1.0 1.1 1.2 1.4 1.7"):
+        (tmp_path / "x.txt").write_text("\n".join(samples.split()))
+        (tmp_path / "s.toml").write_text(toolkit.toml.to_toml(tables))  # type: ignore[attr-defined]
+        names.append(identity(toolkit.load_scene(tmp_path / "s.toml")))
+    assert [key for key in names[0] if names[0][key] != names[1][key]] == ["contacts.thresholds as drawn"]
+
+
+def test_long_lists_are_told_apart_in_few_letters() -> None:
+    names = []
+    for last in (1.5, 1.6):
+        law = {"kind": "from-samples", "x_s": [*np.linspace(1.0, 1.4, 500), last]}
+        names.append(identity(toolkit.load_scene(SCENE | {"contacts": {"thresholds": law}})))
+    apart = [key for key in names[0] if names[0][key] != names[1][key]]
+    assert apart == ["contacts.thresholds.x_s", "contacts.thresholds as drawn"]
+    assert max(map(len, names[0].values())) < 100
+
+
+def test_whatever_is_left_behind_no_contact_counts_twice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Rank 0 has written what was found before, another rank's old file is still there, and one file is spoiled."""
+    scene = toolkit.load_scene(SCENE | {"eq": SCENE["eq"] | {"contacts": 1000, "histograms": [2.0]}})
+    assert scene.eq is not None
+    ensemble = make_ensemble(scene, scene.eq, None)
+    states = []
+    for block in (range(100), range(100, 300), range(500, 600)):
+        nothing = dataclasses.replace(ensemble.state, done=[], run_time=0.0)
+        states.append(nothing.after(block, *ensemble._engine.follow(block), 1.0))
+    old = [Checkpoint(tmp_path, scene) for _ in range(2)]
+    old[1]._rank = 1
+    for kept, state in zip(old, states, strict=False):
+        kept.write(state)
+    new = Checkpoint(tmp_path, scene)
+    (before,) = new.earlier()
+    assert before.contacts == 300
+    other = Checkpoint(tmp_path, scene)
+    other.earlier()
+    other._rank = 1
+    other.write(states[2])  # rank 1 of the new run is first: nothing of the old one may be lost
+    assert Checkpoint(tmp_path, scene).earlier()[0].done == [range(300), range(500, 600)]
+    spared = (tmp_path / "checkpoint/000-rank-00001.npz").read_bytes()
+    new.write(before)
+    assert sorted(os.listdir(tmp_path / "checkpoint")) == ["001-rank-00000.npz", "001-rank-00001.npz"]
+    (tmp_path / "checkpoint/000-rank-00001.npz").write_bytes(spared)
+    (found,) = Checkpoint(tmp_path, scene).earlier()
+    assert found.done == [range(300), range(500, 600)]
+    assert np.array_equal(found.sums, states[0].sums + states[1].sums + states[2].sums)
+    (tmp_path / "checkpoint/001-rank-00001.npz").write_bytes(spared[:1000])
+    assert Checkpoint(tmp_path, scene).earlier()[0].done == [range(300)]
+    assert "001-rank-00001.npz: is damaged; what it held is done again" in capsys.readouterr().err
+    new.remove()
+    assert os.listdir(tmp_path) == []
+
+
+def interrupting(done: int, expected: int) -> None:
+    if done >= 2 * BLOCK:
+        signal.raise_signal(signal.SIGINT)
+
+
+def test_interrupted_in_a_notebook_the_finished_blocks_are_the_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    tables = SCENE | {"eq": SCENE["eq"] | {"contacts": 5 * BLOCK}}
+    with pytest.raises(KeyboardInterrupt):
+        toolkit.run(tables, progress=interrupting)
+    monkeypatch.setattr("sys.ps1", ">>> ", raising=False)
+    result = toolkit.run(tables, progress=interrupting)
+    assert result.eq is not None and result.eq.contacts == 2 * BLOCK and not result.success
+    assert result.eq.message.startswith("interrupted: ") and "stopped before all" in result.eq.message
+    first = toolkit.run(SCENE | {"eq": SCENE["eq"] | {"contacts": 2 * BLOCK}}).eq
+    assert first is not None and np.array_equal(first.force, result.eq.force)
+    # the handler is as before
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_without_a_folder_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert toolkit.run(SMALL).eq is not None
+    assert os.listdir(tmp_path) == []
+
+
+def test_histograms_are_read_back_each_when_asked_for(tmp_path: Path) -> None:
+    tables = SCENE | {"eq": {"contacts": 1000, "replicas": 1, "histograms": [1.0, 2.0]}}
+    result = toolkit.run(tables, folder=tmp_path)
+    back = toolkit.load(tmp_path)
+    assert result.eq is not None and back.eq is not None and len(back.eq.histograms) == 2
+    for one, other in zip(result.eq.histograms, back.eq.histograms, strict=True):
+        for field in dataclasses.fields(one):
+            assert np.array_equal(getattr(one, field.name), getattr(other, field.name)), field.name
+    assert [one.position for one in back.eq.histograms] == [1.0, 2.0]
+    toolkit.run(tables, folder=tmp_path)
+    with pytest.raises(InputError, match="another one since it was loaded; load it again"):
+        back.eq.histograms[0]

@@ -1,0 +1,109 @@
+"""An ensemble under way: after each finished block progress is shown, a checkpoint kept, and a signal heeded."""
+
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from types import FrameType, TracebackType
+from typing import TYPE_CHECKING, Any
+
+from toolkit.checkpoint import Checkpoint, say
+
+if TYPE_CHECKING:
+    from eq_model import Ensemble, EnsembleResult
+
+
+def follow(
+    ensemble: "Ensemble",
+    progress: Callable[[int, int], None] | None = None,
+    checkpoint: Checkpoint | None = None,
+    done_before: int = 0,
+) -> "EnsembleResult":
+    """Work through the ensemble to its result.
+
+    SIGINT and SIGTERM wait until the block is finished and its checkpoint written, and then do what they did before:
+    end the program as a rule. In an interactive session SIGINT ends the ensemble alone: the result is that of the
+    finished blocks, with success = False.
+
+    Parameters
+    ----------
+    ensemble : not yet begun; all ranks of its communicator must call.
+    progress : called as progress(done, expected), contacts of the whole run; other ranks count as far as this one is.
+    checkpoint : where to keep what is done, None for nowhere.
+    done_before : contacts that the ensemble was given as done.
+    """
+    ranks = 1 if ensemble.comm is None else ensemble.comm.Get_size()
+    shown = (-1, -1)
+    with _Deferred() as asked:
+        for done, _ in ensemble:
+            now = min(done_before + done * ranks, ensemble.expected), ensemble.expected
+            if progress is not None and now != shown:
+                progress(*now)
+                shown = now
+            if asked.signal is not None:
+                if checkpoint is not None:
+                    checkpoint.write(ensemble.state)
+                if asked.signal == signal.SIGINT and ranks == 1 and _interactive():
+                    asked.signal = None
+                    result = ensemble.result()
+                    return replace(result, success=False, message=f"interrupted: {result.message}")
+                asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
+            elif checkpoint is not None:
+                checkpoint.keep(ensemble.state)
+    result = ensemble.result()
+    if checkpoint is not None and unfinished(ensemble, result):
+        checkpoint.write(ensemble.state)
+        if checkpoint.is_first:
+            say(f"stopped by the wall time; run it again with {checkpoint.folder} to go on")
+    return result
+
+
+def unfinished(ensemble: "Ensemble", result: "EnsembleResult") -> bool:
+    """Whether there is something to go on with."""
+    return not result.success and result.contacts < ensemble.total
+
+
+def _interactive() -> bool:
+    return hasattr(sys, "ps1")
+
+
+class _Deferred:
+    """SIGINT and SIGTERM noted in `signal` instead of heeded; in the main thread only, which alone hears them."""
+
+    def __init__(self) -> None:
+        self.signal: int | None = None
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> "_Deferred":
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM):
+                before = signal.getsignal(number)
+                if before not in (None, signal.SIG_IGN):
+                    self._before[number] = before
+                    signal.signal(number, self._note)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for number, before in self._before.items():
+            signal.signal(number, before)
+        if kind is None and self.signal is not None:
+            signal.raise_signal(self.signal)  # it came after the last block
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self.signal = number
+
+    def pass_on(self, note: str) -> None:
+        """Do what the signal did before; an exception that this raises says `note`."""
+        number, self.signal = self.signal, None
+        if number is None:
+            return
+        signal.signal(number, self._before[number])
+        try:
+            signal.raise_signal(number)
+        except BaseException as stop:
+            stop.add_note(note)
+            raise
+        signal.signal(number, self._note)

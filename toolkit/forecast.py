@@ -1,0 +1,162 @@
+"""What a scene's ensemble will take and give, told beforehand by small pilots of it."""
+
+import math
+import sys
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from eq_model import layout
+from origins.errors import InputError
+from toolkit.blocks import follow
+from toolkit.running import make_ensemble
+from toolkit.scene import Scene
+
+_FIRST, _GROWTH = 64, 4  # contacts of each rank in the first pilot, and how many times as many in the next
+_LONG_ENOUGH = 0.05  # seconds of a pilot
+_SPEED = 2.0  # other users, another clock rate, tables that leave the cache: a machine is this much faster or slower
+_AFTERWARDS = 160.0  # MB at most for result files and pictures, once the ensemble is done
+_COMPILED = 0.6  # of a pilot's peak, if it compiled what the run finds compiled
+_SIGMAS = 4.0
+_TAILS = 2.5  # variance of a variance, in units of its square: 0.5 for normal forces, more where some contacts differ
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number and the range it is expected in."""
+
+    value: float
+    low: float
+    high: float
+
+    def times(self, other: "Estimate") -> "Estimate":
+        """Both above zero and independent of each other."""
+        return Estimate(self.value * other.value, self.low * other.low, self.high * other.high)
+
+    def after(self, ready: float) -> "Estimate":
+        """And what it takes to get ready, of which no range is known."""
+        return Estimate(self.value + ready, self.low, self.high + _SPEED * ready)
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What the ensemble is expected to take and give.
+
+    ranks : at work. contacts : to be followed, of `most`; breaks : theirs. run_time : s, as of EnsembleResult.
+    memory : MB of a rank at its peak. error : largest standard error of the force in mean thresholds; tolerance : that
+    was asked for. pilot_contacts, pilot_time : of what tells this, s, compilation not counted.
+    """
+
+    ranks: int
+    most: int
+    contacts: Estimate
+    breaks: Estimate
+    run_time: Estimate
+    memory: Estimate
+    error: Estimate
+    tolerance: float | None
+    wall_time: float | None
+    pilot_contacts: int
+    pilot_time: float
+
+
+def forecast(scene: Scene, comm: Any = None) -> Forecast:
+    """Run pilots of the scene's ensemble, each larger than the one before, for some tenths of a second in all.
+
+    All ranks of the communicator must call: they work at once, as they will. Raises InputError for a scene without
+    [eq], and as a run does.
+    """
+    asked = scene.eq
+    if asked is None:
+        raise InputError("dry run: the scene has no [eq], and only the ensemble's work is foreseen")
+    ranks, most = 1 if comm is None else comm.Get_size(), asked.contacts * asked.replicas
+    ready = spent = 0.0
+    n = min(_FIRST * ranks, most)
+    while True:
+        pilot = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
+        ready = max(ready, _largest(comm, pilot.state.run_time))  # tables are made once
+        begun = time.perf_counter()
+        found = follow(pilot)
+        seconds = _largest(comm, time.perf_counter() - begun)
+        spent += seconds
+        largest = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
+        if seconds > _LONG_ENOUGH or _GROWTH * n > _followed(asked.tolerance, n, largest, most):
+            break
+        n *= _GROWTH
+    off = min(_SIGMAS * math.sqrt(_TAILS / n), 0.9)
+    of_n = Estimate(largest, largest * (1.0 - off), largest * (1.0 + off))
+    contacts = Estimate(*(_followed(asked.tolerance, n, error, most) for error in (of_n.value, of_n.low, of_n.high)))
+    cost = seconds / n
+    memory = _largest(comm, _peak())
+    return Forecast(
+        ranks=ranks,
+        most=most,
+        contacts=contacts,
+        breaks=contacts.times(_each(scene, found.breaks / n, n)),
+        run_time=contacts.times(Estimate(cost, cost / _SPEED, cost * _SPEED)).after(ready),
+        memory=Estimate(memory + 0.5 * _AFTERWARDS, _COMPILED * memory, memory + _AFTERWARDS),
+        error=Estimate(
+            of_n.value * math.sqrt(n / contacts.value),
+            of_n.low * math.sqrt(n / contacts.high),
+            of_n.high * math.sqrt(n / contacts.low),
+        ),
+        tolerance=asked.tolerance,
+        wall_time=asked.wall_time,
+        pilot_contacts=n,
+        pilot_time=spent,
+    )
+
+
+def lines(told: Forecast) -> list[str]:
+    """The forecast as lines of text."""
+    contacts, seconds, error = told.contacts, told.run_time, told.error
+    of_all = f", of {told.most:,} at most" if told.tolerance is not None else ""
+    out = [
+        f"contacts        {_range(contacts, ',.0f')}{of_all}",
+        f"breaks          {_range(told.breaks, '.2g')}",
+        f"run time        {_range(seconds, '.2g')} s on {told.ranks} rank(s), [master] and compilation not counted",
+        f"memory          {_range(told.memory, '.0f')} MB for each rank",
+        f"standard error  {_range(error, '.2g')} of <x_s>, the largest over the path",
+    ]
+    if told.tolerance is not None:
+        met = "yes" if error.high <= told.tolerance else "no" if error.low > told.tolerance else "perhaps"
+        met = "yes" if contacts.high < told.most else met
+        out.append(f"tolerance       {told.tolerance:.1e} reached: {met}")
+    if told.wall_time is not None and seconds.high > told.wall_time:
+        out.append(f"wall time       {told.wall_time:g} s stops it before, if it takes longer")
+    return [*out, f"from a pilot of {told.pilot_contacts:,} contacts in {told.pilot_time:.2g} s; nothing was written"]
+
+
+def _range(number: Estimate, form: str) -> str:
+    value, low, high = (format(x, form) for x in (number.value, number.low, number.high))
+    return value if low == high else f"{value} ({low} to {high})"
+
+
+def _followed(tolerance: float | None, n: int, error: float, most: int) -> int:
+    """Contacts until the tolerance is reached, if n have this error: whole rounds of the ensemble."""
+    if tolerance is None:
+        return most
+    wanted = n * (error / tolerance) ** 2
+    return next((part.stop for part in layout.rounds(most, True) if part.stop >= wanted), most)
+
+
+def _each(scene: Scene, breaks: float, n: int) -> Estimate:
+    """Breaks of one contact, as n contacts tell: at long last their variance is that of the thresholds."""
+    law = scene.contacts.thresholds
+    uneven = max((law.std() / law.mean()) ** 2, 1.0)
+    off = _SIGMAS * math.sqrt((breaks * uneven + 1.0) / n) if np.isfinite(uneven) else breaks
+    return Estimate(breaks, max(breaks - off, 0.0), breaks + off)
+
+
+def _largest(comm: Any, value: float) -> float:
+    return value if comm is None else max(comm.allgather(value))
+
+
+def _peak() -> float:
+    """MB that this process has held at most."""
+    import resource
+
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return held / (2**20 if sys.platform == "darwin" else 2**10)
