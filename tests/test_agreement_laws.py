@@ -1,0 +1,81 @@
+"""Contacts with laws of their own, on any path in time: the ensemble and the master equation as each other's witness.
+
+100 seeds at most 20 points of a path, their correlations taken into account; the master equation in its exact closures.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eq_model
+import master
+import origins
+from origins import Ageing, Contacts, Delay, Thermal
+from tests.test_agreement import LEVEL, judge
+
+SEEDS = 100
+GAUSSIAN = origins.gaussian(1.0, 0.2)
+SOFT, STIFF = Thermal("soft", 0.05), Thermal("stiff", 0.05)
+START = origins.gaussian_start(-0.1, 0.2)
+AGEING = Ageing(origins.gaussian(0.8, 0.05), 1e-2)
+FORWARD = np.linspace(0.35, 4.5, 14)
+LOOP = np.concatenate([np.linspace(0.4, 1.4, 6), np.linspace(1.0, -1.2, 7), np.linspace(-0.8, 0.6, 4)])
+HELD, WHEN = np.array([0.6, 1.2, 1.2, 1.2, 1.6, 2.2, 2.8]), np.array([0.6, 1.2, 3.0, 30.0, 30.4, 31.0, 31.6])
+
+
+@dataclass(frozen=True)
+class Case:
+    contacts: Contacts
+    path: np.ndarray = field(default_factory=lambda: FORWARD)
+    drive: dict[str, Any] = field(default_factory=dict)
+    tolerance: float = 1e-6
+    number: int = 1000
+
+
+CASES = {
+    "soft": Case(Contacts(GAUSSIAN, START, thermal=SOFT)),
+    "stiff, slow": Case(Contacts(GAUSSIAN, thermal=STIFF), drive={"velocity": 0.1}),
+    "delay": Case(Contacts(GAUSSIAN, delay=Delay(0.3))),
+    "re-forming": Case(Contacts(GAUSSIAN, reforming=origins.boltzmann_reforming(0.05))),
+    "linked": Case(Contacts(GAUSSIAN, START, stiffness="linked")),
+    "all but ageing": Case(
+        Contacts(GAUSSIAN, 0.2, STIFF, None, Delay(0.2), 0.1, "linked"), tolerance=1e-5
+    ),
+    "ageing": Case(Contacts(origins.gaussian(0.5, 0.1), 0.1, ageing=AGEING), drive={"velocity": 2.0}, number=300),
+    "loop": Case(Contacts(GAUSSIAN, START), LOOP),
+    "loop, soft": Case(Contacts(GAUSSIAN, thermal=SOFT), LOOP, tolerance=1e-5),
+    "loop, delay": Case(Contacts(GAUSSIAN, delay=Delay(0.3)), LOOP, tolerance=1e-5),
+    "hold, soft": Case(Contacts(GAUSSIAN, thermal=SOFT), HELD, {"time": WHEN}, tolerance=1e-5),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_all_points_at_once(name: str) -> None:
+    case = CASES[name]
+    exact = master.solve(case.contacts, case.path, case.tolerance, **case.drive)
+    assert exact.success
+    runs = [
+        eq_model.simulate(case.contacts, case.path, n_contacts=case.number, seed=seed, **case.drive)
+        for seed in range(10_000, 10_000 + SEEDS)
+    ]
+    forces, errors = (np.array([getattr(run, name) for run in runs]) for name in ("force", "force_standard_error"))
+    together = np.sqrt((errors**2).sum(axis=0)) / SEEDS
+    own = exact.force_error * case.contacts.mean_threshold
+    # more is asked of the master equation than the seeds together can tell
+    assert own < 0.1 * together.max()
+    assert judge(forces, exact.force) > LEVEL
+    assert (np.abs(forces.mean(axis=0) - exact.force) < 5.0 * together + own).all()
+    holding = np.array([run.holding for run in runs])
+    spread = np.hypot(holding.std(axis=0, ddof=1) / np.sqrt(SEEDS), 1e-5)
+    assert (np.abs(holding.mean(axis=0) - exact.holding) < 5.0 * spread).all()
+
+
+def test_the_papers_closures_are_found_out() -> None:
+    """A soft contact's hazard is not the mean of those that hold at first; a turn forgets what was survived."""
+    hot = Contacts(GAUSSIAN, thermal=Thermal("soft", 0.3))
+    paper = Contacts(GAUSSIAN, thermal=Thermal("soft", 0.3, closure="paper"))
+    run = eq_model.simulate(hot, FORWARD, n_contacts=100_000, velocity=0.1)
+    off = (master.solve(paper, FORWARD, 1e-6, velocity=0.1).force - run.force) / run.force_standard_error
+    assert np.abs(off).max() > 20.0
