@@ -95,6 +95,31 @@ def two_ranks() -> float | None:
     return times[0] / times[1]
 
 
+def laws() -> None:
+    """Contacts with laws of their own, X = 100, and what a life costs where it is followed by itself."""
+    fresh, path = origins.gaussian(mean=1.0, std=0.05), np.linspace(0.0, 100.0, 501)
+    soft, stiff = (origins.Thermal(law, 0.05) for law in ("soft", "stiff"))
+    ageing = origins.Ageing(origins.gaussian(1.2, 0.05), rate=1e-3)
+    turning = np.concatenate([np.linspace(0.0, 50.0, 251), np.linspace(50.0, 0.0, 251)])
+    print(f"\n{'ns per break, one core':28s}{'X = 100':>10s}{'inner steps per break':>25s}")
+    for name, contacts, way, count in (
+        ("soft contacts", origins.Contacts(fresh, thermal=soft), path, 1_000_000),
+        ("stiff contacts", origins.Contacts(fresh, thermal=stiff), path, 1_000_000),
+        ("delay", origins.Contacts(fresh, delay=origins.Delay(0.2)), path, 300_000),
+        ("linked, soft, re-forming", origins.Contacts(fresh, None, soft, None, None, 0.1, "linked"), path, 100_000),
+        ("turning, soft", origins.Contacts(fresh, thermal=soft), turning, 100_000),
+        ("ageing", origins.Contacts(fresh, ageing=ageing), path, 10_000),
+    ):
+        best, steps = np.inf, 0.0
+        for _ in range(3):
+            ensemble = eq_model.Ensemble(contacts, way, n_contacts=count)
+            for _ in ensemble:
+                pass
+            run = ensemble.result()
+            best, steps = min(best, run.run_time / run.breaks * 1e9), ensemble.state.steps / run.breaks
+        print(f"{name:28s}{best:10.1f}{steps:25.1f}")
+
+
 def main() -> None:
     """Print the tables."""
     start = origins.gaussian_start(mean=0.0, std=0.025)
@@ -105,6 +130,7 @@ def main() -> None:
         short, begun = per_break(law, 5.0, 4_000_000), per_break(law, 5.0, 4_000_000, start)
         print(f"{name:28s}{hundred[-1]:10.2f}{short:10.2f}{begun:25.2f}")
     print(f"worst at X = 100: {max(hundred):.2f}")
+    laws()
     law = ORIGINS["gaussian, std 0.05"]
     compiled, plain = paper_compiled(law), paper_numpy(law)
     print(f"\nthe paper's algorithm, {CONTACTS} contacts, Gaussian: compiled {compiled:.0f} ns per break, ", end="")
