@@ -70,7 +70,6 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
         ({"points": 11, "to": 1.0, "velocity": -1.0}, {}, "drive.velocity = -1.0: must be above zero"),
         ({"points": 11, "to": 1.0, "slip": "none"}, {}, "slip"),
         ({"points": 11, "to": 1.0, "spring": 1.0}, {"eq": {}}, "drive.spring = 1.0: the ensemble [eq] takes a rigid"),
-        ({"points": 11, "turns": [1.0, 0.5]}, {"eq": {}}, "drive.turns: the ensemble [eq] takes a rigid"),
     ],
 )
 def test_drives_that_cannot_be_are_refused(drive: dict[str, Any], tables: dict[str, Any], says: str) -> None:
