@@ -22,17 +22,22 @@ Array = npt.NDArray[np.float64]
 
 _STENCIL = 4
 _SLACK = 1e-13
+_MOST_GONE = 0.5
 
 
 @dataclass(frozen=True)
 class March:
-    """What was found at the ends of all steps, shapes (n,): times, force, what holds, births J and breaks B."""
+    """What was found at the ends of all steps, shapes (n,): times, force, what holds, births J and breaks B.
+
+    unresolved : force (a length) of contacts of which it is not known how many hold; see `unknown`.
+    """
 
     clock: Array
     force: Array
     holding: Array
     births: Array
     breaks: Array
+    unresolved: float
 
 
 def march(lives: Lives, steps: list[Part], delay: float) -> March:
@@ -42,6 +47,7 @@ def march(lives: Lives, steps: list[Part], delay: float) -> March:
     n = clock.size
     force, holding, breaks, births = np.empty(n), np.empty(n), np.zeros(n), np.zeros(n)
     even = np.zeros(n)  # births of each step
+    unresolved = 0.0
     lives.born()
     force[0], holding[0] = lives.pull[0], lives.held[0]
     memory = Memory(clock, firsts, delay)
@@ -63,7 +69,16 @@ def march(lives: Lives, steps: list[Part], delay: float) -> March:
             even[k] = births[k] - births[k - 1]
             holding[k] = known + last * even[k]
             force[k] = lives.pull[0] + float(pull[:k] @ even[1 : k + 1])
-    return March(clock, force, holding, births, breaks)
+            unresolved = max(unresolved, unknown(lives, even[1 : k + 1]))
+    return March(clock, force, holding, births, breaks, unresolved)
+
+
+def unknown(lives: Lives, even: Array) -> float:
+    """Force (a length) of contacts, born evenly within each step, of which it is not known how many hold: most of those
+    born first in the step are gone, where most of those born last are not. Relaxed ones bear nothing."""
+    early, late, pull = lives.held[1:-1], lives.held[2:], lives.pull
+    apart = np.where(early < _MOST_GONE * late, 0.5 * np.abs(pull[2:] - pull[1:-1]), 0.0)
+    return float(apart @ np.abs(even))
 
 
 class Memory:
@@ -87,6 +102,8 @@ class Memory:
         low, high = int(self._firsts[part - 1]), min(int(self._firsts[part]), k)
         begin = min(max(cell - _STENCIL // 2, low), max(high - _STENCIL + 1, low))
         nodes = np.arange(begin, min(begin + _STENCIL - 1, high) + 1)
+        # births at once are two with nothing between
+        nodes = nodes[np.append(np.diff(clock[nodes]) > 0.0, True)]
         weights = lagrange(clock[nodes], at)
         if nodes[-1] == k:
             return float(weights[-1]), float(weights[:-1] @ breaks[nodes[:-1]])

@@ -103,6 +103,8 @@ def _horizon(contacts: Contacts, cycle: Cycle) -> float:
     after the other, clearly apart, only the first, which is the sharpest."""
     unit, law = cycle.unit, cycle.law
     shortest, longest = float(law.ppf(1e-17)) / unit, float(law.isf(1e-17)) / unit
+    # those that hold at X = 0 may break later than others do after a break
+    longest = max(longest, float(contacts.thresholds.isf(1e-17)) / unit)
     low, high = (float(end) / unit for end in contacts.start.span)
     if longest - low < 2.0 * shortest - high:
         return longest - max(low, 0.0)

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from master.lives import Lives
-from master.marching import Memory
+from master.marching import Memory, unknown
 from master.timeline import Piece
 from origins.drive import SlipRule
 
@@ -25,6 +25,8 @@ _BESIDE = 1e-4
 _CLOSE = 1e-11
 _AHEAD = 0.3
 _ITERATIONS = 40
+_DOUBLINGS = 60
+_ROUNDING = 1e-12
 _SCAN = 0.25
 _PER_FOLD = 2.0
 _MOST_STEPS = 20_000
@@ -113,7 +115,7 @@ class Pull:
         self.tracks: list[Track] = []
         self.stretches: list[float] = []
         self.slips: list[Slip] = []
-        self.steps = 0
+        self.steps, self.unresolved = 0, 0.0
         self._place, self._now = 0.0, 0.0
         self._steep = (1.0 + spring) * length
         self._settle(lives)
@@ -165,6 +167,7 @@ class Pull:
         self._clocks.append(now)
         self._breaks.append(trial.breaks)
         self._births.append(trial.births)
+        self.unresolved = max(self.unresolved, unknown(trial.lives, np.array(self._even[1:])))
 
     def _born_at_once(self, weight: float, breaks: float) -> None:
         """A finite share is born where the slider stands: two births with nothing between."""
@@ -314,9 +317,15 @@ class Pull:
 
             if excess(self._now) >= 0.0:
                 return self._now
-            span = max(at - self._now, 1e-6 * (end - self._now))
-            while excess(self._now + span) < 0.0:
+            span = max(at - self._now, 1e-6 * (end - self._now), 1e-15 * end)
+            for _ in range(_DOUBLINGS):
+                if (over := excess(self._now + span)) >= 0.0:
+                    break
                 span *= 2.0
+            else:
+                raise TooLong
+            if over <= _ROUNDING * self._unit * (1.0 + self._spring):
+                return self._now + span  # a step ends where it should: its sign is that of rounding
             return float(brentq(excess, self._now, self._now + span, xtol=1e-14 * span, rtol=1e-14))
 
         def slope(way: float) -> float:

@@ -23,6 +23,7 @@ Array = npt.NDArray[np.float64]
 
 _STENCIL = 6
 _BISECTIONS = 60
+_SAME = 1e-12
 
 
 def solve_soft_laws(contacts: Contacts, drive: Drive, tolerance: float) -> SoftSolution:
@@ -39,6 +40,8 @@ def solve_soft_laws(contacts: Contacts, drive: Drive, tolerance: float) -> SoftS
     if contacts.reforming is not None and drive.slip != "reset" and (drive.slip == "reform-after" or contacts.delay):
         refuse("slip", drive.slip, 'takes contacts that form again at x = 0; leave out reforming, or use "reset"')
     balance = float(make_lives(contacts).pull[0]) / spring
+    if abs(drive.path[0] - balance) <= _SAME * unit:
+        balance = float(drive.path[0])  # a start of no mean stretch is one of rounding
     if drive.time is not None and drive.time[0] == 0.0 and abs(drive.path[0] - balance) > 1e-12 * unit:
         refuse("path[0]", drive.path[0], f"at time 0 the drive stands where it balances the start, {balance:.9g}")
     asked = times(drive, balance)
@@ -78,6 +81,10 @@ def _refine(
     unit, delay = contacts.mean_threshold, 0.0 if contacts.delay is None else contacts.delay.time
     spring = float(drive.spring or 0.0)
     course = pieces(drive, balance)
+    if not course:
+        lives = make_lives(contacts)
+        stands = np.full(asked.size, lives.pull[0]), np.full(asked.size, lives.held[0])
+        return np.empty((5, 0)), *stands, lives.error, 0, ""
     fresh = Contacts(
         contacts.thresholds,
         None if contacts.reforming is None else contacts.reforming.law,
@@ -100,7 +107,7 @@ def _refine(
         try:
             pull = Pull(lives, again, course, spring, drive.slip, delay, unit, length, level, plan)
         except TooLong:
-            message = "more steps than it takes on"
+            message = "more steps than it takes on" if level else "no steps were found that follow the slider"
             break
         plan = pull.stretches
         rows = [[s.drive, s.before, s.after, s.force_before, s.force_after] for s in pull.slips]
@@ -120,6 +127,7 @@ def _refine(
         watched[-2 * slips.shape[1] :] = slips.shape[1] == 0
         error, answer = table.add(everything, watched)
         error += ROUND_OFF * (1.0 + pull.steps) * (1.0 + spring) + lives.error
+        error = max(error, pull.unresolved / unit)
         if error < best[0] or not level:
             f, h = answer[: asked.size] * unit, answer[asked.size : 2 * asked.size]
             f, h = np.where(near, force, f), np.where(near, holding, h)

@@ -20,6 +20,7 @@ _COARSE = 0.5  # of the length over which births change
 _PER_FOLD = 2.0
 _MOST_STEPS = 6_000
 _MOST_WORK = 8e8
+_TRIED, _FALLS = 3, 0.8  # halvings, and what each leaves at most, or what is not resolved will not be
 _GLANCE = 0.1  # of the most steps, where even these would not do
 _STENCIL = 6
 _WATCH = 5
@@ -114,7 +115,7 @@ def _refine(
     scale = np.concatenate([np.full(everywhere.size, unit), np.ones(everywhere.size)])
     table = Extrapolation(uneven(contacts))
     best: tuple[float, Array, int] = np.inf, np.empty(0), 0
-    level = 0
+    level, unknown = 0, np.inf
     while True:
         finer = [part.finer(level) for part in steps]
         count = sum(part.steps for part in finer)
@@ -125,6 +126,8 @@ def _refine(
         found = march(lives, finer, delay)
         error, answer = table.add(np.concatenate([at(found, finer, row, everywhere) for row in _ROWS]) / scale)
         error += ROUND_OFF * (1.0 + count) + lives.error
+        unknown, before = found.unresolved / unit, unknown
+        error = max(error, unknown)
         if sharp is None:
             error = np.inf
         if error < best[0] or not level:
@@ -132,7 +135,8 @@ def _refine(
         if needed > most:
             why = f"what contacts do within the path takes {needed:.0e} steps to resolve, and {most} is the most"
             return answer[: asked.size] * unit, answer[everywhere.size :][: asked.size], np.inf, count, why
-        if best[0] <= tolerance or error < 2.0 * lives.error:
+        lost = level >= _TRIED and unknown > max(tolerance, _FALLS * before)
+        if best[0] <= tolerance or error < 2.0 * lives.error or lost:
             break
         level += 1
     error, answer, count = best

@@ -162,3 +162,15 @@ def test_odd_paths() -> None:
     assert still.success and np.abs(still.force - 0.4).max() < still.force_error
     box = Contacts(mixture([WIDE, identical(0.8)], [0.7, 0.3]), 0.213, delay=Delay(0.2))
     assert np.isfinite(master.solve(box, [1.0, 0.5], 1e-1).force).all()
+
+
+def test_what_a_hold_too_long_to_follow_leaves_unknown_is_said() -> None:
+    """Births of a late step of a hold: the first are gone where the last are not, and what is left bears the peak."""
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.3))
+    after = np.linspace(0.1, 1.0, 10)
+    for hold, fine in ((30.0, True), (3000.0, False)):
+        path, time = np.concatenate([[2.0, 2.0], 2.0 + after]), np.concatenate([[2.0, 2.0 + hold], 2.0 + hold + after])
+        found = master.solve(contacts, path, 1e-3, time=time)
+        assert found.success is fine
+        # strong contacts are left: simulated one by one, the peak is 0.741 after the longer hold
+        assert fine or abs(found.force.max() - 0.741) < found.force_error

@@ -96,10 +96,20 @@ def solve(
         thresholds=sample_curve(scene.contacts.thresholds),
         master=master,
         eq=eq,
-        notes=tuple(remarks(scene.contacts.thresholds)),
+        notes=tuple(remarks(scene.contacts.thresholds) + _beside(scene)),
         interface=None if interface is None else of_interface(interface),
     )
     return result, finished
+
+
+def _beside(scene: Scene) -> list[str]:
+    """What the numbers of the surface leave out of the contacts."""
+    contacts = scene.contacts
+    laws_of = {"temperature": contacts.thermal, "ageing": contacts.ageing, "delay": contacts.delay}
+    there = [name for name, law in {**laws_of, "re-forming": contacts.reforming}.items() if law is not None]
+    if contacts.interface is None or not there:
+        return []
+    return [f"F_k/load and the stress of the surface are those of its thresholds alone, without {', '.join(there)}"]
 
 
 def _solve(scene: Scene, asked: MasterTable) -> Solved:
