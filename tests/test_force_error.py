@@ -1,7 +1,7 @@
 """The promise on force_error: over 1,000 random cases it bounds the true error, and not by much too much.
 
 Contacts that break at their thresholds alone, on 1,000 cases; contacts with temperature, delay, re-forming, linked
-stiffness or ageing on 120, or as many as FORCE_ERROR_CASES says (paths that turn round: tests/test_cohorts.py):
+stiffness or ageing on 80, or as many as FORCE_ERROR_CASES says (paths that turn round: tests/test_cohorts.py):
 
     FORCE_ERROR_CASES=1000 python -m pytest tests/test_force_error.py -k laws
 """
@@ -19,7 +19,7 @@ import master
 import origins
 
 CASES = 1000
-CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "120"))
+CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "80"))
 SEED = 20100902
 ROUND_OFF = 1e-13
 
