@@ -8,6 +8,7 @@ import pytest
 from moving_contacts import move
 from scipy.integrate import quad
 
+import eq_model
 import master
 from master.cut_law import CutLaw
 from master.explicit_loop import explicit_loop
@@ -172,5 +173,8 @@ def test_what_a_hold_too_long_to_follow_leaves_unknown_is_said() -> None:
         path, time = np.concatenate([[2.0, 2.0], 2.0 + after]), np.concatenate([[2.0, 2.0 + hold], 2.0 + hold + after])
         found = master.solve(contacts, path, 1e-3, time=time)
         assert found.success is fine
-        # strong contacts are left: simulated one by one, the peak is 0.741 after the longer hold
-        assert fine or abs(found.force.max() - 0.741) < found.force_error
+        seen = eq_model.simulate(contacts, path, time=time, n_contacts=2000)
+        off = np.abs(found.force - seen.force)
+        assert (off < found.force_error + 5.0 * seen.force_standard_error).all()
+        # strong contacts are left after the longer hold, which steps of this length do not know
+        assert fine or off.max() > 0.05
