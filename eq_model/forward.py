@@ -95,6 +95,10 @@ class Forward:
         mean = force(self.lattice, n, total[:, 0], total[:, 1:])
         return np.ones(mean.size), mean, spread
 
+    def step_error(self, done: list[range], sums: npt.NDArray[np.int64]) -> Array:
+        """None: there are no steps."""
+        return np.zeros(self._reached.size)
+
     def histograms(self, n: int, sums: npt.NDArray[np.int64]) -> Sequence[Histogram]:
         """None."""
         return []

@@ -20,6 +20,10 @@ Array = npt.NDArray[np.float64]
 LAWS = ("thermal", "ageing", "delay", "reforming", "stiffness")
 STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 _STEP_ELSE = 0.004
+# contacts followed besides in steps COARSER times longer, whose force tells the error of the steps: the first of each
+# _EACH contacts, _FIRST of them
+COARSER = 16
+_FIRST, _EACH = 512, 4096
 
 
 def physics(contacts: Contacts, unit: float) -> tuple[Any, ...]:
@@ -46,6 +50,13 @@ def _ageing(ageing: Ageing | None, unit: float) -> tuple[tuple[Any, ...], float]
     drift = CubicSpline(x, ageing.final.logpdf(x)).derivative()
     settings = (2, 0.0, 0.0, 0.0, diffusion, low / unit, step / unit, drift(x) * unit, drift(x, 1) * unit**2)
     return settings, _STEP_ELSE * width**2 / diffusion
+
+
+def coarse(part: range) -> list[range]:
+    """Those of these contacts that are followed in coarser steps besides, in order."""
+    chunks = range(part.start // _EACH * _EACH, part.stop, _EACH)
+    found = (range(max(chunk, part.start), min(chunk + _FIRST, part.stop)) for chunk in chunks)
+    return [one for one in found if len(one)]
 
 
 def columns(linked: bool) -> int:
@@ -95,8 +106,9 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
 class Lives:
     """The sums of such contacts, and what they say of the force.
 
-    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms. weight : about how
-    much longer a break takes than one of the other engine's.
+    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms; with ageing the
+    events once more, of the contacts followed in coarser steps. weight : about how much longer a break takes than one
+    of the other engine's.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
@@ -131,18 +143,34 @@ class Lives:
         self._longest = longest
         self._watch = (moments[self._order], places, BINS * unit / longest, min(top / unit, 2.0**58))
         self._events = columns(self.linked) * self.course.lattice.bin_cell.size
-        self.size = self._events + 2 * BINS * points.size
+        self._ages = contacts.ageing is not None
+        self.size = self._events * (1 + self._ages) + 2 * BINS * points.size
         self._block_sums = np.zeros(self._events, np.int64)
         self._counts = np.zeros((points.size, 2, BINS), np.int64)
 
     def follow(self, block: range) -> tuple[Whole, int, int]:
         """Follow a block of contacts to the drive's end: sums as two limbs, shape (2, size), breaks and inner steps."""
-        from eq_model import life_kernel
-
         births, firsts = self._beginning.draw(block)
         self._block_sums[:], self._counts[:] = 0, 0
+        breaks, steps = self._run(block, births, firsts, self._physics, self._watch, self._block_sums, self._counts)
+        sums = [self._block_sums, self._counts.ravel()]
+        if self._ages:
+            sums.append(np.zeros(self._events, np.int64))
+            physics = (*self._physics[:6], COARSER * self._physics[6], *self._physics[7:])
+            nothing = np.empty(0, np.int64)
+            watch = (nothing, nothing, *self._watch[2:])
+            for part in coarse(block):
+                mine = slice(part.start - block.start, part.stop - block.start)
+                self._run(part, births[mine], firsts[mine], physics, watch, sums[-1], self._counts[:0])
+        return split(np.concatenate(sums)), int(breaks), int(steps)
+
+    def _run(
+        self, part: range, births: Whole, firsts: Whole, physics: Any, watch: Any, sums: Whole, counts: Whole
+    ) -> tuple[int, int]:
+        from eq_model import life_kernel
+
         breaks, steps = life_kernel.run(
-            block.start,
+            part.start,
             births.size,
             self._beginning.n_contacts,
             self._beginning.words,
@@ -150,15 +178,15 @@ class Lives:
             self._again,
             births,
             firsts,
-            self._physics,
+            physics,
             self.course.for_kernel,
             self.course.lattice.for_kernel,
             self.course.reference,
-            self._watch,
-            self._block_sums,
-            self._counts,
+            watch,
+            sums,
+            counts,
         )
-        return split(np.concatenate([self._block_sums, self._counts.ravel()])), int(breaks), int(steps)
+        return int(breaks), int(steps)
 
     def moments(self, done: list[range], sums: Whole) -> tuple[Array, Array, Array]:
         """Fraction that holds, mean force (a length) of these contacts and its variance between them, at the points."""
@@ -166,9 +194,24 @@ class Lives:
         holding, force, variance = moments(self.course, self.linked, n, sums[:, : self._events])
         return holding, force, np.maximum(variance, self._reached**2 / n)  # one break that might have been
 
+    def step_error(self, done: list[range], sums: Whole) -> Array:
+        """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.
+
+        The error grows faster than in proportion to the step, so this is more than it is.
+        """
+        if not self._ages:
+            return np.zeros(self.course.path.size)
+        n, some = sum(map(len, done)), sum(len(part) for block in done for part in coarse(block))
+        if not some:
+            return np.full(self.course.path.size, np.inf)
+        _, fine, variance = moments(self.course, self.linked, n, sums[:, : self._events])
+        _, other, scatter = moments(self.course, self.linked, some, sums[:, -self._events :])
+        doubt = np.sqrt(variance / n + scatter / some)
+        return (np.abs(other - fine) + doubt) / (COARSER - 1.0)
+
     def histograms(self, n: int, sums: Whole) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""
-        counts = joined(sums[:, self._events :]).reshape(-1, 2, BINS)
+        counts = joined(sums[:, self._events : self._events + 2 * BINS * self._points.size]).reshape(-1, 2, BINS)
         back = np.argsort(self._order)
 
         def make(index: int) -> Histogram:

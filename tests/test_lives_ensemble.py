@@ -7,8 +7,9 @@ import pytest
 import scipy.stats
 
 import eq_model
+import master
 import origins
-from eq_model import life_kernel, thermal_kernel
+from eq_model import life_kernel, lives, thermal_kernel
 from eq_model.course import make_course
 from eq_model.life_twin import life
 from eq_model.lives import STEP, physics
@@ -167,6 +168,32 @@ def test_steps_of_ageing_may_be_halved() -> None:
     error = np.hypot(coarse.force_standard_error, fine.force_standard_error)
     assert (np.abs(coarse.force - fine.force) < 4.5 * error).all()
     assert other.state.steps > 1.5 * ensemble.state.steps > 0
+
+
+@pytest.mark.parametrize("final", [origins.gaussian(1.0, 0.1), origins.lubricated(0.8)])
+def test_the_error_of_the_steps_of_ageing_is_told(final: origins.Thresholds, monkeypatch: pytest.MonkeyPatch) -> None:
+    contacts, path = Contacts(origins.gaussian(0.5, 0.1), ageing=Ageing(final, 0.01)), np.linspace(0.25, 3.0, 12)
+    exact = master.solve(contacts, path, tolerance=1e-5).force
+    for longer in (1.0, 8.0):
+        monkeypatch.setattr("eq_model.lives.STEP", longer * STEP)
+        monkeypatch.setattr("eq_model.lives._STEP_ELSE", longer * lives._STEP_ELSE)
+        found = eq_model.simulate(contacts, path, n_contacts=40_000, seed=5)
+        off = np.abs(found.force - exact)
+        assert (off < found.step_error + 4.5 * found.force_standard_error).all()
+        assert (found.step_error < longer * found.force_standard_error.max()).all()
+
+
+def test_coarser_steps_do_not_depend_on_the_cutting() -> None:
+    contacts = Contacts(GAUSSIAN, 0.1, ageing=Ageing(origins.gaussian(0.9, 0.1), 0.02))
+    arguments: dict[str, Any] = {"n_contacts": 4500, "n_replicas": 1, "seed": 3, "histograms": [-1]}
+    whole = eq_model.simulate(contacts, TURNING, **arguments)
+    pieces = eq_model.Ensemble(contacts, TURNING, **arguments)
+    for first in range(0, 4500, 700):
+        block = range(first, min(first + 700, 4500))
+        pieces._state = pieces.state.after(block, *pieces._engine.follow(block), 0.0)
+    found = pieces.result()
+    assert np.array_equal(found.step_error, whole.step_error) and (whole.step_error > 0.0).all()
+    assert np.array_equal(found.force, whole.force)
 
 
 @pytest.mark.parametrize(

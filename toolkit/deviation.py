@@ -14,14 +14,16 @@ _NONE = 1e-6  # of what one contact changes, where no contact differs from anoth
 def deviation(result: Result) -> tuple[Array, Array]:
     """Path points (lengths) that tell, and there ensemble less master equation in standard errors; both shape (m,).
 
-    The master equation's own error counts too. Raises ValueError for a result that lacks one of the two.
+    The master equation's own error and that of the ensemble's steps count too.
+
+    Raises ValueError for a result that lacks one of the two.
     """
     solved, eq = result.master, result.eq
     if solved is None or eq is None:
         raise ValueError("a result of both solvers is needed")
     telling = np.isfinite(eq.force_standard_error)
     telling &= eq.force_standard_error > np.sqrt(_FEWEST) * _of_one_contact(result, eq)
-    allowed = eq.force_standard_error + solved.force_error * result.mean_threshold
+    allowed = eq.force_standard_error + eq.step_error + solved.force_error * result.mean_threshold
     return eq.path[telling], ((eq.force - solved.force)[telling] / allowed[telling])
 
 

@@ -27,7 +27,8 @@ RESULT, SUMMARY, PICTURE = "result.h5", "summary.json", "picture.png"
 
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
-    *("path", "position", "force", "force_standard_error", "x", "atoms", "stretch_edges", "threshold_edges"),
+    *("path", "position", "force", "force_standard_error", "step_error"),
+    *("x", "atoms", "stretch_edges", "threshold_edges"),
     *(f"slip_{name}" for name in ("drive", "before", "after", "force_before", "force_after")),
 )
 
@@ -129,6 +130,7 @@ def summary(result: Result) -> dict[str, Any]:
             "success": bool(result.eq.success),
             "message": result.eq.message,
             "largest_standard_error": float(np.max(result.eq.force_standard_error)),
+            "largest_step_error": float(np.max(result.eq.step_error)),
             "run_time": float(result.eq.run_time),
             "compile_time": float(result.eq.compile_time),
             "breaks": int(result.eq.breaks),

@@ -52,13 +52,16 @@ class Solved(Curve, Protocol):
 
 
 class Simulated(Curve, Protocol):
-    """The ensemble's answer; `force_standard_error` (n,) is a length, that of the fraction that holds a number.
+    """The ensemble's answer; `force_standard_error` and `step_error` (n,) are lengths, the error of the fraction that
+    holds is a number.
 
     `histograms` are those of stretches and thresholds that were asked for; times are in seconds.
     """
 
     @property
     def force_standard_error(self) -> Array: ...
+    @property
+    def step_error(self) -> Array: ...
     @property
     def holding_standard_error(self) -> Array: ...
     @property
@@ -152,6 +155,7 @@ class SimulatedRecord:
     force: Array
     holding: Array
     force_standard_error: Array
+    step_error: Array
     holding_standard_error: Array
     histograms: Sequence["Histogram"]
     contacts: int
@@ -195,7 +199,8 @@ class Result:
         `success`, `message`, `run_time`; a SoftRecord where a spring pulls, an AgeingRecord in the paper's closure of
         ageing. None where not asked for.
     eq : Simulated or None
-        `path`, `force`, `holding`, `force_standard_error` (a length), `holding_standard_error`, each of shape (n,);
+        `path`, `force`, `holding`, `force_standard_error` and `step_error` (lengths), `holding_standard_error`, each of
+        shape (n,);
         `histograms`, of eq_model.histogram.Histogram, each read when it is asked for; `contacts` followed, `breaks`,
         `breaks_per_rank`, `success`, `message`, `run_time`, `compile_time`. None where not asked for.
     notes : tuple of str

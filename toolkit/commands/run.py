@@ -79,8 +79,10 @@ def report(result: Any) -> list[str]:
     if result.eq is not None:
         eq = result.eq
         error = eq.force_standard_error.max() / result.mean_threshold
+        steps = eq.step_error.max() / result.mean_threshold
+        besides = f", steps of ageing {steps:.1e}" if steps else ""
         lines.append(
-            f"eq      error {error:.1e} of <x_s> (largest standard error)  run time {eq.run_time:.4f} s, "
+            f"eq      error {error:.1e} of <x_s> (largest standard error{besides})  run time {eq.run_time:.4f} s, "
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
     if result.master is not None and result.eq is not None:
