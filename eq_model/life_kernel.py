@@ -14,7 +14,7 @@ import numpy as np
 from eq_model.compiling import compiled
 from eq_model.kernel import LANES, ROW, _draw, _exact, _find, _more, _values, philox
 from eq_model.kernel import _bin as _find_bin
-from eq_model.thermal_kernel import MISSING, between, hermite, inward, outward, rate
+from eq_model.thermal_kernel import MISSING, SOFT, between, hermite, inward, outward, rate
 from origins.streams import LIFE_STEPS, LIFE_TAILS, LIVES, PURPOSE_SHIFT
 
 _U = np.uint64
@@ -23,6 +23,8 @@ _LIVES, _LIFE_TAILS, _LIFE_STEPS = (_U(purpose << PURPOSE_SHIFT) for purpose in 
 _LOW = np.uint32(0x7FFFFFFF)
 _PARABOLA = 1
 _FAR, _THERMAL = 8.0, 0.1
+_CHANGE, _UNFELT = 0.6, 1e-4  # of the logarithm of a rate in one step, and a share of what is borne that needs no care
+_FORGOTTEN = 0.5  # of the time in which old thresholds forget
 STIFFNESS_UNIT = 2.0**36
 
 
@@ -143,6 +145,41 @@ def _safe(gap, y, x, speed, ageing):  # type: ignore[no-untyped-def]
 
 
 @compiled
+def _steepness(x, y, law, a):  # type: ignore[no-untyped-def]
+    """How fast the logarithm of the rate changes with the stretch x >= 0, and with the threshold y."""
+    if law[0] == SOFT:
+        return 2.0 * a * a * x, 2.0 * a * a * y
+    steep = 1.5 * a * a * y * np.sqrt(max(1.0 - x / y, 0.0))
+    return steep, steep
+
+
+@compiled
+def _felt(time, here, y, speed, law, a, ageing, coarser):  # type: ignore[no-untyped-def]
+    """The part of a step in which the breaking rate changes little, or comes to nothing, and little is borne."""
+    kind, mean, _, relaxing, diffusion = ageing[:5]
+    now = max(rate(here, y, law, a), 1e-300)
+    time, change = min(time, coarser**2 * _THERMAL / now), coarser * _CHANGE
+    drift = relaxing * abs(mean - y) if kind == _PARABOLA else diffusion * abs(_drift(y, ageing))
+    while True:
+        of_stretch, of_threshold = _steepness(here + speed * time, y, law, a)
+        carried = (of_stretch * speed + of_threshold * drift) * time
+        spread = of_threshold * np.sqrt(2.0 * diffusion * time)
+        if max(carried, spread) <= change and relaxing * time <= coarser**2 * _FORGOTTEN:
+            return time
+        if min(now * np.exp(min(carried + 4.0 * spread, 700.0)), law[2]) * time <= coarser**4 * _UNFELT:
+            return time
+        time *= 0.5
+
+
+@compiled
+def _borne(first, last, time, spread):  # type: ignore[no-untyped-def]
+    """Integral of a rate over a step from its ends, of which the logarithm goes straight but for a Brownian bridge."""
+    ratio = np.log(last / first) if first > 0.0 and last > 0.0 else 0.0
+    mean = (last - first) / ratio if abs(ratio) > 1e-4 else 0.5 * (first + last)
+    return mean * time * (1.0 + min(spread * spread, 1.0) / 12.0)
+
+
+@compiled
 def _first_meeting(above, below, spread, normal, uniform):  # type: ignore[no-untyped-def]
     """Part of a step after which a Brownian bridge from `above` zero first meets it, when it does.
 
@@ -175,13 +212,14 @@ def grow_old(  # type: ignore[no-untyped-def]
 ):
     """As live, of a contact whose threshold diffuses meanwhile; besides, the steps taken, and the watched moments seen.
 
-    pace_of_steps : the longest step in time near the threshold; stream : key, second counter word and contact, from
-    the draw `place` on.
+    pace_of_steps : the longest step in time near the threshold, and how much coarser others are taken; stream : key,
+    second counter word and contact, from the draw `place` on.
     """
     moments = watch[0]
     begins, _, directions, paces = course
     k0, k1, second, contact = stream
     legs, y, steps, diffusion = directions.size, threshold, 0, ageing[4]
+    longest, coarser = pace_of_steps
     while leg < legs:
         at, d, pace = clock, directions[leg], paces[leg]
         end, stretch = begins[leg + 1], x
@@ -196,10 +234,10 @@ def grow_old(  # type: ignore[no-untyped-def]
             here, speed = abs(now), (1.0 / pace if d != 0 and leaving else 0.0)
             if seen < moments.size and moments[seen] < end:
                 left = min(left, max(np.float64(moments[seen] - at) - passed, 1.0) * pace)
-            time = min(max(pace_of_steps, _safe(y - here, y, here, speed, ageing)), left)
+            time = min(max(longest, _safe(y - here, y, here, speed, ageing)), left)
             if law[0]:
-                time = min(time, _THERMAL / max(rate(min(here, y), y, law, a), 1e-300))
-                time = min(max(time, 1e-3 * pace_of_steps), left)
+                time = _felt(time, min(here, y), y, speed, law, a, ageing, coarser)
+                time = min(max(time, 1e-3 * longest), left)
             words = philox(_U(place + steps), second, contact & _MASK, contact >> _HALF, k0, k1)
             steps += 1
             ticks = time / pace
@@ -216,9 +254,10 @@ def grow_old(  # type: ignore[no-untyped-def]
                 normal = _normal(words[0], words[1], words[2])
                 part = _first_meeting(above, below, np.sqrt(2.0 * diffusion * time), normal, uniform)
             if law[0]:
-                first = rate(min(here, y), y, law, a)
-                last = first if broken else rate(min(then, later), later, law, a)
-                spent = 0.5 * (first + last) * time * part
+                first, met = rate(min(here, y), y, law, a), here + part * (then - here)
+                last = rate(met, met, law, a) if broken else rate(min(then, later), later, law, a)
+                spread = _steepness(min(here, y), y, law, a)[1] * np.sqrt(2.0 * diffusion * time * part)
+                spent = _borne(first, last, time * part, spread)
                 if spent >= bears:
                     part *= bears / spent
                     broken = True

@@ -34,22 +34,23 @@ def physics(contacts: Contacts, unit: float) -> tuple[Any, ...]:
     return law, growth_tables(), wait, linked, mean, *_ageing(contacts.ageing, unit)
 
 
-def _ageing(ageing: Ageing | None, unit: float) -> tuple[tuple[Any, ...], float]:
-    """How a threshold diffuses, and the longest step in time near the stretch that it must not meet."""
+def _ageing(ageing: Ageing | None, unit: float) -> tuple[tuple[Any, ...], tuple[float, float]]:
+    """How a threshold diffuses, and its steps: the longest in time near the stretch that it must not meet, and how
+    much coarser than need be the others are."""
     nothing = np.zeros(2)
     if ageing is None:
-        return (0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, nothing, nothing), 0.0
+        return (0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, nothing, nothing), (0.0, 1.0)
     diffusion, width = ageing.rate / unit**2, ageing.final.std() / unit
     if ageing.normal is not None:
         normal = ageing.normal
         settings = (1, normal.mean / unit, normal.std / unit, normal.rate, diffusion, 0.0, 1.0, nothing, nothing)
-        return settings, STEP / normal.rate
+        return settings, (STEP / normal.rate, 1.0)
     low, high = (float(ageing.final.isf(q)) for q in (1.0 - 1e-14, 1e-14))
     x = np.linspace(low, high, 4097)
     step = x[1] - x[0]
     drift = CubicSpline(x, ageing.final.logpdf(x)).derivative()
     settings = (2, 0.0, 0.0, 0.0, diffusion, low / unit, step / unit, drift(x) * unit, drift(x, 1) * unit**2)
-    return settings, _STEP_ELSE * width**2 / diffusion
+    return settings, (_STEP_ELSE * width**2 / diffusion, 1.0)
 
 
 def coarse(part: range) -> list[range]:
@@ -156,7 +157,9 @@ class Lives:
         sums = [self._block_sums, self._counts.ravel()]
         if self._ages:
             sums.append(np.zeros(self._events, np.int64))
-            physics = (*self._physics[:6], COARSER * self._physics[6], *self._physics[7:])
+            longest, _ = self._physics[6]
+            # the integral of a rate is of fourth order in the change of its logarithm
+            physics = (*self._physics[:6], (COARSER * longest, COARSER**0.25), *self._physics[7:])
             nothing = np.empty(0, np.int64)
             watch = (nothing, nothing, *self._watch[2:])
             for part in coarse(block):

@@ -44,6 +44,9 @@ CASES = {
         Contacts(GAUSSIAN, 0.2, STIFF, None, Delay(0.2), 0.1, "linked"), tolerance=1e-5
     ),
     "ageing": Case(Contacts(origins.gaussian(0.5, 0.1), 0.1, ageing=AGEING), drive={"velocity": 2.0}, number=300),
+    "ageing, soft, delay": Case(
+        Contacts(origins.gaussian(0.5, 0.1), 0.1, SOFT, AGEING, Delay(0.2)), tolerance=1e-4, number=300
+    ),
     "loop": Case(Contacts(GAUSSIAN, START), LOOP),
     "loop, soft": Case(Contacts(GAUSSIAN, thermal=SOFT), LOOP, tolerance=1e-5),
     "loop, delay": Case(Contacts(GAUSSIAN, delay=Delay(0.3)), LOOP, tolerance=1e-5),

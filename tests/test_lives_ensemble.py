@@ -158,10 +158,10 @@ def test_steps_of_ageing_may_be_halved() -> None:
         pass
     coarse = ensemble.result()
     other = eq_model.Ensemble(contacts, [0.5, 1.0, 2.0], velocity=2.0, n_contacts=20_000, seed=1)
-    settings, longest = other._engine._physics[5:7]  # type: ignore[union-attr]
+    settings, (longest, _) = other._engine._physics[5:7]  # type: ignore[union-attr]
     assert longest == pytest.approx(STEP / settings[3])
     physics = other._engine._physics  # type: ignore[union-attr]
-    other._engine._physics = (*physics[:6], 0.25 * longest, *physics[7:])  # type: ignore[union-attr]
+    other._engine._physics = (*physics[:6], (0.25 * longest, 0.7), *physics[7:])  # type: ignore[union-attr]
     for _ in other:
         pass
     fine = other.result()
