@@ -103,8 +103,10 @@ class StartSum:
     def rows(self, x: Array) -> Array:
         """b_0, dJ_0/dX and, where stiffnesses differ, the stiffness released at positions x, shape (rows, *x.shape)."""
         flat, edges = x.ravel(), self._law_edges
-        cut = np.searchsorted(edges, flat + self.high) - np.searchsorted(edges, flat + self.low, side="right")
-        nodes = GAUSS_NODES.size * np.cumsum(self.edges.size + cut)
+        least = np.clip(-0.5 * flat, self.low, self.high)
+        cut = np.searchsorted(edges, flat + self.high) - np.searchsorted(edges, flat + least, side="right")
+        panels = self.edges.size - np.searchsorted(self.edges, least)
+        nodes = GAUSS_NODES.size * np.cumsum(panels + cut)
         chunks = np.flatnonzero(np.diff(nodes // _CHUNK)) + 1
         parts = [
             self._sum(positions, cut_here)
