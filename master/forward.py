@@ -24,6 +24,7 @@ SMOOTH = 1.0 / 32.0  # four times what is left of a difference at eighth order w
 _CLOSE = 0.5**0.5  # ratio of the steps of two lattices whose difference is at least the error of the finer
 _RESOLVED = 0.3
 _COARSER = 9.0  # 4 (1/0.1)^(1/3)
+_FAR_OFF = 1e4  # times the tolerance: the next lattice would not do either
 _LEAST_BELIEVED = 0.25  # part of a difference that the error left is never said to be below, beside jumps
 _SHARE = 0.3  # of the tolerance, for a law known by a numerical solution
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
@@ -182,7 +183,8 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                     reached = f"error estimate {best[1] * share:.1e} on {later.lattice.size} nodes"
                     return *best, f"{reached}, {asked}; shorten the path or loosen the tolerance"
         coarser = later, answer
-        step *= shrink
+        # beside powers nothing falls evenly, but in the end fast
+        step *= 0.25 if problem.powers is not None and np.inf > difference > _FAR_OFF * tolerance else shrink
 
 
 def round_off(problem: Problem) -> float:

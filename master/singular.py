@@ -152,14 +152,14 @@ def units(order: float, positions: Array) -> Singular:
 
 def _seen_polynomials(order: int, place: Array) -> Array:
     """(x - place)^(order - 1) above each place, laid down: what is left of its own cell, then whole cells."""
-    cell = place.astype(np.int64)
+    cell: Indices = place.astype(np.int64)
     # counted from the place's cell on, whole cells hold powers of x, and their sums are known
     since = place - cell
     seen = np.zeros((place.size, _NODES))
     for power, whole in enumerate(_whole_cells(order)):
         factor = comb(order - 1, power) * (-since) ** (order - 1 - power)
         seen += factor[:, None] * whole[cell]
-    nodes, weights = gauss(place, cell + 1.0)
+    nodes, weights = gauss(place, np.floor(place) + 1.0)
     first = np.maximum(cell - (STENCIL // 2 - 1), 0)
     weights = weights * (nodes - place[:, None]) ** (order - 1)
     shares = np.einsum("ij,ijk->ik", weights, lagrange(nodes - first[:, None]))

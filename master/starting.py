@@ -57,7 +57,7 @@ class StartSum:
         if self._conditional or contacts.thermal is not None:
             seeds = np.append(seeds, 0.0)
         seeds = np.unique(seeds[(seeds >= self.low) & (seeds <= self.high)])
-        table = tabulate(self._both, seeds, 1e-13)[0]
+        table, *_ = tables = tabulate(self._both, seeds, 1e-13)
         self.mean = contacts.start.mean() / unit if contacts.cut_weight == 0.0 else _mean(table) / table.total
         self.edges = table.edges
         nodes, weights = gauss(self.edges[:-1], self.edges[1:])
@@ -65,6 +65,7 @@ class StartSum:
         # beside a start much narrower than its mean, positions are rounded: the weights' sum need not be
         mass = float(plain.sum())
         self._scale /= mass
+        self._series, self._mass = tables[-1], mass
         self._nodes, self._shares = nodes, plain / mass * self._held(nodes)
         # where panels of the law are no narrower than these, sums over these alone do
         self.widest = float(np.diff(self.edges)[plain.sum(axis=1) > _LITTLE * mass].max())
@@ -154,7 +155,7 @@ class StartSum:
         nodes, weights = self._nodes[panel], self._shares[panel]
         if cut.any():
             nodes[cut], weights[cut] = gauss(left[cut], right[cut])
-            weights[cut] *= self._plain(nodes[cut]) * self._held(nodes[cut])
+            weights[cut] *= self._series.within(panel[cut], nodes[cut]) / self._mass
         nodes += x[row, None]
         weights *= self._law.pdf(nodes)
         if self._stiffness:
