@@ -23,6 +23,9 @@ MOST_NODES = 2**20
 SMOOTH = 1.0 / 32.0  # four times what is left of a difference at eighth order would be 1/64
 _CLOSE = 0.5**0.5  # ratio of the steps of two lattices whose difference is at least the error of the finer
 _RESOLVED = 0.3
+_COARSER = 9.0  # 4 (1/0.1)^(1/3)
+_FAR_OFF = 1e4  # times the tolerance: the next lattice would not do either
+_LEAST_BELIEVED = 0.25  # part of a difference that the error left is never said to be below, beside jumps
 _SHARE = 0.3  # of the tolerance, for a law known by a numerical solution
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
 _FEWEST_NODES = 256
@@ -138,6 +141,8 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
     step = first_step(problem.law, problem.rough, end, tolerance)
     if problem.powers is not None:
         step = max(min(step, problem.powers.widest_step), 64.0 * end / MOST_NODES)
+    elif problem.law.jumps.size:
+        step = max(min(step, _step_between_jumps(problem.law, tolerance)), min(step, 64.0 * end / MOST_NODES))
     rough = problem.rough
     shrink = 0.5 if rough else _CLOSE
     coarser: tuple[LaterReleased, Array] | None = None
@@ -151,7 +156,9 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
             # towards X = 0 a coarser lattice hands over to finer ones earlier: there the change is the error itself
             finer = later.step_at(x) < coarser[0].step_at(x)
             before, difference = difference, float(change[finer].max(initial=0.0))
-            if (rough or x.size < _FEW) and finer.any():
+            # where points alone say that it is not good enough, no more need to be looked at
+            far = rough and _LEAST_BELIEVED * difference > tolerance and difference > _STALL * floor
+            if (rough or x.size < _FEW) and finer.any() and not far:
                 around = _around(x[finer], 2.0 * step)
                 around = around[later.step_at(around) < coarser[0].step_at(around)]
                 difference = max(difference, float(np.abs(later(around) - coarser[0](around)).max(initial=0.0)))
@@ -176,7 +183,8 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                     reached = f"error estimate {best[1] * share:.1e} on {later.lattice.size} nodes"
                     return *best, f"{reached}, {asked}; shorten the path or loosen the tolerance"
         coarser = later, answer
-        step *= shrink
+        # beside powers nothing falls evenly, but in the end fast
+        step *= 0.25 if problem.powers is not None and np.inf > difference > _FAR_OFF * tolerance else shrink
 
 
 def round_off(problem: Problem) -> float:
@@ -209,7 +217,7 @@ def least_share(problem: Problem, step: float) -> float:
         return 2.0  # errors of the fits beside powers fall fast until round-off sets in, and then no more
     tallest = np.abs(np.concatenate([problem.law.jump_sizes, problem.first.jump_sizes])).max(initial=0.0)
     # what stands between two jumps closer than some nodes is not resolved: there nothing falls evenly yet
-    return 2.0 if tallest * step > 0.25 else 0.25
+    return 2.0 if tallest * step > 0.25 else _LEAST_BELIEVED
 
 
 def _around(x: Array, step: float) -> Array:
@@ -230,6 +238,12 @@ def first_step(law: Law, rough: bool, end: float, tolerance: float) -> float:
     if atoms.size and (heaviest := float(atoms[weights.argmax()])) > 4.0 * step:
         step = heaviest / np.ceil(heaviest / step)  # it falls on a node, so that it is folded without loss
     return step
+
+
+def _step_between_jumps(law: Law, tolerance: float) -> float:
+    """Coarsest of three lattices of which the last should do: where jumps fold, errors are about the cube of what one
+    step holds beside a jump."""
+    return _COARSER * tolerance ** (1.0 / 3.0) / float(np.abs(law.jump_sizes).max())
 
 
 def estimate(difference: float, before: float, least: float, diverges: bool) -> float:

@@ -93,12 +93,13 @@ class Kinks:
         return total
 
     def _fold(self, steps: Singular, jumps: Singular, heights: Array) -> Singular:
-        """Bends where `steps` fold with the unit `jumps`, each of them of the height given."""
-        folded = [steps.folded(jumps[k : k + 1]).times(height) for k, height in enumerate(heights)]
-        return self._kept(join(2.0, folded))
+        """Bends where `steps` fold with the unit `jumps`, each times the height given."""
+        return self._kept(steps.folded(jumps.times(heights)))
 
     def _after_chain(self, seeds: Singular) -> Singular:
         """All that follows from `seeds` when a contact was born at one of the exact places of the chain."""
+        if not self._births.size:
+            return seeds[:0]
         heights = np.abs(seeds.height[:, None] * self._birth_weights)
         if heights.size > _MOST:
             heights[heights < np.partition(heights.ravel(), -_MOST)[-_MOST]] = 0.0

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 
 Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
 
 _NODES = 16
 _X, _W = legendre.leggauss(_NODES)
@@ -19,6 +20,8 @@ for _k in range(_NODES + 1):
     _POWERS[: _k + 1, _k] = legendre.leg2poly(np.eye(_NODES + 1)[_k])[: _k + 1]
 _ALTERNATE = np.where(np.arange(_NODES + 1) % 2, -1.0, 1.0)
 _DEPTH = 60
+_STEEP = 2  # times in a row that one half alone was not resolved
+_TOWARDS_END = 0.5 ** np.arange(4.0, 0.0, -1.0)
 
 
 class Piecewise:
@@ -70,6 +73,18 @@ class Piecewise:
         out = np.zeros(x.shape)
         if inside.any():
             out[inside] = self._series(self._values, x[inside])
+        return out
+
+    def within(self, panel: npt.NDArray[np.intp], x: Array) -> Array:
+        """Values at x of shape (n, m), row after row on the one panel given for each."""
+        left, right = self.edges[panel, None], self.edges[panel + 1, None]
+        t = ((x - left) - (right - x)) / (right - left)
+        powers = self._values[:, panel, None]
+        out = powers[-1] * t
+        for row in powers[-2:0:-1]:
+            out += row
+            out *= t
+        out += powers[0]
         return out
 
     def integral(self, x: Array) -> Array:
@@ -141,6 +156,7 @@ def tabulate(
     `narrow` stays whole: the function is not known more finely there.
     """
     left, right = edges[:-1], edges[1:]
+    lean, pairs = np.zeros(left.size, dtype=np.int64), 0
     done_left: list[Array] = []
     done: list[Array] = []
     for depth in range(_DEPTH):
@@ -160,10 +176,7 @@ def tabulate(
             open_ &= ~narrow(left, right)
         done_left.append(left[~open_])
         done.append(coefficients[:, :, ~open_])
-        left, right = (
-            np.concatenate([left[open_], middle[open_]]),
-            np.concatenate([middle[open_], right[open_]]),
-        )
+        left, right, lean, pairs = _divide(left, right, lean, pairs, open_)
     starts = np.concatenate(done_left) if done_left else np.empty(0)
     if not starts.size:
         return [Piecewise(edges[:1], np.empty((_NODES, 0)))]
@@ -171,3 +184,34 @@ def tabulate(
     coefficients = np.concatenate(done, axis=2)[:, :, order]
     all_edges = np.append(starts[order], edges[-1])
     return [Piecewise(all_edges, coefficients[:, row]) for row in range(coefficients.shape[1])]
+
+
+def _divide(
+    left: Array, right: Array, lean: Whole, pairs: int, open_: npt.NDArray[np.bool_]
+) -> tuple[Array, Array, Whole, int]:
+    """Halves of those panels [left, right] that are `open_`; towards an end where half after half was, the next four
+    halvings at once.
+
+    lean counts how often in a row the right half alone was open, or below 0 the left one; of the panels the first
+    `pairs` are the left halves of what the next ones are the right halves of, here and in the answer.
+    """
+    halves = open_[: 2 * pairs].reshape(2, pairs)
+    lower, upper = halves & ~halves[::-1]
+    lean = lean.copy()
+    lean[:pairs] = np.where(lower, np.minimum(lean[:pairs], 0) - 1, 0)
+    lean[pairs : 2 * pairs] = np.where(upper, np.maximum(lean[pairs : 2 * pairs], 0) + 1, 0)
+    left, right, lean = left[open_], right[open_], lean[open_]
+    steep = (np.abs(lean) >= _STEEP) & (right - left > 1e-12 * np.maximum(np.abs(left), np.abs(right)))
+    begin, end, plain = left[~steep], right[~steep], lean[~steep]
+    middle = 0.5 * (begin + end)
+    left, right, lean = left[steep, None], right[steep, None], lean[steep, None]
+    near, far = np.where(lean < 0, left, right), np.where(lean < 0, right, left)
+    marks = np.concatenate([near, near + (far - near) * _TOWARDS_END, far], axis=1)
+    graded = np.sort(np.stack([marks[:, :-1], marks[:, 1:]]), axis=0)
+    kept = np.concatenate([lean, np.zeros((lean.size, _TOWARDS_END.size), dtype=np.int64)], axis=1)
+    return (
+        np.concatenate([begin, middle, graded[0].ravel()]),
+        np.concatenate([middle, end, graded[1].ravel()]),
+        np.concatenate([plain, plain, kept.ravel()]),
+        begin.size,
+    )

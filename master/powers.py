@@ -8,6 +8,7 @@ to the nodes from there on, fill the gap between.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -17,9 +18,10 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 Function = Callable[[Array], Array]
+Fits = dict[int, Function | None]
 
-HOLE, WINDOW = 40, 240  # nodes to either side of a place that are not trusted, and that are looked at
-_LEAST_WINDOW = 120
+HOLE, WINDOW = 40.0, 6.0  # nodes to either side of a place that are not trusted; how many times as many are looked at
+_GENTLE, _GENTLE_HOLE = 1.45, 24.0  # from this order on fewer
 _DEGREE = 8
 # orders up to the first count, and others up to the second while they are few; more cannot be told apart
 _HIGH, _HIGHEST, _FEW_ORDERS, _MOST_ORDERS = 4.0, 6.0, 7, 13
@@ -29,57 +31,75 @@ _MOST_PLACES = 64
 _HALVINGS = 7
 _REACH = 0.02
 _FITS = 0.1
+_FURTHEST_OFF = 300.0
 _BEYOND = 1.6  # times the path: how far all else is known
 
 
 @dataclass(frozen=True)
 class Powers:
-    """Places (sorted, in units of the law) and the orders of J_1 at each: it holds |x - place|^order and on."""
+    """Places (sorted, in units of the law) and the orders of J_1 at each: it holds |x - place|^order and on.
+
+    `width` is that of the law, and `share` says how much of the start makes places at all.
+    """
 
     places: Array
     orders: list[Array]
+    width: float
+    share: float
 
     @property
     def widest_step(self) -> float:
         """The coarsest lattice on which the nodes between two places, or one and X = 0, are enough."""
-        return float(np.diff(self.places, prepend=0.0).min()) / (WINDOW + HOLE)
+        return float(np.diff(self.places, prepend=0.0).min(initial=np.inf)) / ((WINDOW + 1.0) * HOLE)
 
     def reach(self, end: float, step: float) -> float:
         """How far a lattice of that step must go so that all up to `end` can be read."""
         last = self.places[self.places < end + HOLE * step]
-        return max(end, min(float(last[-1]) + WINDOW * step, _BEYOND * end)) if last.size else end
+        return max(end, min(float(last[-1]) + WINDOW * HOLE * step, _BEYOND * end)) if last.size else end
 
-    def put_right(self, x: Array, values: Array, at_nodes: Function, step: float, size: int) -> Array:
+    def put_right(self, x: Array, values: Array, at_nodes: Function, step: float, size: int, fits: Fits) -> Array:
         """`values` read at x from a lattice of `size` nodes, those beside a place anew; at_nodes gives them at any
-        node."""
+        node, and `fits` keeps what was found for the next time."""
         for k, place in enumerate(self.places):
-            near = np.abs(x - place) < HOLE * step
+            near = np.abs(x - place) < self._holes[k] * step
             if near.any():
-                fitted = self._fit(k, at_nodes, step, size)
+                if k not in fits:
+                    fits[k] = self._fit(k, at_nodes, step, size)
+                fitted = fits[k]
                 if fitted is not None:
                     values[near] = fitted(x[near])
         return values
 
+    @cached_property
+    def _holes(self) -> list[float]:
+        """Nodes to either side of each place that are not trusted."""
+        return [HOLE if orders[0] < _GENTLE else _GENTLE_HOLE for orders in self.orders]
+
     def _fit(self, k: int, at_nodes: Function, step: float, size: int) -> Function | None:
         """What stands for J_1 around one place; None where its neighbours are too close for nodes between."""
-        place, orders = float(self.places[k]), self.orders[k]
-        before = float(self.places[k - 1]) if k else 0.0
-        after = float(self.places[k + 1]) if k + 1 < self.places.size else np.inf
-        low = max(place - WINDOW * step, before + HOLE * step)
-        high = min(place + WINDOW * step, after - HOLE * step, (size - 9) * step)
-        if min(place - low, high - place) < _LEAST_WINDOW * step:
+        place, orders, holes = float(self.places[k]), self.orders[k], self._holes
+        hole, window = holes[k], WINDOW * holes[k]
+        before, beside = (float(self.places[k - 1]), holes[k - 1]) if k else (0.0, HOLE)
+        low = max(place - window * step, before + beside * step)
+        high = min(place + window * step, (size - 9) * step)
+        if k + 1 < self.places.size:
+            high = min(high, float(self.places[k + 1]) - holes[k + 1] * step)
+        if min(place - low, high - place) < 0.5 * window * step:
             return None
         nodes = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1.0)
-        nodes = nodes[np.abs(nodes - place) >= HOLE * step]
+        nodes = nodes[np.abs(nodes - place) >= hole * step]
         width = max(place - low, high - place)
         rows = _basis((nodes - place) / width, orders)
         scale = np.abs(rows).max(axis=0)
         values = at_nodes(nodes)
         factors = np.linalg.lstsq(rows / scale, values, rcond=1e-15)[0] / scale
-        between = place + step * np.arange(0.5 - HOLE, HOLE)
-        changed = np.abs(_basis((between - place) / width, orders) @ factors - at_nodes(between)).max()
-        # where the function changes faster than the nodes outside tell, the lattice itself is the better of the two
-        if np.abs(rows @ factors - values).max() > _FITS * changed:
+        between = np.arange(0.5 - hole, hole)
+        changed = np.abs(_basis(between * (step / width), orders) @ factors - at_nodes(place + step * between))
+        # where the function changes faster than the nodes outside tell, the lattice itself is the better of the two: it
+        # is all but right in the outer half of the hole, and nowhere further off than such a power changes in a step
+        doubt = max(np.abs(rows @ factors - values).max(), changed[np.abs(between) > 0.5 * hole].max())
+        furthest = _FURTHEST_OFF * self.share * (step / self.width) ** orders[0]
+        if doubt > _FITS * changed.max() or changed.max() > furthest:
             return None
         return lambda x: _basis((x - place) / width, orders) @ factors
 
@@ -121,7 +141,13 @@ def find_powers(contacts: Contacts, law: Law, end: float) -> Powers | None:
         onset = law.onset_order
         own += [(0.0, _rounded(onset))] if np.isfinite(onset) else []
     first = _of_first_breaks(contacts, law, own)
-    return None if first is None else _folded(first, own, end)
+    if first is None:
+        return None
+    found = _folded(first, own, end)
+    spread = not contacts.start.is_single
+    # of a spread start what stands at x_0 = 0, where 1/S(|x_0|) has a cusp
+    share = min(1.0, float(contacts.start.pdf(0.0)) * law.unit) if spread else 1.0
+    return None if found is None else Powers(*found, law.narrowest, share)
 
 
 def _of_first_breaks(
@@ -137,6 +163,8 @@ def _of_first_breaks(
     lowest = min(place for place, _ in own if place > 0.0)
     if start.breakpoints.size or max(-low, high) >= lowest:
         return None
+    if max(-low, high) <= law.support[0]:
+        return []  # a smooth start smooths all
     onset = [order for place, order in own if place == 0.0]
     # from x_0 = 0 on contacts survive as the law begins there
     smoothed = [1.0, *(1.0 + order for order in onset)]
@@ -145,8 +173,11 @@ def _of_first_breaks(
     ]
 
 
-def _folded(first: list[tuple[float, float]], own: list[tuple[float, float]], end: float) -> Powers | None:
-    """All sums of one of the first and of one or more of the law's own."""
+def _folded(
+    first: list[tuple[float, float]], own: list[tuple[float, float]], end: float
+) -> tuple[Array, list[Array]] | None:
+    """All sums of one of the first and of one or more of the law's own: places and orders; None where they are too
+    many."""
     found: dict[float, list[float]] = {}
     pending = first
     while pending:
@@ -166,10 +197,8 @@ def _folded(first: list[tuple[float, float]], own: list[tuple[float, float]], en
         if len(found) > _MOST_PLACES:
             return None
         pending = following
-    places = np.array(sorted(place for place in found if place > 0.0))
-    if not places.size:
-        return None
-    return Powers(places, [_all_orders(found[place]) for place in places])
+    places = sorted(place for place in found if place > 0.0)
+    return np.array(places), [_all_orders(found[place]) for place in places]
 
 
 def _all_orders(lowest: list[float]) -> Array:

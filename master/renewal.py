@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from master.kinks import Kinks
 from master.lattice import STENCIL, deposit_atoms, integrate, lagrange, lay
+from master.powers import Fits
 from master.problem import Problem
 from master.series import convolve, renew
 
@@ -81,6 +82,7 @@ class Renewal:
             flux += self._beside(problem, smooth_released, kernel, stiffness, breaks)
         self.released = integrate(flux)
         self._flux = flux
+        self._fits: tuple[Fits, Fits] = {}, {}  # of J_1 and of the count, beside powers
         self._kinks: Kinks | None = None
         if self._powers is None and (law.jumps.size or law.atoms.size):
             self._kinks = Kinks(problem, step, end, tiny)
@@ -136,7 +138,7 @@ class Renewal:
 
     def count_at(self, x: Array) -> Array:
         """Later breaks up to positions x, those of the chain at its atoms left out."""
-        return self._beside_powers(self._counted_at, x)
+        return self._beside_powers(self._counted_at, x, self._fits[1])
 
     def _counted_at(self, x: Array) -> Array:
         count = self.read(self.counted, x)
@@ -149,15 +151,15 @@ class Renewal:
 
     def released_at(self, x: Array) -> Array:
         """J_1 at positions x, the kinks of its slope put right."""
-        return self._beside_powers(self._released_at, x)
+        return self._beside_powers(self._released_at, x, self._fits[0])
 
     def _released_at(self, x: Array) -> Array:
         released = self.read(self.released, x)
         return released if self._kinks is None else released + self._kinks.released(x)
 
-    def _beside_powers(self, read: Callable[[Array], Array], x: Array) -> Array:
+    def _beside_powers(self, read: Callable[[Array], Array], x: Array, fits: Fits) -> Array:
         values = read(x)
-        return values if self._powers is None else self._powers.put_right(x, values, read, self.step, self.size)
+        return values if self._powers is None else self._powers.put_right(x, values, read, self.step, self.size, fits)
 
     def rate_at(self, x: Array) -> Array:
         """dJ_1/dX at positions x, atoms of the chain left out, the kinks put right likewise."""

@@ -1,12 +1,14 @@
 """Places where a density steps, bends or rises as a power, as a lattice sees them: nodes around each, and its place."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from math import comb
 
 import numpy as np
 import numpy.typing as npt
 
 from master.lattice import INTEGRATE, STENCIL, lagrange, lay, share_atoms
+from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -78,12 +80,18 @@ class Singular:
         after = self.seen.shape[1] + np.arange(2 * STENCIL) - self.place[:, None]
         return self.height[:, None] * after ** (self.order - 1.0)
 
-    def folded(self, step: "Singular") -> "Singular":
-        """Steps folded with one step (of height 1): bends."""
-        causal = np.zeros((_NODES, _NODES))
-        for node in range(_NODES):
-            causal[node, node:] = step.seen[0, : _NODES - node]
-        return Singular(2.0, self.shift + step.shift, self.place + step.place, self.height, self.seen @ causal)
+    def folded(self, steps: "Singular") -> "Singular":
+        """Steps folded with each of the `steps`: bends, those with the first of them first."""
+        padded = np.concatenate([np.zeros((steps.height.size, _NODES)), steps.seen], axis=1)
+        node = np.arange(_NODES)
+        causal = padded[:, _NODES + node - node[:, None]]
+        return Singular(
+            2.0,
+            np.add.outer(steps.shift, self.shift).ravel(),
+            np.add.outer(steps.place, self.place).ravel(),
+            np.multiply.outer(steps.height, self.height).ravel(),
+            (self.seen @ causal).reshape(-1, _NODES),
+        )
 
     def missing(self, reading: "Reading", integrated: bool) -> Array:
         """What a density (or its integral) read from the lattice lacks."""
@@ -131,13 +139,47 @@ def units(order: float, positions: Array) -> Singular:
     """Places of height 1, each laid down on a short lattice of its own."""
     shift = np.maximum(np.floor(positions).astype(np.int64) - _LEAST, 0)
     place = positions - shift
+    if float(order).is_integer():
+        return Singular(order, shift, place, np.ones(positions.size), _seen_polynomials(int(order), place))
     seen = np.empty((positions.size, _NODES))
     # a power that is no polynomial is laid down right on ever narrower panels alone
-    graded = np.empty(0) if float(order).is_integer() else 0.5 ** np.arange(_HALVINGS)
+    graded = 0.5 ** np.arange(_HALVINGS)
     for row, at in zip(seen, place, strict=True):
         edges = np.concatenate([[at, _NODES + STENCIL], at + graded])
         row[:] = lay(lambda x, at=at: [_power(x - at, order - 1.0)], 1, edges, 1.0, _NODES + 2 * STENCIL)[0, :_NODES]  # type: ignore[misc]
     return Singular(order, shift, place, np.ones(positions.size), seen)
+
+
+def _seen_polynomials(order: int, place: Array) -> Array:
+    """(x - place)^(order - 1) above each place, laid down: what is left of its own cell, then whole cells."""
+    cell: Indices = place.astype(np.int64)
+    # counted from the place's cell on, whole cells hold powers of x, and their sums are known
+    since = place - cell
+    seen = np.zeros((place.size, _NODES))
+    for power, whole in enumerate(_whole_cells(order)):
+        factor = comb(order - 1, power) * (-since) ** (order - 1 - power)
+        seen += factor[:, None] * whole[cell]
+    nodes, weights = gauss(place, np.floor(place) + 1.0)
+    first = np.maximum(cell - (STENCIL // 2 - 1), 0)
+    weights = weights * (nodes - place[:, None]) ** (order - 1)
+    shares = np.einsum("ij,ijk->ik", weights, lagrange(nodes - first[:, None]))
+    np.add.at(seen, (np.arange(place.size)[:, None], first[:, None] + np.arange(STENCIL)), shares)
+    return seen
+
+
+@cache
+def _whole_cells(order: int) -> list[Array]:
+    """(x - c)^k for each k below `order`, laid down from each node c + 1 on; shapes (_LEAST + 1, nodes)."""
+    size = _NODES + 2 * STENCIL
+    return [
+        np.stack(
+            [
+                lay(lambda x, c=c, k=k: [(x - c) ** k], 1, np.array([c + 1.0, size]), 1.0, size)[0, :_NODES]  # type: ignore[misc]
+                for c in range(_LEAST + 1)
+            ]
+        )
+        for k in range(order)
+    ]
 
 
 def _power(x: Array, power: float) -> Array:

@@ -57,7 +57,7 @@ class StartSum:
         if self._conditional or contacts.thermal is not None:
             seeds = np.append(seeds, 0.0)
         seeds = np.unique(seeds[(seeds >= self.low) & (seeds <= self.high)])
-        table = tabulate(self._both, seeds, 1e-13)[0]
+        table, *_ = tables = tabulate(self._both, seeds, 1e-13)
         self.mean = contacts.start.mean() / unit if contacts.cut_weight == 0.0 else _mean(table) / table.total
         self.edges = table.edges
         nodes, weights = gauss(self.edges[:-1], self.edges[1:])
@@ -65,6 +65,7 @@ class StartSum:
         # beside a start much narrower than its mean, positions are rounded: the weights' sum need not be
         mass = float(plain.sum())
         self._scale /= mass
+        self._series, self._mass = tables[-1], mass
         self._nodes, self._shares = nodes, plain / mass * self._held(nodes)
         # where panels of the law are no narrower than these, sums over these alone do
         self.widest = float(np.diff(self.edges)[plain.sum(axis=1) > _LITTLE * mass].max())
@@ -103,8 +104,10 @@ class StartSum:
     def rows(self, x: Array) -> Array:
         """b_0, dJ_0/dX and, where stiffnesses differ, the stiffness released at positions x, shape (rows, *x.shape)."""
         flat, edges = x.ravel(), self._law_edges
-        cut = np.searchsorted(edges, flat + self.high) - np.searchsorted(edges, flat + self.low, side="right")
-        nodes = GAUSS_NODES.size * np.cumsum(self.edges.size + cut)
+        least = np.clip(-0.5 * flat, self.low, self.high)
+        cut = np.searchsorted(edges, flat + self.high) - np.searchsorted(edges, flat + least, side="right")
+        panels = self.edges.size - np.searchsorted(self.edges, least)
+        nodes = GAUSS_NODES.size * np.cumsum(panels + cut)
         chunks = np.flatnonzero(np.diff(nodes // _CHUNK)) + 1
         parts = [
             self._sum(positions, cut_here)
@@ -152,7 +155,7 @@ class StartSum:
         nodes, weights = self._nodes[panel], self._shares[panel]
         if cut.any():
             nodes[cut], weights[cut] = gauss(left[cut], right[cut])
-            weights[cut] *= self._plain(nodes[cut]) * self._held(nodes[cut])
+            weights[cut] *= self._series.within(panel[cut], nodes[cut]) / self._mass
         nodes += x[row, None]
         weights *= self._law.pdf(nodes)
         if self._stiffness:
