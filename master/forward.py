@@ -230,9 +230,9 @@ def first_step(law: Law, rough: bool, end: float, tolerance: float) -> float:
     """Coarsest of the lattices tried: the second should do, the third where the problem is rough, its error being of
     order (step / narrowest width)^8."""
     if rough:
-        step = min(5.6 * law.narrowest * min(tolerance, 1e-3) ** 0.125, 4.0 * end / _FEWEST_NODES)
+        step = min(5.6 * law.finest * min(tolerance, 1e-3) ** 0.125, 4.0 * end / _FEWEST_NODES)
     else:
-        step = min(2.1 * law.narrowest * min(tolerance, 3e-5) ** 0.125, end / _FEWEST_NODES)
+        step = min(2.1 * law.finest * min(tolerance, 3e-5) ** 0.125, end / _FEWEST_NODES)
     step = max(step, end * 8.0 / MOST_NODES)
     atoms, weights = law.atoms, law.atom_weights
     if atoms.size and (heaviest := float(atoms[weights.argmax()])) > 4.0 * step:

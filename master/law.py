@@ -14,6 +14,8 @@ Array = npt.NDArray[np.float64]
 _LEAST = 1e-290  # of the mean: below it a density nears the largest numbers there are
 _LOST = 1e-12  # weight that may lie there
 _ULP = 1e-15
+_SIGHT = 2.0  # width of the narrowest Gaussian that eight nodes see through, in panels
+_SOME = 1e-3
 _DECILES = np.linspace(0.05, 0.95, 10)
 
 
@@ -24,7 +26,8 @@ class Law:
     at a temperature.
 
     `held` is the survival at the far end of the start; panels reach to 1e-18 of that, and `begins` is below all weight
-    but 1e-19. `narrowest` is the width of a Gaussian as sharp as the sharpest tenth of the weight; `jumps` and
+    but 1e-19. `narrowest` is the width of a Gaussian as sharp as the sharpest tenth of the weight, `finest` that of
+    one as sharp as any detail that the law's own panels tell, if they do, but at least half as wide; `jumps` and
     `jump_sizes` say where the density jumps and by how much, `poles` where above 0 it diverges.
 
     Raises InputError where the law has weight so near to 0 that floating point cannot hold its density.
@@ -54,7 +57,8 @@ class Law:
                 "for an onset power of -0.95 or above"
             )
         self._scale = 1.0
-        self.edges, self.narrowest, self._hard = np.empty(0), 1.0, np.empty(0, dtype=bool)
+        self.edges, self._hard = np.empty(0), np.empty(0, dtype=bool)
+        self.narrowest = self.finest = 1.0
         self.jumps, self.jump_sizes, self.poles = np.empty(0), np.empty(0), np.empty(0)
         self.bends, self.bend_sizes = np.empty(0), np.empty(0)
         self.onset: tuple[float, float] | None = None
@@ -108,7 +112,10 @@ class Law:
         # below the node before, thresholds weigh less than 1e-19
         first = int(np.searchsorted(np.cumsum(masses[: width.size]), 1e-19))
         self.begins = float(nodes[: width.size].ravel()[first - 1]) if first > 0 else float(self.edges[0])
-        self.narrowest = self._find_narrowest(nodes[: width.size].ravel(), masses[: width.size].ravel())
+        self.finest = self.narrowest = self._find_narrowest(nodes[: width.size].ravel(), masses[: width.size].ravel())
+        if self._thresholds.panels is not None:
+            detail = _SIGHT * float(width[weight > _SOME].min(initial=np.inf))
+            self.finest = min(max(detail, 0.5 * self.narrowest), self.narrowest)
         declared = (np.abs(inner[:, None] - self.breakpoints) <= 4e-16 * self.breakpoints).any(axis=1)
         first, second, across = masses[width.size :].sum(axis=1).reshape(3, -1)
         bent = np.abs(first + second - across) > 1e-13 * across + 1e-15

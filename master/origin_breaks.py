@@ -12,7 +12,7 @@ from master.ageing_breaking import AgeingBreaking
 from master.corners import bends
 from master.first import FirstBreaks, tabulate_rows
 from master.law import Law
-from master.starting import StartSum
+from master.starting import StartSum, thin
 from master.thermal_law import ThermalBreaking
 from master.thermal_paper import PaperBreaking
 from master.thermal_spread import SpreadBreaks
@@ -69,17 +69,16 @@ class OriginBreaks(FirstBreaks):
             seeds = np.concatenate([(marks[:, None] - rough).ravel(), -2.0 * rough, marks - self.mean_start])
             bend = np.zeros(1 if breaking.bends_at_zero else 0)
             self._cuts = np.unique(np.concatenate([law.inner_edges(self._sum.widest), marks, bend]))
-            if isinstance(breaking, ThermalBreaking):
+            if isinstance(breaking, ThermalBreaking | PaperBreaking):
                 self._spread = SpreadBreaks(breaking, self._sum, law, np.append(marks, bend), self._accuracy)
                 self._cuts = self._spread.cuts
-        inner = law.edges[law.cdf(law.edges) < 0.5]
-        peak = float(inner[-1]) if inner.size else 1.0
-        across = max(high - low, law.narrowest)
-        seeds = np.concatenate([seeds, peak - self.mean_start + across * np.linspace(-2.0, 2.0, 9)])
         top = min(end, breaking.top / unit - low)
         seeds = np.unique(seeds[(seeds > 0.0) & (seeds < top)])
-        fast = breaking.panels / unit
-        edges = np.unique(np.concatenate([np.linspace(0.0, top, 9), seeds, fast[fast < top]]))
+        # breaks vary over X as over x, or as over the start
+        known = law.edges[::2] - self.mean_start
+        known = known if self.single else thin(known, 0.25 * (high - low))
+        edges = np.concatenate([known, breaking.panels / unit, np.linspace(0.0, top, 5)])
+        edges = np.unique(np.append(edges[(edges >= 0.0) & (edges <= top)], seeds))
         # closer than rounding is once
         edges = edges[np.append(np.diff(edges) > min(_SAME, 0.01 * top), True)]
         self.density, self._released, self.stiffness = tabulate_rows(self._rows, edges, self._accuracy)

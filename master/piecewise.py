@@ -117,11 +117,12 @@ class Piecewise:
 
 
 class Bundle:
-    """Many functions as Legendre series on the same panels; coefficients has shape (16, functions, panels)."""
+    """Many functions on the same panels, each as a series in powers of the place between a panel's ends, -1 to 1;
+    powers has shape (16, functions, panels)."""
 
-    def __init__(self, edges: Array, coefficients: Array) -> None:
+    def __init__(self, edges: Array, powers: Array) -> None:
         self.edges = edges
-        self._powers = np.tensordot(_POWERS[:_NODES, :_NODES], coefficients, 1).reshape(_NODES, -1)
+        self._powers = powers.reshape(_NODES, -1)
 
     def __call__(self, which: npt.NDArray[np.intp], x: Array) -> Array:
         """Values of the functions `which` at x, both of one shape; zero outside the panels."""
@@ -140,7 +141,8 @@ class Bundle:
 def bundle(tables: list[Piecewise], shares: Array) -> Bundle:
     """Sums of `tables`, all on the same panels, each times its share; shares has shape (functions, tables)."""
     coefficients = np.stack([table.coefficients for table in tables], axis=1)
-    return Bundle(tables[0].edges, np.einsum("ft,mtp->mfp", shares, coefficients))
+    powers = np.tensordot(_POWERS[:_NODES, :_NODES], coefficients, 1)
+    return Bundle(tables[0].edges, shares @ powers)
 
 
 def tabulate(

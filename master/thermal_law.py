@@ -18,8 +18,9 @@ import numpy.typing as npt
 
 from master.piecewise import Piecewise, tabulate
 from master.thermal_paper import PaperBreaking
+from master.threshold_panels import ThresholdPanels
 from origins import Contacts, Thresholds
-from origins.quadrature import gauss, panel_edges
+from origins.quadrature import gauss
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
@@ -31,6 +32,7 @@ _TAIL = 1e-20
 _AROUND = np.array([3.9, 3.3, 2.7, 2.1, 1.5, 0.9, 0.3, -0.4, -1.2, -2.1, -3.2, -4.6, -6.5, -9.0, -13.0, -20.0, -38.0])
 _LEAST = float(np.exp(_AROUND[-1]))
 _SMOOTH = 0.6  # change of ln(A/v) that eight nodes see through
+MOST_SPENT = 40.0  # exponent: beyond, the round-off of a difference of two is felt
 MOST_GROWTH = 3.0  # of A/v over the starts told by one table
 _CUTS = 10
 _STEPS = 12
@@ -50,12 +52,8 @@ class ThermalBreaking:
         self.law, self._thermal, self._velocity = contacts.thresholds, contacts.thermal, velocity
         self._contacts, self.linked = contacts, contacts.stiffness == "linked"
         self.atoms, self.atom_weights = self.law.atoms
-        lower, upper = self.law.support()
-        far = upper if np.isfinite(upper) else float(self.law.isf(1e-300))
-        inner = panel_edges(self.law, tail=1e-30) if float(self.atom_weights.sum()) < 1.0 - 1e-14 else np.empty(0)
-        self._panels = np.unique(np.concatenate([[lower], inner, [min(far, upper)]]))
-        self.top = float(self._panels[-1])
-        self._heavy = np.abs(np.diff(self.law.cdf(self._panels))) > 1e-13
+        self._panels = ThresholdPanels(self.law, self.rooted, self._barrier)
+        self.top = self._panels.top
         marks = np.concatenate([self.law.breakpoints, self.atoms])
         self.marks = np.unique(marks[marks > 0.0])
 
@@ -74,11 +72,15 @@ class ThermalBreaking:
         out = np.zeros((4 if self.linked else 2, x.size))
         live = np.flatnonzero(np.maximum(x, np.abs(origin)) <= self.top)
         x, origin = x[live], origin[live]
-        chunk = max(1, _CHUNK // (8 * (self._panels.size + _AROUND.size)))
+        chunk = self._panels.rows_in(_CHUNK)
         parts = [self._integrals(x[i : i + chunk], origin[i : i + chunk]) for i in range(0, x.size, chunk)]
         if parts:
             out[:, live] = np.concatenate(parts, axis=1)
         return out
+
+    def _barrier(self, threshold: Array) -> Array:
+        """Of a relaxed contact, in units of k_BT."""
+        return self._contacts.relative_stiffness(threshold) * threshold**2 / (2.0 * self._thermal.temperature)
 
     def held(self, x: Array, threshold: Array, origin: Array) -> Array:
         """exp{-[A(x; ξ) - A(x_0; ξ)]/v}, for x >= x_0."""
@@ -95,60 +97,91 @@ class ThermalBreaking:
         return self._thermal.log_per_length(x, threshold, origin, stiffness, self._velocity)
 
     @property
+    def rooted(self) -> bool:
+        """Whether the rate has a root at its threshold, beyond which it does not go on smoothly."""
+        return self._thermal.law == "stiff"
+
+    @property
     def bends_at_zero(self) -> bool:
         """Whether the slope of h jumps at x = 0, where the barrier's |x| does."""
         return self._thermal.law == "stiff"
 
-    def grown(self, origins: Array, least: float) -> Array:
-        """A(x_0; ξ)/v for each of `origins` and some thresholds above `least`, in all their range."""
-        nodes, weights = gauss(self._panels[:-1], self._panels[1:])
-        felt = (weights * self.law.pdf(nodes) > _TAIL) & (nodes > least)
-        some = np.concatenate([nodes[felt], self.atoms[self.atoms > least]])
-        return self._passed(origins[:, None], some, np.zeros(1))[1]
+    def grown(self, origins: Array, least: float, felt: float) -> tuple[Array, Array]:
+        """A(x_0; ξ)/v for each of `origins` and the thresholds above `least` of weights above `felt`; these weights."""
+        nodes, mass = self._panels.nodes, self._panels.mass
+        some = (mass > felt) & (nodes > least)
+        atoms = (self.atom_weights > felt) & (self.atoms > least)
+        thresholds = np.concatenate([nodes[some], self.atoms[atoms]])
+        spent = self._passed(origins[:, None], thresholds, np.zeros(1))[1]
+        return spent, np.concatenate([mass[some], self.atom_weights[atoms]])
 
-    def fan(self, x: Array, origins: Array, least: float) -> Array:
+    def fan(self, x: Array, origins: Array, lowest: Array, least: Array) -> Array:
         """p, where stiffnesses differ then with these under the integral, of contacts that stood at each of `origins`,
-        at stretches x of shape (n,); thresholds up to `least`, which no |origin| is above, left out. Shape (1 or 2,
-        origins, n)."""
+        at stretches x of shape (n,) above `lowest`, close below the origin, from where A/v grows by less than
+        MOST_GROWTH; thresholds up to the `least` of each left out. Shape (1 or 2, origins, n)."""
         out = np.zeros((2 if self.linked else 1, origins.size, x.size))
-        chunk = max(1, _CHUNK // (8 * (self._panels.size + _AROUND.size)))
+        chunk = self._panels.rows_in(_CHUNK)
         for i in range(0, x.size, chunk):
-            at = x[i : i + chunk]
-            lowest = np.maximum(at, least)
-            for row, mass, threshold in self._thresholds(at, np.zeros(at.size), lowest):
+            at, here = x[i : i + chunk], out[:, :, i : i + chunk]
+            for row, mass, threshold in self._thresholds(at, np.zeros(at.size), np.abs(at)):
                 rate, spent = self._passed(at[row, None], threshold, np.zeros(1))
-                self._fan_out(out[:, :, i : i + chunk], row, mass * rate, spent, threshold, origins)
-            own = np.flatnonzero((at > least) & (self.law.pdf(at) > 0.0))
+                self._fan_out(here, row, mass, rate * np.exp(-spent), threshold, (origins, lowest, least))
+            own = np.flatnonzero((at > 0.0) & (self.law.pdf(at) > 0.0))
             mass, threshold = self.law.pdf(at[own])[:, None], at[own, None]
-            spent = self._passed(threshold, threshold, np.zeros(1))[1]
-            self._fan_out(out[:, :, i : i + chunk], own, mass, spent, threshold, origins)
+            held = self.held(threshold, threshold, np.zeros(1))
+            self._fan_out(here, own, mass, held, threshold, (origins, lowest, least))
         return out
 
     def _fan_out(
-        self, out: Array, row: npt.NDArray[np.intp], mass: Array, spent: Array, threshold: Array, origins: Array
+        self,
+        out: Array,
+        row: npt.NDArray[np.intp],
+        mass: Array,
+        breaks: Array,
+        threshold: Array,
+        starts: tuple[Array, Array, Array],
     ) -> None:
-        stiffness = self._contacts.relative_stiffness(threshold) if self.linked else 1.0
-        for k, origin in enumerate(origins):
-            left = self._passed(origin, threshold, np.zeros(1))[1] - spent
-            # more is left only of thresholds that weigh nothing
-            breaks = mass * np.exp(np.minimum(left, MOST_GROWTH))
-            parts = [breaks, breaks * stiffness] if self.linked else [breaks]
+        """Add sums of `breaks` times what held since each of the origins."""
+        weights = [mass, mass * self._contacts.relative_stiffness(threshold)] if self.linked else [mass]
+        if len(mass) == 1:
+            origins, lowest, least = (start[:, None] for start in starts)
+            grown = self._held_since(threshold, origins, self._most(threshold, lowest), least)
+            for total, weight in zip(out, weights, strict=True):
+                total[:, row] += (grown * weight) @ breaks.T
+            return
+        parts = [breaks * weight for weight in weights]
+        most, begin = np.empty(0), np.nan
+        for k, (origin, lowest, none) in enumerate(zip(*starts, strict=True)):
+            if lowest != begin:  # many begin alike
+                most, begin = self._most(threshold, lowest), lowest
+            grown = self._held_since(threshold, origin, most, none)
             for total, part in zip(out[:, k], parts, strict=True):
-                total += np.bincount(row, weights=part.sum(-1), minlength=total.size)
+                total += np.bincount(row, weights=np.einsum("ij,ij->i", part, grown), minlength=total.size)
+
+    def _held_since(self, threshold: Array, origin: Array, most: Array, least: Array) -> Array:
+        """e^{A(x_0; ξ)/v} for thresholds above `least`, and e to `most` where that is less."""
+        spent = self._passed(origin, threshold, np.zeros(1))[1]
+        return np.where(threshold > least, np.exp(np.minimum(spent, most)), 0.0)
+
+    def _most(self, threshold: Array, lowest: Array) -> Array:
+        """What only thresholds that weigh nothing have spent, where those that weigh something have spent less than
+        MOST_GROWTH since `lowest`."""
+        return np.minimum(self._passed(lowest, threshold, np.zeros(1))[1] + MOST_GROWTH, MOST_SPENT) + 1.0
 
     def _integrals(self, x: Array, origin: Array) -> Array:
         least = np.maximum(x, np.abs(origin))
         out = np.zeros((4 if self.linked else 2, x.size))
+        alike = origin[:1] if (origin == origin[0]).all() else None
         for row, mass, threshold in self._thresholds(x, origin, least):
-            rate, spent = self._passed(x[row, None], threshold, origin[row, None])
-            held = mass * np.exp(-spent)
-            breaks = held * rate
-            parts = [breaks, held]
+            rate, spent = self._passed(x[row, None], threshold, origin[row, None] if alike is None else alike)
+            held = np.exp(-spent)
+            parts = [held * rate, held]
+            weights = [mass] * 2
             if self.linked:
-                stiffness = self._contacts.relative_stiffness(threshold)
-                parts += [breaks * stiffness, held * stiffness]
-            for total, part in zip(out, parts, strict=True):
-                total += np.bincount(row, weights=part.sum(-1), minlength=x.size)
+                parts, weights = parts * 2, weights + [mass * self._contacts.relative_stiffness(threshold)] * 2
+            for total, part, weight in zip(out, parts, weights, strict=True):
+                each = part @ weight[0] if len(mass) == 1 else np.einsum("ij,ij->i", part, weight)
+                total += np.bincount(row, weights=each, minlength=x.size)
         at_threshold = self.law.pdf(x)
         inside = (at_threshold > 0.0) & (x > np.abs(origin))
         if inside.any():
@@ -164,35 +197,24 @@ class ThermalBreaking:
     ) -> Iterator[tuple[npt.NDArray[np.intp], Array, Array]]:
         """Thresholds above `least` for each x and their weights, for sums over what holds: rows of x that they are for,
         weights, thresholds."""
-        if self._panels.size > 1:
-            edges = np.clip(self._panels, np.maximum(least, self._panels[0])[:, None], self.top)
-            level = np.maximum(self._passed(x[:, None], edges, origin[:, None])[1], _LEAST)
-            level = np.minimum(np.log(level), _AROUND[0]) + 1.0
-            # below, e^(-A/v) changes by little
-            across = np.abs(np.diff(np.where(level < 0.0, 0.25 * level, level), axis=1))
-            sharp = ((across > _SMOOTH) & self._heavy).any(axis=1)
-            yield self._nodes(np.flatnonzero(~sharp), edges[~sharp], least)
-            if sharp.any():
-                centre, width = self._half_way(x[sharp], origin[sharp], least[sharp])
-                edges = np.concatenate([edges[sharp], centre[:, None] + width[:, None] * -_AROUND], axis=1)
-                edges = np.sort(np.clip(edges, edges[:, :1], self.top), axis=1)
-                yield self._nodes(np.flatnonzero(sharp), edges, least)
+        panels = self._panels
+        edges = np.maximum(panels.edges, least[:, None])
+        level = np.maximum(self._passed(x[:, None], edges, origin[:, None])[1], _LEAST)
+        level = np.minimum(np.log(level), _AROUND[0]) + 1.0
+        # below, e^(-A/v) changes by little
+        across = np.abs(np.diff(np.where(level < 0.0, 0.25 * level, level), axis=1))
+        sharp = ((across > _SMOOTH) & panels.heavy).any(axis=1)
+        smooth = np.flatnonzero(~sharp)
+        for row, mass, threshold in panels.above(least[smooth]):
+            yield smooth[row], mass, threshold
+        if sharp.any():
+            centre, width = self._half_way(x[sharp], origin[sharp], least[sharp])
+            edges = np.concatenate([edges[sharp], centre[:, None] + width[:, None] * -_AROUND], axis=1)
+            edges = np.sort(np.clip(edges, edges[:, :1], panels.top), axis=1)
+            yield from panels.between(np.flatnonzero(sharp), edges, least[sharp])
         for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
             row = np.flatnonzero(least < atom)
             yield row, np.full((row.size, 1), weight), np.full((row.size, 1), atom)
-
-    def _nodes(
-        self, rows: npt.NDArray[np.intp], edges: Array, least: Array
-    ) -> tuple[npt.NDArray[np.intp], Array, Array]:
-        """Thresholds on panels between `edges`, one row of them for each of `rows`."""
-        # a stiff contact's rate has a root at its threshold: in the root of ξ - x all is smooth
-        roots = np.sqrt(np.maximum(edges - least[rows, None], 0.0))
-        left, right = roots[:, :-1], roots[:, 1:]
-        wide = right > left
-        row = rows[np.nonzero(wide)[0]]
-        nodes, weights = gauss(left[wide], right[wide])
-        nodes, weights = least[row, None] + nodes * nodes, 2.0 * nodes * weights
-        return row, weights * self.law.pdf(nodes), nodes
 
     def _half_way(self, x: Array, origin: Array, least: Array) -> tuple[Array, Array]:
         """Threshold at which A/v = 1, the lowest there is where it is less there, and the width of a factor e in A."""
@@ -200,7 +222,7 @@ class ThermalBreaking:
         def level(threshold: Array) -> Array:
             return self._log_spent(x, np.maximum(threshold, 1e-300), origin)
 
-        low = np.maximum(least, self._panels[0])
+        low = np.maximum(least, self._panels.edges[0])
         high = np.maximum(np.full(x.shape, self.top), low)
         centre = _falling_root(level, low, high, 0.0)
         further = _falling_root(level, centre, np.maximum(2.0 * centre, high), level(centre) - 1.0)

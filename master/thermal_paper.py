@@ -14,13 +14,16 @@ import numpy as np
 import numpy.typing as npt
 
 from master.piecewise import Piecewise, tabulate
+from master.threshold_panels import ThresholdPanels
 from origins import Contacts
-from origins.quadrature import gauss, panel_edges
+from origins.quadrature import GAUSS_NODES, gauss
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
 _ACCURACY = 1e-14
+_FELT = 1e-16
+_NEAR_ZERO = 1e-3
 _CHUNK = 60_000
 _GONE = 60.0  # exponent beyond which a barrier is never passed at the attempt frequency v per length
 _MOST = 750.0
@@ -33,29 +36,29 @@ class PaperBreaking:
     """p and E of contacts with `thermal` at the speed v > 0 (length per time); lengths as given. The same face as
     thermal_law.ThermalBreaking."""
 
-    linked = False
+    linked = rooted = False
     error = 0.0
     panels = np.empty(0)
-    bends_at_zero = True
 
     def __init__(self, contacts: Contacts, velocity: float) -> None:
         assert contacts.thermal is not None
         self.law, self._thermal = contacts.thresholds, contacts.thermal
         self._velocity = velocity
         self.atoms, self.atom_weights = self.law.atoms
-        lower, upper = self.law.support()
-        continuous = float(self.atom_weights.sum()) < 1.0 - 1e-14
-        far = upper if np.isfinite(upper) else float(self.law.isf(1e-300))
-        inner = panel_edges(self.law, tail=1e-30) if continuous else np.empty(0)
-        self._panels = np.unique(np.concatenate([[lower], inner, [min(far, upper)]]))
-        self.top = float(self._panels[-1])
+        temperature, std = contacts.thermal.temperature, self.law.std() or contacts.mean_threshold
+        attempts = max(contacts.thermal.attempt_frequency / velocity * contacts.mean_threshold, 1.0)
+        stiff = contacts.thermal.law == "stiff"
+        panels = ThresholdPanels(self.law, stiff, lambda x: x * x / (2.0 * temperature), _FELT / attempts)
+        self._shared, self._panels, self.top = panels, panels.edges, panels.top
+        spent = self._thermal.per_length(panels.nodes, panels.nodes, np.zeros(1), 1.0, 1.0)[1]
+        self._before = np.append(0.0, (panels.mass * spent).reshape(-1, GAUSS_NODES.size).sum(axis=1).cumsum())
+        # where P_c is nothing about 0 the rate of soft contacts is even and smooth there
+        self.bends_at_zero = stiff or float(self.law.cdf(_NEAR_ZERO * contacts.mean_threshold)) > _FELT
         marks = np.concatenate([self.law.breakpoints, self.atoms])
         self.marks = np.unique(marks[marks > 0.0])
-        temperature, std = contacts.thermal.temperature, self.law.std() or contacts.mean_threshold
         # P_c times e^(-barrier) is as narrow as both together
         self._width = 0.8 / np.sqrt(1.0 / temperature + 1.0 / std**2)
-        barrier = _GONE + np.log(max(contacts.thermal.attempt_frequency / velocity * contacts.mean_threshold, 1.0))
-        self._square = 2.0 * temperature * barrier
+        self._square = 2.0 * temperature * (_GONE + np.log(attempts))
 
     @cached_property
     def _tables(self) -> list[Piecewise]:
@@ -98,6 +101,19 @@ class PaperBreaking:
         out[0, live] = held * (survival * hazard + np.where(x > np.abs(origin), self.law.pdf(x), 0.0))
         return out
 
+    def grown(self, origins: Array, least: float, felt: float) -> tuple[Array, Array]:
+        """L at each of `origins`, the same for all thresholds, and their weight."""
+        return (np.sign(origins) * self._integrals(np.abs(origins))[0])[:, None], np.ones(1)
+
+    def fan(self, x: Array, origins: Array, lowest: Array, least: Array) -> Array:
+        """p, times S(|origin|), of contacts that stood at each of `origins`, at stretches x of shape (n,) above the
+        least of them; no thresholds lie below |x| where x < 0. Shape (1, origins, n)."""
+        before = np.exp(np.minimum(self.grown(origins, 0.0, 0.0)[0], _MOST))
+        spent, hazard = self._integrals(np.abs(x))
+        held = np.exp(np.minimum(-np.sign(x) * spent, _MOST))
+        breaks = held * (self.law.sf(np.abs(x)) * hazard + np.where(x > 0.0, self.law.pdf(x), 0.0))
+        return (before * breaks)[None]
+
     def held(self, x: Array, threshold: Array, origin: Array) -> Array:
         """exp{-[L(x) - L(x_0)]}, whatever the threshold."""
         spent, before = self._integrals(np.abs(x))[0], self._integrals(np.abs(origin))[0]
@@ -105,7 +121,8 @@ class PaperBreaking:
 
     def _integrals(self, x: Array) -> tuple[Array, Array]:
         """L and H/v at x >= 0."""
-        chunk = max(1, _CHUNK // (8 * (2 * self._panels.size + 100)))
+        many = self._shared.nodes.size + 32 if self._shared.even else 8 * (2 * self._panels.size + 100)
+        chunk = max(1, _CHUNK // many)
         parts = [self._sums(x[i : i + chunk]) for i in range(0, x.size, chunk)]
         if not parts:
             return np.empty(0), np.empty(0)
@@ -115,7 +132,16 @@ class PaperBreaking:
     def _sums(self, x: Array) -> Array:
         out = np.zeros((2, x.size))
         lowest, column = float(self._panels[0]), x[:, None]
-        if self._panels.size > 1:
+        if self._panels.size > 1 and self._shared.even:
+            # thresholds passed already count with all that they had cost
+            panel = np.clip(np.searchsorted(self._panels, x, side="right") - 1, 0, self._panels.size - 2)
+            begin = self._panels[panel]
+            nodes, weights = gauss(begin, np.clip(x, begin, self._panels[panel + 1]))
+            rows = np.arange(x.size)
+            out[0] = self._before[panel] + self._add(rows, weights * self.law.pdf(nodes), nodes, nodes, x.size)[0]
+            for row, mass, threshold in self._shared.above(np.maximum(x, lowest)):
+                out += self._add(row, mass, column[row], threshold, x.size)
+        elif self._panels.size > 1:
             # thresholds passed already count with all that they had cost
             low = np.minimum(lowest, column)
             panels = np.broadcast_to(self._panels, (x.size, self._panels.size))
@@ -165,4 +191,5 @@ class PaperBreaking:
 
     def _add(self, row: npt.NDArray[np.intp], mass: Array, x: Array, threshold: Array, size: int) -> Array:
         rate, spent = self._thermal.per_length(x, threshold, np.zeros(1), 1.0, 1.0)
-        return np.stack([np.bincount(row, weights=(mass * part).sum(-1), minlength=size) for part in (spent, rate)])
+        sums = [part @ mass[0] if len(mass) == 1 else np.einsum("ij,ij->i", mass, part) for part in (spent, rate)]
+        return np.stack([np.bincount(row, weights=one, minlength=size) for one in sums])

@@ -13,7 +13,8 @@ import numpy.typing as npt
 from master.law import Law
 from master.piecewise import Bundle, bundle, tabulate
 from master.starting import StartSum
-from master.thermal_law import MOST_GROWTH, ThermalBreaking
+from master.thermal_law import MOST_GROWTH, MOST_SPENT, ThermalBreaking
+from master.thermal_paper import PaperBreaking
 from origins.quadrature import GAUSS_NODES, gauss
 
 Array = npt.NDArray[np.float64]
@@ -21,27 +22,33 @@ Array = npt.NDArray[np.float64]
 _X = np.polynomial.legendre.leggauss(16)[0]
 _TO_SERIES = np.linalg.inv(np.polynomial.legendre.legvander(_X, 15))
 _SIZES = (1, 3, 5, 7, 9, 12, 15)
-_RESOLVED = 1e-14
+_RESOLVED = 1e-15
+_UNFELT = 1e-19
+_SAME = 1e-14
+_NOTHING = 1e-20
+_MOST_PARTS = 16.0  # of a start among whose stretches thresholds lie
 _FREE = 1e-15
-_MOST = 40.0  # exponent: beyond, the round-off of a difference of two is felt
 _PAIRS = 8_000
 _LEAST = 3e-15
 _HEAVY = 1e-14
 _MOST_PANELS = 96.0
-_MOST_PARTS = 8.0
 
 
-@dataclass(frozen=True)
+@dataclass
 class Part:
-    """Panels `first` up to `last` of the start, no |x_0| in which is above `reach`; `free` where no threshold lies
-    below that. `breaks` and, where stiffnesses differ, `stiffness` are p of contacts from each node of these panels."""
+    """Panels `first` up to `last` of the start, told by the stretches x_0 = `origins`: from the stretch `begin` on,
+    with thresholds above `least`. `share` is the weight of these panels in the start; `breaks` and, where stiffnesses
+    differ, `stiffness` are p of contacts from each of their nodes, `felt` the stretches between which they break."""
 
     first: int
     last: int
-    reach: float
-    free: bool
-    breaks: Bundle
-    stiffness: Bundle | None
+    begin: float
+    least: float
+    origins: Array
+    share: float
+    breaks: Bundle | None = None
+    stiffness: Bundle | None = None
+    felt: tuple[float, float] = (-np.inf, np.inf)
 
 
 class SpreadBreaks:
@@ -49,7 +56,7 @@ class SpreadBreaks:
 
     Parameters
     ----------
-    breaking : ThermalBreaking
+    breaking : ThermalBreaking or PaperBreaking
     start : StartSum
     law : Law
         Of relaxed births; the tables begin from its panels.
@@ -66,7 +73,9 @@ class SpreadBreaks:
         Stretches that sums over these must respect: the marks, and what narrower panels of the law there are.
     """
 
-    def __init__(self, breaking: ThermalBreaking, start: StartSum, law: Law, marks: Array, accuracy: float) -> None:
+    def __init__(
+        self, breaking: ThermalBreaking | PaperBreaking, start: StartSum, law: Law, marks: Array, accuracy: float
+    ) -> None:
         self._breaking, self._unit, self._accuracy = breaking, law.unit, max(accuracy, _LEAST)
         heavy = np.diff(law.cdf(law.edges)) > _HEAVY
         narrowest = float(np.diff(law.edges)[heavy].min(initial=np.inf))
@@ -84,6 +93,8 @@ class SpreadBreaks:
         self._shares = weights * start.weight(self._nodes)
         self._parts: list[Part] = []
         self._split(0, self.edges.size - 1)
+        if self._parts:
+            self._tabulate()
 
     def sums(self, x: Array) -> tuple[Array, npt.NDArray[np.bool_]]:
         """b_0, dJ_0/dX and the stiffness released at positions x, shape (3, n), of those panels of the start that are
@@ -93,9 +104,11 @@ class SpreadBreaks:
         known = np.zeros(whole.shape, dtype=bool)
         out = np.zeros((3, x.size))
         for part in self._parts:
+            assert part.breaks is not None
             here = slice(part.first, part.last)
-            known[:, here] = whole[:, here] & (part.free | (left[:, here] >= part.reach))
-            rows, panels = np.nonzero(known[:, here])
+            known[:, here] = whole[:, here] & (left[:, here] >= part.begin)
+            felt = known[:, here] & (left[:, here] < part.felt[1]) & (right[:, here] > part.felt[0])
+            rows, panels = np.nonzero(felt)
             for i in range(0, rows.size, _PAIRS):
                 row, panel = rows[i : i + _PAIRS], panels[i : i + _PAIRS] + part.first
                 stretch = x[row, None] + self._nodes[panel]
@@ -108,51 +121,73 @@ class SpreadBreaks:
 
     def _split(self, first: int, last: int) -> None:
         """Parts of the panels `first` up to `last`, halved until a few x_0 tell the rest."""
-        inner = self.edges[first + 1 : last]
         low, high = float(self.edges[first]), float(self.edges[last])
-        reach = max(-low, high)
-        across = self._breaking.bends_at_zero and low < 0.0 < high
-        lost = float(self._breaking.law.cdf(reach * self._unit)) * float(self._shares[first:last].sum())
+        bends, rooted = self._breaking.bends_at_zero, self._breaking.rooted
+        share = float(self._shares[first:last].sum())
+        # thresholds below |x_0| are none of the contact's own; soft contacts' rates from above go on below smoothly
+        reach = max(-low, high if rooted else 0.0)
+        free = float(self._breaking.law.cdf(reach * self._unit)) * share < _FREE
         origins = None
-        if not across and (lost < _FREE or high - low < self._widest or not inner.size):
-            origins = self._origins(low, high, reach)
+        narrow = free or high - low < self._widest or last - first == 1
+        if narrow and not (low < 0.0 < high and (bends or not free)):
+            origins = self._origins(low, high, reach if rooted else max(-low, low), share)
         if origins is not None:
-            self._tabulate(first, last, origins, reach, lost < _FREE)
-        elif inner.size:
-            middle = first + 1 + int(np.abs(inner - (0.0 if across else 0.5 * (low + high))).argmin())
-            self._split(first, middle)
-            self._split(middle, last)
+            begin, least = (low, reach if rooted else 0.0) if free else (reach, reach)
+            self._parts.append(Part(first, last, begin, least, origins, share))
+        elif last - first > 1:
+            middle = 0.5 * (low + high) if not low < 0.0 < high else 0.0
+            cut = first + 1 + int(np.abs(self.edges[first + 1 : last] - middle).argmin())
+            self._split(first, cut)
+            self._split(cut, last)
 
-    def _origins(self, low: float, high: float, reach: float) -> Array | None:
+    def _origins(self, low: float, high: float, least: float, share: float) -> Array | None:
         """Few x_0 whose e^{A(x_0; ξ)/v} tell it for all others; None where that takes too many."""
-        grown = self._breaking.grown(0.5 * (low + high + (high - low) * _X) * self._unit, reach * self._unit)
-        if not grown.size:
+        stretches = 0.5 * (low + high + (high - low) * _X) * self._unit
+        grown, mass = self._breaking.grown(stretches, least * self._unit, _UNFELT / max(share, _UNFELT))
+        if not mass.size:
             return np.array([0.5 * (low + high)])
-        if np.abs(grown).max() > _MOST or np.ptp(grown, axis=0).max() > MOST_GROWTH:
+        if np.abs(grown).max() > MOST_SPENT or np.ptp(grown, axis=0).max() > MOST_GROWTH:
             return None
-        size = np.abs(_TO_SERIES @ np.exp(grown)).max(axis=1, initial=0.0)
+        size = np.abs(_TO_SERIES @ np.exp(grown - grown[0])) @ mass
         for count in _SIZES:
-            if size[count:].max() <= self._resolved * size[0]:
+            if size[count:].max() * share <= self._resolved:
                 return 0.5 * (low + high - (high - low) * np.cos(np.pi * (np.arange(count) + 0.5) / count))
         return None
 
-    def _tabulate(self, first: int, last: int, origins: Array, reach: float, free: bool) -> None:
-        low = float(self.edges[first]) if free else reach
-        top = self._breaking.top / self._unit
-        if low >= top:
-            return
-        edges = np.unique(np.clip(np.concatenate([self._seeds, [reach], np.linspace(low, top, 9)]), low, top))
+    def _tabulate(self) -> None:
+        """Tables of p from all origins on the same panels, each times the share of its part."""
+        breaking, unit, parts = self._breaking, self._unit, self._parts
+        top = breaking.top / unit
+        begins, ends = np.array([part.begin for part in parts]), np.cumsum([part.origins.size for part in parts])
+        low = float(begins.min())
+        edges = np.concatenate([self._seeds, begins, [low, top]])
+        edges = np.unique(np.clip(edges, low, top))
+        edges = edges[np.append(np.diff(edges) > _SAME * (1.0 + top), True)]
+        origins = np.concatenate([part.origins for part in parts])
+        lowest, begin, least, share = np.repeat(
+            [[self.edges[part.first], part.begin, part.least, part.share] for part in parts],
+            [part.origins.size for part in parts],
+            axis=0,
+        ).T
 
         def rows(x: Array) -> Array:
-            fan = self._breaking.fan(x.ravel() * self._unit, origins * self._unit, reach * self._unit)
-            return (fan * self._unit).reshape(-1, *x.shape)
+            fan = breaking.fan(x.ravel() * unit, origins * unit, lowest * unit, least * unit) * unit
+            fan *= share[:, None]
+            fan[:, x.ravel() < begin[:, None]] = 0.0
+            return fan.reshape(-1, *x.shape)
 
         tables = tabulate(rows, edges, self._accuracy)
-        at = self._nodes[first:last].ravel()
-        bundles = [
-            bundle(tables[k : k + origins.size], _shares(origins, at)) for k in range(0, len(tables), origins.size)
-        ]
-        self._parts.append(Part(first, last, reach, free, bundles[0], bundles[1] if len(bundles) > 1 else None))
+        for part, end in zip(parts, ends, strict=True):
+            at = self._nodes[part.first : part.last].ravel()
+            mine = slice(end - part.origins.size, end)
+            size = np.max([np.abs(table.coefficients).sum(axis=0) for table in tables[mine]], axis=0)
+            felt = np.flatnonzero(size > _NOTHING)
+            if felt.size:
+                part.felt = float(tables[0].edges[felt[0]]), float(tables[0].edges[felt[-1] + 1])
+            shares = _shares(part.origins, at) / part.share
+            part.breaks = bundle(tables[mine], shares)
+            if breaking.linked:
+                part.stiffness = bundle(tables[origins.size :][mine], shares)
 
 
 def _shares(origins: Array, at: Array) -> Array:
