@@ -34,7 +34,8 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
     """X* (a length) of the slowest term e^{-X/X*}, and its error; inf where nothing decays exponentially.
 
     That is so for a law of exact values alone (periodic, or as close to it as one likes) and for one whose tail falls
-    slower than any exponential.
+    slower than any exponential. Where exact values hold a share of the weight, no root may be slower than those that
+    crowd about the rate of their own.
     """
     cycle = Cycle(contacts) if cycle is None else cycle
     law = Law(contacts, np.inf, cycle.law, cycle.unit)
@@ -42,6 +43,8 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
         return np.inf, 0.0
     rate, rate_error = tail_rate(cycle)
     rate, rate_error = rate * law.unit, rate_error * law.unit
+    if (crowd := crowding_rate(law)) < rate:
+        rate, rate_error = crowd, 0.0
     if rate == 0.0:
         return np.inf, 0.0
     slowest, error = _slowest_root(law, cycle, rate)
@@ -88,6 +91,24 @@ def tail_rate(cycle: Cycle) -> tuple[float, float]:
     return float(slopes[-1]), _MARGIN * float(fall[-1]) if settles else np.inf
 
 
+def crowding_rate(law: Law) -> float:
+    """Rate, in units of the law, at which its exact values alone let infinitely many roots crowd, ever faster waves;
+    inf without any."""
+    if not law.atoms.size:
+        return np.inf
+
+    def held(rate: float) -> float:
+        return float(law.atom_weights @ np.exp(np.minimum(rate * law.atoms, 700.0)))
+
+    low, high = 0.0, 1.0 / float(law.atoms.max())
+    while held(high) < 1.0:
+        high *= 2.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if held(middle) < 1.0 else (low, middle)
+    return low
+
+
 def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
     """-Re s of the root s != 0 of p^(s) = 1 nearest the imaginary axis, and its error.
 
@@ -96,7 +117,7 @@ def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
     reach = min(0.9 * rate, _REACH)
     edges = tail_edges(law, cycle, reach)
     best = complex(-reach)
-    for start in _dips(law) + _slow(law):
+    for start in _dips(law) + _slow(law) + _own_waves(law):
         best = _better(best, newton(law, edges, start, 1))
     if best.real < -0.3:  # roots this far from the axis leave no dip on it
         for start in _grid(law, edges, -best.real):
@@ -158,6 +179,15 @@ def _slow(law: Law) -> list[complex]:
         return []
     radius, angle = np.meshgrid(np.geomspace(0.5 / longest, 1.5, 8), np.array([1.7, 2.1, 2.5, 2.9]))
     return [complex(guess) for guess in (radius * np.exp(1j * angle)).ravel()]
+
+
+def _own_waves(law: Law) -> list[complex]:
+    """The first roots of the heaviest exact value alone: those of the whole law beside them may leave no dip."""
+    if not law.atoms.size:
+        return []
+    heaviest = int(law.atom_weights.argmax())
+    turns = 2.0 * np.pi * np.arange(1.0, _CANDIDATES + 1.0)
+    return [complex(s) for s in (np.log(law.atom_weights[heaviest]) + 1j * turns) / law.atoms[heaviest]]
 
 
 def _grid(law: Law, edges: Array, reach: float) -> list[complex]:

@@ -21,7 +21,7 @@ _PER_WIDTH = 8.0
 _PADDING = 8
 _SEEN = 1.25  # angle from node to node up to which the lattice's transform is right
 _DROWNED = 1e12  # p^(-γ) whose rounding leaves no digits of p^ = 1
-_SMALL = 0.6  # |p^| above all frequencies looked at: no root there
+_BELOW = 0.6  # of what exact values leave below |p^| = 1: with less above all frequencies looked at, no root is there
 _SURE = 1.5  # change of the argument from one frequency to the next that is believed
 _HALVINGS = 45
 _ASIDE = 1.02
@@ -58,6 +58,7 @@ class Lines:
         starting = lay(lambda x: [first.density(x)], 1, first.density.edges, step, size)
         starting[0] += deposit_atoms(first.atoms, first.atom_weights, step, size)
         self._rows = np.concatenate([rows, starting])
+        self._atoms = deposit_atoms(law.atoms, law.atom_weights, step, size)
         self._x = step * np.arange(size)
         self._length = next_fast_len(_PADDING * size, real=True)
         frequency = 2.0 * np.pi * np.arange(self._length // 2 + 1) / (self._length * step)
@@ -73,20 +74,31 @@ class Lines:
         return np.stack([grown @ np.exp(-1j * value * self._x) for value in frequency], axis=1)
 
     def law(self, decay: float) -> tuple[Complex, Complex]:
-        """p^ and the transform of x p."""
-        return self._along(self._rows[0], decay), self._along(self._rows[0] * self._x, decay)
+        """p^ and the transform of x p, up to the frequency above which no root lies."""
+        transform = self._along(self._rows[0], decay)
+        end = self._highest(transform, decay)
+        return transform[:end], self._along(self._rows[0] * self._x, decay)[:end]
 
     def _along(self, row: Array, decay: float) -> Complex:
         # where a row is nothing a growth beyond all numbers is nothing too
         grown = row * np.exp(np.minimum(decay * self._x, 700.0))
         return np.asarray(rfft(grown, self._length)[: self.frequency.size])
 
+    def _highest(self, transform: Complex, decay: float) -> int:
+        """Number of frequencies above which |p^| stays well below 1 at Re s = -decay: no root is there."""
+        law = self._problem.law
+        # exact values alone do not fade with the frequency, but may stay below 1
+        lasting = float(law.atom_weights @ np.exp(decay * law.atoms))
+        fading = np.abs(transform - self._along(self._atoms, decay))
+        above = np.flatnonzero(fading > _BELOW * (1.0 - lasting))
+        return int(above[-1]) + 2 if above.size else 2
+
     def pairs(self, decay: float) -> int | None:
         """How many pairs of roots lie right of Re s = -decay; None where one lies on it, or the lattice cannot tell."""
-        apart = 1.0 - self._along(self._rows[0], decay)
-        if abs(apart[0]) > _DROWNED:
-            return None
-        if np.abs(1.0 - apart[-(apart.size // 4) :]).max() > _SMALL:
+        transform = self._along(self._rows[0], decay)
+        highest = self._highest(transform, decay)
+        apart = 1.0 - transform[:highest]
+        if abs(apart[0]) > _DROWNED or highest > 0.75 * transform.size:
             return None
         near = np.flatnonzero(np.abs(np.angle(apart[1:] / apart[:-1])) > _SURE)
         ends = np.unique(np.append(near, near + 1))

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cycle import LAWS, Cycle
-from master.decoherence import known_edges, survival_error, tail_edges, tail_rate
+from master.decoherence import crowding_rate, known_edges, survival_error, tail_edges, tail_rate
 from master.decoherence_rest import rest_beyond
 from master.decoherence_roots import Complex, Lines, leading_roots
 from master.decoherence_terms import term
@@ -131,8 +131,9 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     Fewer where fewer there are: p^ ends at the rate at which the law's own tail falls, and where the law holds exact
     values infinitely many roots crowd about one rate.
 
-    Raises InputError for thresholds of exact values alone, whose roots come as near to Re s = 0 as one likes; for the
-    paper's closure of ageing, where contacts do not break by a law of their own; and as `steady_state` does.
+    Raises InputError for thresholds of exact values alone, or nearly so, whose roots come as near to Re s = 0 as one
+    likes; for the paper's closure of ageing, where contacts do not break by a law of their own; and as `steady_state`
+    does.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS)
@@ -156,6 +157,11 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
         limit = min(limit, float(np.log(_LITTLE / noise)) / edges[-1])
     lines = Lines(problem, edges, 2.0 * np.pi * (n_roots + _SPARE) * _HIGH)
     found = leading_roots(problem, edges, lines, n_roots + _SPARE, limit)
+    if not found.searched > 0.0:
+        raise InputError(
+            "thresholds: so much of their weight is exact, or nearly so, that no root can be told from those at "
+            "Re s = 0; master.propensity gives X*, and master.solve follows F(X)"
+        )
     unit = problem.unit
     gamma, left = rest_beyond(problem, lines, found, min(n_roots, found.roots.size), steady.force / unit)
     terms = [term(problem, edges, complex(s), noise) for s in found.roots if -s.real < gamma]
@@ -186,17 +192,7 @@ def _problem(contacts: Contacts, velocity: float) -> Problem:
 def _ends(problem: Problem) -> float:
     """Rate at which p^ ends, or at which exact values alone let infinitely many roots crowd."""
     law = problem.law
-    rate = tail_rate(problem.cycle)[0] * law.unit
-    if law.atoms.size:
-        low, high = 0.0, 1.0
-        while float(law.atom_weights @ np.exp(high * law.atoms)) < 1.0:
-            high *= 2.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            below = float(law.atom_weights @ np.exp(middle * law.atoms)) < 1.0
-            low, high = (middle, high) if below else (low, middle)
-        rate = min(rate, low)
-    return rate
+    return min(tail_rate(problem.cycle)[0] * law.unit, crowding_rate(law))
 
 
 def _complex(values: list[complex]) -> Complex:

@@ -101,6 +101,10 @@ class FirstBreaks:
         """dJ_0/dX, atoms left out."""
         return self._released(x)
 
+    def rate_error(self, x: Array) -> Array:
+        """Error of the same, as tables tell: where panels are narrow it is far above that of what they add up to."""
+        return self._released.error_at(x)
+
     def edges_for(self, step: float) -> Array:
         """Edges of `density` that sums over cells of width `step` must respect: those of narrow panels where it is
         smooth."""

@@ -145,16 +145,22 @@ class Law:
     def _find_narrowest(self, nodes: Array, masses: Array) -> float:
         """Width of a Gaussian as sharp as the sharpest of the tenths of the weight that the panels reach."""
         below = np.cumsum(masses) - 0.5 * masses
+        within: list[tuple[float, float, float]] = []
         if self.atoms.size:  # a step where each sits
             order = np.argsort(self.atoms)
             atoms, steps = self.atoms[order], np.cumsum(self.atom_weights[order])
             beside = np.interp(atoms, nodes, below) + steps
             below = below + np.append(0.0, steps)[np.searchsorted(atoms, nodes)]
             below = np.concatenate([below, beside - self.atom_weights[order], beside])
+            within = list(zip(atoms, beside - self.atom_weights[order], beside, strict=True))
             order = np.argsort(below, kind="stable")
             nodes, below = np.concatenate([nodes, atoms, atoms])[order], below[order]
         deciles = _DECILES[below[-1] >= _DECILES]
-        spread = np.diff(np.interp(deciles, below, nodes))
+        found = np.interp(deciles, below, nodes)
+        for atom, start, end in within:
+            # the node beside it is not where its own weight begins
+            found[(deciles > start - _ULP) & (deciles < end + _ULP)] = atom
+        spread = np.diff(found)
         spread = spread[spread > 0.0]
         return float(spread.min()) / 0.25 if spread.size else 1.0
 

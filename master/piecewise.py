@@ -22,6 +22,7 @@ _ALTERNATE = np.where(np.arange(_NODES + 1) % 2, -1.0, 1.0)
 _DEPTH = 60
 _STEEP = 2  # times in a row that one half alone was not resolved
 _TOWARDS_END = 0.5 ** np.arange(4.0, 0.0, -1.0)
+_BESIDE = np.array([-1e-9, 0.0, 1e-9])
 
 
 class Piecewise:
@@ -96,6 +97,17 @@ class Piecewise:
         if inside.any():
             out[inside] = self._series(self._integral, x[inside])
         return out
+
+    def error_at(self, x: Array) -> Array:
+        """Estimate of the error of the value at x, from the last terms of the panels that meet or hold it."""
+        if not self.coefficients.size:
+            return np.zeros(np.shape(x))
+        # at the end of a panel beside a root terms fall as 1/k^2: those left out add up to as many of the last
+        last = _NODES * np.abs(self.coefficients[-2:]).max(axis=0)
+        beside = x[..., None] * (1.0 + _BESIDE)
+        panel = (np.searchsorted(self.edges, beside, side="right") - 1).clip(0, last.size - 1)
+        inside = (beside >= self.edges[0]) & (beside <= self.edges[-1])
+        return np.asarray(np.where(inside, last[panel], 0.0).max(axis=-1))
 
     def seen(self, sign: int, by: float) -> "Piecewise":
         """The same function of t = sign x + by, sign 1 or -1."""

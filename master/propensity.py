@@ -1,6 +1,7 @@
 """How prone to stick-slip: K*, F_s/F_k, X* and the onset power of P_c, each with its error."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ _JUST_BESIDE = 1e-12
 _BESIDE_ERROR = 4e-12
 _FURTHEST = 1000.0
 _UNSTRETCHED = 1e-12
+_AROUND = 0.45 * np.arange(-7.0, 8.0)  # steps of a lattice
 
 
 @dataclass(frozen=True)
@@ -122,35 +124,34 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
         before = at * (1.0 - _JUST_BESIDE)
         force = problem.known(before) + (at - before) - problem.chain.released(before)
         return np.inf, 0.0, float(force.max()), floor
-    rough, begin = problem.rough, 0.0 if problem.contacts.ageing is None else tolerance
-    step = first_step(problem.law, rough, problem.end, tolerance)
-    found: list[Array] = []
-    error = np.full(2, np.inf)
+    begin = 0.0 if problem.contacts.ageing is None else tolerance
+    step = first_step(problem.law, problem.rough, problem.end, tolerance)
+    coarser: LaterReleased | None = None
+    before, last, error = np.full(2, np.inf), np.full(2, np.inf), np.full(2, np.inf)
     while True:
         later = LaterReleased(problem, step, np.linspace(0.0, problem.end, 4096), 1e-2 * tolerance)
-        found.append(_largest(problem, later, begin))
-        if len(found) >= 3:
-            last, before = np.abs(found[-1] - found[-2]), np.abs(found[-2] - found[-3])
-            diverges = problem.law.diverges
-            pairs = zip(last, before, strict=True)
-            error = np.array([estimate(float(a), float(b), SMOOTH, diverges) for a, b in pairs])
-            if rough:  # a single value beside a jump converges unevenly: one small change proves nothing
-                error = 4.0 * np.maximum(last, before / 16.0)
-            error += floor + later.left_out
-            if error[0] <= tolerance * (1.0 + found[-1][0]) and error[1] <= tolerance:
+        found, places = _largest(problem, later, begin)
+        if coarser is not None:
+            before, last = last, _change(problem, later, coarser, places)
+        if np.isfinite(before).all():
+            error = np.array([_left(problem, float(a), float(b)) for a, b in zip(last, before, strict=True)])
+            error += floor + later.left_out + later.drift
+            if (drops or error[0] <= tolerance * (1.0 + found[0])) and error[1] <= tolerance:
                 break
             if problem.end / step > MOST_NODES / 2:
                 break
+        coarser = later
         step *= 0.5
-    spring, static = (float(value) for value in found[-1])
+    spring, static = (float(value) for value in found)
+    error[0] += float(problem.first.rate_error(places[:1])[0])
     # values at jumps were taken just beside them
     error = error + _BESIDE_ERROR * np.array([(1.0 + spring) ** 2, 1.0])
     largest = static, float(error[1])
     return (np.inf, 0.0, *largest) if drops else (max(spring, 0.0), float(error[0]), *largest)
 
 
-def _largest(problem: Problem, later: LaterReleased, begin: float) -> Array:
-    """Largest -dF/dX and largest F over begin <= X <= end."""
+def _largest(problem: Problem, later: LaterReleased, begin: float) -> tuple[Array, Array]:
+    """Largest -dF/dX and largest F over begin <= X <= end, and where they are."""
     first, end = problem.first, problem.end
 
     def fall(x: Array) -> Array:
@@ -163,21 +164,42 @@ def _largest(problem: Problem, later: LaterReleased, begin: float) -> Array:
     jumps = np.concatenate([first.jumps, first.density.edges, problem.chain.births])
     beside = np.concatenate([jumps * (1.0 - _JUST_BESIDE), jumps * (1.0 + _JUST_BESIDE), [0.0, end]])
     x = np.unique(np.concatenate([nodes[nodes > begin], beside[(beside > begin) & (beside <= end)], [begin]]))
-    return np.array([_maximum(fall, x), _maximum(force, x)])
+    (spring, at_spring), (static, at_static) = _maximum(fall, x), _maximum(force, x)
+    return np.array([spring, static]), np.array([at_spring, at_static])
 
 
-def _maximum(function, x: Array) -> float:  # type: ignore[no-untyped-def]
-    """Largest value between the sorted points x: the best brackets are zoomed into, side by side."""
+def _left(problem: Problem, last: float, before: float) -> float:
+    """Error that two changes in turn leave."""
+    if problem.rough:  # beside jumps errors fall unevenly: one small change proves nothing
+        return 4.0 * max(last, before / 16.0)
+    return estimate(last, before, SMOOTH, problem.law.diverges)
+
+
+def _change(problem: Problem, later: LaterReleased, coarser: LaterReleased, places: Array) -> Array:
+    """By how much -dF/dX and F differ between two lattices around the places of their largest values: at one point
+    alone they may agree by chance, as errors depend on where among the nodes it falls."""
+    around = np.clip(places[:, None] + coarser.lattice.step * _AROUND, 0.0, problem.end)
+    slope, force = around
+    return np.array(
+        [np.abs(later.rate(slope) - coarser.rate(slope)).max(), np.abs(later(force) - coarser(force)).max()]
+    )
+
+
+def _maximum(function: Callable[[Array], Array], x: Array) -> tuple[float, float]:
+    """Largest value between the sorted points x, and where: the best brackets are zoomed into, side by side."""
     values = function(x)
-    best = float(values.max())
+    at = int(values.argmax())
+    best, place = float(values[at]), float(x[at])
     inner = np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:])) + 1
     inner = inner[np.argsort(-values[inner])][:_BRACKETS]
     left, right = x[inner - 1], x[inner + 1]
     for _ in range(_ZOOMS if inner.size else 0):
         grid = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, 9)
-        values = function(grid.ravel()).reshape(grid.shape)
-        best = max(best, float(values.max()))
-        top = np.clip(values.argmax(axis=1), 1, 7)
+        values = function(grid.ravel())
+        at = int(values.argmax())
+        if values[at] > best:
+            best, place = float(values[at]), float(grid.ravel()[at])
+        top = np.clip(values.reshape(grid.shape).argmax(axis=1), 1, 7)
         rows = np.arange(top.size)
         left, right = grid[rows, top - 1], grid[rows, top + 1]
-    return best
+    return best, place

@@ -152,9 +152,41 @@ def test_rates_of_tails() -> None:
         assert master.decoherence.tail_rate(master.cycle.Cycle(Contacts(law))) == (rate, 0.0)
 
 
+TWO_WITNESSES = {
+    # identical contacts, hot: an exact value of less weight beside a density that ends in a root
+    "soft, cold": Contacts(identical(1.0), thermal=Thermal("soft", 0.05)),
+    "soft, hot": Contacts(identical(1.0), thermal=Thermal("soft", 0.3)),
+    "stiff, cold": Contacts(identical(1.0), thermal=Thermal("stiff", 0.05)),
+    "stiff, hot": Contacts(identical(1.0), thermal=Thermal("stiff", 0.3)),
+    "stiff, linked": Contacts(
+        mixture([identical(0.85), gaussian(1.2, 0.1)], [0.87, 0.13]),
+        thermal=Thermal("stiff", 0.01, 0.19),
+        stiffness="linked",
+    ),
+    "paper's closure": Contacts(identical(1.0), thermal=Thermal("soft", 0.1, closure="paper"), delay=WAIT),
+    "no temperature": LATE["exact value and width"](),
+    "rectangular": Contacts(rectangular(0.5, 1.5), thermal=Thermal("soft", 0.1), delay=WAIT),
+    "wide": LATE["wide"](),
+}
+
+
+@pytest.mark.parametrize("name", TWO_WITNESSES)
+def test_the_slowest_root_is_the_decoherence_length(name: str) -> None:
+    """One is searched for along dips, the others are counted: two roads to one number, or to the rate of a crowd."""
+    contacts = TWO_WITNESSES[name]
+    length, error = master.decoherence.decoherence_length(contacts, master.cycle.Cycle(contacts))
+    found = master.decoherence_spectrum(contacts, n_roots=1)
+    if found.roots.size:
+        assert abs(length - found.decay_length[0]) <= error + found.decay_length_error[0] < 1e-5 * length
+    else:  # all roots crowd about the rate of the exact value
+        assert error == pytest.approx(0.1 * length) and length - error < found.beyond
+
+
 def test_what_has_no_spectrum_is_said() -> None:
     with pytest.raises(InputError, match="exact values alone: their roots come as near to Re s = 0 as one likes"):
         master.decoherence_spectrum(Contacts(mixture([identical(0.95), identical(1.05)], [0.5, 0.5])))
+    with pytest.raises(InputError, match="no root can be told from those at Re s = 0"):
+        master.decoherence_spectrum(Contacts(identical(1.0), thermal=Thermal("soft", 1e-3)))
     with pytest.raises(InputError, match="tail falls slower than any exponential"):
         master.decoherence_spectrum(Contacts(stats.lognorm(1.0)))
     aged = Contacts(gaussian(0.5, 0.1), ageing=Ageing(WIDE, 1e-4, closure="paper"))
