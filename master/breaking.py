@@ -163,6 +163,17 @@ class CohortBreaks(FirstBreaks):
         self.onsets, self.onset_heights = np.empty(0), np.empty(0)
         self.has_corners = bool((np.abs(self.jump_sizes[self.jumps > 0.0]) > _JUMP).any())
 
+    def edges_for(self, step: float) -> Array:
+        """All edges: f bends where older cohorts begin to break, even where nothing jumps."""
+        edges = self.density.edges
+        return edges if edges.size > 1 else np.empty(0)
+
+    def changes_within(self, width: float) -> bool:
+        """Whether the series of the density has panels below `width`, but for those towards y = 0, where it changes."""
+        edges, rest = self.density.edges, np.abs(self.density.coefficients[1:]).sum(axis=0)
+        apart = np.diff(edges)
+        return bool(((apart < width) & (edges[:-1] > 4.0 * apart) & (edges[:-1] < self.end) & (rest > _JUMP)).any())
+
     def flux(self, y: Array) -> Array:
         """Density of breaks at travels y > 0, and the same weighted by the released stretch; shape (2, n)."""
         total = np.zeros((2, y.size))

@@ -173,12 +173,17 @@ def _join(first: Cohort, second: Cohort) -> Cohort:
 def _sum(first: Piecewise, second: Piecewise) -> Piecewise:
     if first.edges.size < 2 or second.edges.size < 2:
         return first if second.edges.size < 2 else second
-    edges = np.unique(np.concatenate([first.edges, second.edges]))
+    every = np.unique(np.concatenate([first.edges, second.edges]))
     # edges that differ by rounding alone, as where a loop is gone through again, are one
-    apart = np.diff(edges) > _SAME * min(1.0, edges[-1] - edges[0])
-    edges = np.append(edges[:-1][np.append(True, apart[:-1])], edges[-1])
+    apart = np.diff(every) > _SAME * min(1.0, every[-1] - every[0])
+    edges = np.append(every[:-1][np.append(True, apart[:-1])], every[-1])
     (table,) = tabulate(lambda x: (first(x) + second(x))[None], edges, np.inf)
-    return table
+    # where they crowd about a point at which births diverge, what counts is how many there are
+    crowded = np.diff(np.searchsorted(every, edges)) > 1
+    total = first.integral(edges) + second.integral(edges)
+    table.coefficients[:, crowded] = 0.0
+    table.coefficients[0, crowded] = (np.diff(total) / np.diff(edges))[crowded]
+    return Piecewise(edges, table.coefficients)
 
 
 def _pieces(edges: Array, cuts: Array) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cohort import SLACK, starting
-from master.forward import MOST_NODES, ROUND_OFF, estimate, first_step, least_share
+from master.forward import MOST_NODES, ROUND_OFF, around, estimate, first_step, least_share
 from master.law import Law
 from master.leg import Leg, State
 from master.moves import Move, moves
@@ -26,6 +26,7 @@ Array = npt.NDArray[np.float64]
 _BEYOND = 1.7
 _WATCH = np.sqrt(0.5) * np.arange(1.0, 378.0) % 1.0
 _STALL = 20.0
+_MOST_AROUND = 40  # points of one leg
 _ACCURACY = 1e-13
 
 
@@ -70,6 +71,18 @@ class Course:
         return np.concatenate(
             [move.direction * leg.force(self._travels(move)) for move, leg in zip(self._path, self.legs, strict=True)]
         )
+
+    def change(self, coarser: "Course") -> float:
+        """Largest change of the force from a coarser course, at the path's points and others that are watched; where a
+        leg looks rough, at some nodes to either side of these points as well."""
+        change = float(np.abs(self.watched - coarser.watched).max())
+        for move, leg, before in zip(self._path, self.legs, coarser.legs, strict=True):
+            if before.problem.rough and leg.end > 0.0:
+                asked = self._travels(move)
+                near = around(asked, before.step, leg.end, _MOST_AROUND)
+                near = near[near >= asked[asked > 0.0].min(initial=leg.end)]  # closer to 0 nothing was prepared for
+                change = max(change, float(np.abs(leg.force(near) - before.force(near)).max(initial=0.0)))
+        return change
 
     @property
     def nodes(self) -> int:
@@ -191,8 +204,8 @@ def _refine(law: Law, begin: State, path: list[Move], x: Array, tolerance: float
         accuracy = max(finest, min(1e-5 * tolerance, 1e-4 * difference))
         course = Course(law, begin, path, x, steps, accuracy, coarser)
         if coarser is not None:
-            before, difference = difference, float(np.abs(course.watched - coarser.watched).max())
-            least = max(least_share(leg.problem, leg.step) for leg in course.legs)
+            before, difference = difference, course.change(coarser)
+            least = max(_least_share(leg) for leg in course.legs)
             error = estimate(difference, before, least, law.diverges)
             error += floor + course.table_error
             if np.isfinite(before):
@@ -208,3 +221,9 @@ def _refine(law: Law, begin: State, path: list[Move], x: Array, tolerance: float
                     return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
         coarser = course
         steps = [0.5 * step for step in steps]
+
+
+def _least_share(leg: Leg) -> float:
+    """The smallest part of the last difference that is believed to be the error left: where corners fold,
+    errors fall as the cube, taken with a margin of four; what seems to fall faster began too far off."""
+    return max(least_share(leg.problem, leg.step), 0.5 if leg.problem.rough else 0.0)

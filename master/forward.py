@@ -159,9 +159,10 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
             # where points alone say that it is not good enough, no more need to be looked at
             far = rough and _LEAST_BELIEVED * difference > tolerance and difference > _STALL * floor
             if (rough or x.size < _FEW) and finer.any() and not far:
-                around = _around(x[finer], 2.0 * step)
-                around = around[later.step_at(around) < coarser[0].step_at(around)]
-                difference = max(difference, float(np.abs(later(around) - coarser[0](around)).max(initial=0.0)))
+                near = around(x[finer], 2.0 * step, end, _MOST_AROUND)
+                steps = later.step_at(near)  # 0 so close to X = 0 that nothing was asked for
+                near = near[(steps > 0.0) & (steps < coarser[0].step_at(near))]
+                difference = max(difference, float(np.abs(later(near) - coarser[0](near)).max(initial=0.0)))
             handed_over = 1.5 * float(change[~finer].max(initial=0.0))
             if rough:
                 diverges = problem.law.diverges and problem.powers is None
@@ -220,10 +221,11 @@ def least_share(problem: Problem, step: float) -> float:
     return 2.0 if tallest * step > 0.25 else _LEAST_BELIEVED
 
 
-def _around(x: Array, step: float) -> Array:
-    """Some nodes to either side of the positions x: beside jumps, errors depend on where among nodes a point falls."""
-    near = (x[:: 1 + x.size // _MOST_AROUND, None] + step * _BESIDE).ravel()
-    return near[(near > 0.0) & (near <= x[-1])]
+def around(x: Array, step: float, end: float, most: int) -> Array:
+    """Some nodes, apart by `step`, to either side of the positions x, or of about `most` of them, up to `end`: beside
+    jumps errors depend on where among nodes a point falls."""
+    near = (x[:: 1 + x.size // most, None] + step * _BESIDE).ravel()
+    return near[(near > 0.0) & (near <= end)]
 
 
 def first_step(law: Law, rough: bool, end: float, tolerance: float) -> float:

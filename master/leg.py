@@ -26,6 +26,8 @@ _MOST_PANELS = 4096
 _ONSET = 1e-6
 _MOST_CORNERS = 400
 _NOTHING = 1e-15
+_RESOLVED = 8.0  # steps in a panel of a series, with which a lattice follows it
+_APART, _NO_WEIGHT = 1e-13, 1e-18
 _FEW = 0.1  # of what series are good to: births that need not be looked for
 
 
@@ -57,16 +59,17 @@ class State:
         """The same without what no longer holds, the rest made to add up to 1."""
         alive = [left for cohort in self.cohorts if (left := cohort.alive(law)) is not None]
         total = sum(cohort.held(law, self.at)[0] for cohort in alive)
-        return State(self.at, [cohort.scaled(1.0 / total) for cohort in alive], self.error)
+        return State(self.at, [cohort.scaled(1.0 / total) for cohort in alive], self.error + abs(1.0 - total))
 
 
 class LegProblem(Problem):
-    """What does not depend on the lattice, for one leg of travel `end`."""
+    """What does not depend on the lattice, but for how rough it looks on one of `step`, for one leg of travel `end`."""
 
-    def __init__(self, law: Law, first: CohortBreaks, end: float) -> None:
+    def __init__(self, law: Law, first: CohortBreaks, end: float, step: float) -> None:
         self.law, self.first, self.end, self.unit = law, first, end, law.unit
-        # a law that begins at 0 with a finite density bends births wherever breaks jump
-        self.rough = law.rough or (first.has_corners and float(law.pdf(np.array([_ONSET]))[0]) > 1e-6)
+        # a law that begins at 0 with a finite density bends births wherever breaks jump, or all but jump
+        corners = first.has_corners or first.changes_within(_RESOLVED * step)
+        self.rough = law.rough or (corners and float(law.pdf(np.array([_ONSET]))[0]) > 1e-6)
         # a break at the turning point itself is known to rounding only
         near = np.abs(first.atoms - end) < 10.0 * SLACK
         self.chain = AtomicChain(law, np.where(near, end, first.atoms), first.atom_weights, end)
@@ -99,7 +102,7 @@ class Leg:
         self._accuracy = accuracy
         past = end + _PAST * step
         self.first = first or CohortBreaks(law, state.cohorts, state.at, direction, past, accuracy, known_to)
-        self.problem = LegProblem(law, self.first, end)
+        self.problem = LegProblem(law, self.first, end, step)
         self.start_force = self.first.mean_start
         self.table_error = state.error + (1.0 + end) * _unresolved(self.first.density, end, 2.0 * known_to)
         self.later: LaterReleased | ListedLater | None = None
@@ -136,6 +139,9 @@ class Leg:
         at = self.state.at + self.direction * y
         old = [cohort.visited(at) for cohort in self.state.cohorts]
         table, corners = self._tabulate(y)
+        error = self.table_error + _unresolved(table, y, 2.0 * self.step)
+        # what is born at points where the density diverges, closer than positions are told apart, is born at one
+        table, places, weights = table.lumped(_APART * max(1.0, abs(at), abs(self.state.at)))
         chain = self.problem.chain
         born = chain.births <= y * (1.0 + SLACK)
         new = Cohort(
@@ -143,10 +149,9 @@ class Leg:
             at,
             table.seen(self.direction, self.state.at),
             self.state.at + self.direction * corners,
-            self.state.at + self.direction * chain.births[born],
-            chain.weights[born],
+            self.state.at + self.direction * np.append(chain.births[born], places[weights > _NO_WEIGHT]),
+            np.append(chain.weights[born], weights[weights > _NO_WEIGHT]),
         )
-        error = self.table_error + _unresolved(table, y, 2.0 * self.step)
         return State(at, together([*old, new]), error)
 
     def _tabulate(self, end: float) -> tuple[Piecewise, Array]:

@@ -110,11 +110,34 @@ class Piecewise:
         return np.asarray(np.where(inside, last[panel], 0.0).max(axis=-1))
 
     def seen(self, sign: int, by: float) -> "Piecewise":
-        """The same function of t = sign x + by, sign 1 or -1."""
-        if sign > 0:
-            return Piecewise(self.edges + by, self.coefficients)
-        odd = np.where(np.arange(_NODES) % 2, -1.0, 1.0)[:, None]
-        return Piecewise(by - self.edges[::-1], odd * self.coefficients[:, ::-1])
+        """The same function of t = sign x + by, sign 1 or -1; the integral over each panel stays, whatever rounding
+        makes of its width."""
+        edges, coefficients = self.edges + by, self.coefficients
+        if sign < 0:
+            odd = np.where(np.arange(_NODES) % 2, -1.0, 1.0)[:, None]
+            edges, coefficients = by - self.edges[::-1], odd * coefficients[:, ::-1]
+        old, new = np.diff(self.edges)[::sign], np.diff(edges)
+        return Piecewise(edges, coefficients * np.divide(old, new, out=np.ones(new.size), where=new > 0.0))
+
+    def lumped(self, width: float) -> "tuple[Piecewise, Array, Array]":
+        """The function without its panels below `width`: nothing is left there; and for each run of them where its
+        weight lies and how much."""
+        widths = np.diff(self.edges)
+        narrow = widths < width
+        if not narrow.any():
+            return self, np.empty(0), np.empty(0)
+        first = narrow & ~np.append(False, narrow[:-1])
+        run = np.cumsum(first)[narrow] - 1
+        weight = (self.coefficients[0] * widths)[narrow]
+        weights = np.bincount(run, weights=weight).astype(float)
+        middle = 0.5 * (self.edges[:-1] + self.edges[1:])[narrow]
+        places: Array = np.bincount(run, weights=middle * weight) / np.where(weights == 0.0, 1.0, weights)
+        # of each run one empty panel stays, and none at either end
+        kept = np.flatnonzero(~narrow | first)
+        coefficients = np.where(narrow, 0.0, self.coefficients)[:, kept]
+        edges = np.append(self.edges[kept], self.edges[-1])
+        inner = slice(int(narrow[0]), kept.size - int(narrow[-1] and kept.size > 1))
+        return Piecewise(edges[inner.start : inner.stop + 1], coefficients[:, inner]), places, weights
 
     def _series(self, powers: Array, x: Array) -> Array:
         panel = (np.searchsorted(self.edges, x, side="right") - 1).clip(0, self._half.size - 1)
