@@ -18,8 +18,9 @@ import numpy.typing as npt
 
 from master.piecewise import Piecewise, tabulate
 from master.thermal_paper import PaperBreaking
+from master.weights import NodeWeights
 from origins import Contacts, Thresholds
-from origins.quadrature import gauss, panel_edges
+from origins.quadrature import finite_density, gauss, panel_edges
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
@@ -50,6 +51,7 @@ class ThermalBreaking:
         self.law, self._thermal, self._velocity = contacts.thresholds, contacts.thermal, velocity
         self._contacts, self.linked = contacts, contacts.stiffness == "linked"
         self.atoms, self.atom_weights = self.law.atoms
+        self._weights = NodeWeights(self.law)
         lower, upper = self.law.support()
         far = upper if np.isfinite(upper) else float(self.law.isf(1e-300))
         inner = panel_edges(self.law, tail=1e-30) if float(self.atom_weights.sum()) < 1.0 - 1e-14 else np.empty(0)
@@ -102,7 +104,7 @@ class ThermalBreaking:
     def grown(self, origins: Array, least: float) -> Array:
         """A(x_0; ξ)/v for each of `origins` and some thresholds above `least`, in all their range."""
         nodes, weights = gauss(self._panels[:-1], self._panels[1:])
-        felt = (weights * self.law.pdf(nodes) > _TAIL) & (nodes > least)
+        felt = (weights * finite_density(self.law, nodes) > _TAIL) & (nodes > least)
         some = np.concatenate([nodes[felt], self.atoms[self.atoms > least]])
         return self._passed(origins[:, None], some, np.zeros(1))[1]
 
@@ -118,8 +120,8 @@ class ThermalBreaking:
             for row, mass, threshold in self._thresholds(at, np.zeros(at.size), lowest):
                 rate, spent = self._passed(at[row, None], threshold, np.zeros(1))
                 self._fan_out(out[:, :, i : i + chunk], row, mass * rate, spent, threshold, origins)
-            own = np.flatnonzero((at > least) & (self.law.pdf(at) > 0.0))
-            mass, threshold = self.law.pdf(at[own])[:, None], at[own, None]
+            own = np.flatnonzero((at > least) & (finite_density(self.law, at) > 0.0))
+            mass, threshold = finite_density(self.law, at[own])[:, None], at[own, None]
             spent = self._passed(threshold, threshold, np.zeros(1))[1]
             self._fan_out(out[:, :, i : i + chunk], own, mass, spent, threshold, origins)
         return out
@@ -149,7 +151,7 @@ class ThermalBreaking:
                 parts += [breaks * stiffness, held * stiffness]
             for total, part in zip(out, parts, strict=True):
                 total += np.bincount(row, weights=part.sum(-1), minlength=x.size)
-        at_threshold = self.law.pdf(x)
+        at_threshold = finite_density(self.law, x)
         inside = (at_threshold > 0.0) & (x > np.abs(origin))
         if inside.any():
             own = x[inside]
@@ -192,7 +194,8 @@ class ThermalBreaking:
         row = rows[np.nonzero(wide)[0]]
         nodes, weights = gauss(left[wide], right[wide])
         nodes, weights = least[row, None] + nodes * nodes, 2.0 * nodes * weights
-        return row, weights * self.law.pdf(nodes), nodes
+        ends = (least[row] + edge * edge for edge in (left[wide], right[wide]))
+        return row, self._weights(nodes, weights, *ends), nodes
 
     def _half_way(self, x: Array, origin: Array, least: Array) -> tuple[Array, Array]:
         """Threshold at which A/v = 1, the lowest there is where it is less there, and the width of a factor e in A."""

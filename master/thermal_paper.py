@@ -14,8 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from master.piecewise import Piecewise, tabulate
+from master.weights import NodeWeights
 from origins import Contacts
-from origins.quadrature import gauss, panel_edges
+from origins.quadrature import finite_density, gauss, panel_edges
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
@@ -43,6 +44,7 @@ class PaperBreaking:
         self.law, self._thermal = contacts.thresholds, contacts.thermal
         self._velocity = velocity
         self.atoms, self.atom_weights = self.law.atoms
+        self._weights = NodeWeights(self.law)
         lower, upper = self.law.support()
         continuous = float(self.atom_weights.sum()) < 1.0 - 1e-14
         far = upper if np.isfinite(upper) else float(self.law.isf(1e-300))
@@ -95,7 +97,7 @@ class PaperBreaking:
         held = np.exp(np.minimum(np.sign(origin) * before - np.sign(x) * spent, _MOST))
         survival = self.law.sf(least)
         out[1, live] = survival * held
-        out[0, live] = held * (survival * hazard + np.where(x > np.abs(origin), self.law.pdf(x), 0.0))
+        out[0, live] = held * (survival * hazard + np.where(x > np.abs(origin), finite_density(self.law, x), 0.0))
         return out
 
     def held(self, x: Array, threshold: Array, origin: Array) -> Array:
@@ -124,8 +126,9 @@ class PaperBreaking:
             wide = edges[:, 1:] > np.maximum(edges[:, :-1], lowest * (1.0 - 1e-15))
             row = np.nonzero(wide)[0]
             if row.size:
-                nodes, weights = gauss(edges[:, :-1][wide], edges[:, 1:][wide])
-                out[0] += self._add(row, weights * self.law.pdf(nodes), nodes, nodes, x.size)[0]
+                ends = edges[:, :-1][wide], edges[:, 1:][wide]
+                nodes, weights = gauss(*ends)
+                out[0] += self._add(row, self._weights(nodes, weights, *ends), nodes, nodes, x.size)[0]
             out += self._beyond(x, np.maximum(column, lowest), panels)
         for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
             spent = np.exp(self._thermal.log_cumulative(np.minimum(x, atom), atom))
@@ -160,7 +163,8 @@ class PaperBreaking:
         nodes, weights = gauss(left[wide], right[wide])
         thresholds = least[row] + nodes * nodes
         at = np.broadcast_to(column[row], thresholds.shape)
-        mass = 2.0 * nodes * weights * self.law.pdf(thresholds)
+        ends = (least[row, 0] + edge * edge for edge in (left[wide], right[wide]))
+        mass = self._weights(thresholds, 2.0 * nodes * weights, *ends)
         return self._add(row, mass, at, thresholds, x.size)
 
     def _add(self, row: npt.NDArray[np.intp], mass: Array, x: Array, threshold: Array, size: int) -> Array:
