@@ -8,15 +8,18 @@ import numpy as np
 import numpy.typing as npt
 from scipy.fft import next_fast_len, rfft
 
+from master.births import TravelLaw
 from master.cycle import Cycle
 from master.lattice import deposit_atoms, lay
 from master.law import Law
+from master.long_wait import LONG, slowest_wave
 from origins import Contacts
 from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 
 _CANDIDATES = 8
+_NOWHERE = 0.1  # over the wait: so fast a decay is no business of it
 _REACH = 6.0
 _TAILS = np.array([1e-50, 1e-290])
 _TERMS = 5  # of the tail's logarithm
@@ -38,6 +41,8 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
     crowd about the rate of their own.
     """
     cycle = Cycle(contacts) if cycle is None else cycle
+    if cycle.release.delay > LONG and (found := _waiting(contacts, cycle)) is not None:
+        return found
     law = Law(contacts, np.inf, cycle.law, cycle.unit)
     if law.atomic:
         return np.inf, 0.0
@@ -52,6 +57,18 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
         # between 0.9 and 1 of the rate a root could hide from the far tail's round-off
         slowest, error = rate, rate_error + 0.1 * rate  # inf where the rate is a guess
     return law.unit / slowest, law.unit * error / slowest**2
+
+
+def _waiting(contacts: Contacts, cycle: Cycle) -> tuple[float, float] | None:
+    """The same where the wait is long; None where no wave decays more slowly than the law without it tells."""
+    wait, unit = cycle.release.delay, cycle.unit
+    law = Law(contacts, np.inf, TravelLaw(cycle.relaxed, cycle.release.born, 0.0, unit), unit)
+    if law.atomic:
+        return None
+    nodes, log_mass = wave_nodes(law, law.edges, 2.0 / min(law.narrowest, 1.0))
+    slowest, error = slowest_wave(nodes, np.exp(log_mass), wait, law.narrowest)
+    error += survival_error(cycle) * slowest * (float(law.edges[-1]) / min(law.narrowest, 1.0)) ** 2
+    return (unit / slowest, unit * error / slowest**2) if slowest < _NOWHERE / wait else None
 
 
 def tail_rate(cycle: Cycle) -> tuple[float, float]:

@@ -155,7 +155,8 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
         edges = known_edges(edges, problem.cycle, noise)
         # further left what is not known of the law is no longer little
         limit = min(limit, float(np.log(_LITTLE / noise)) / edges[-1])
-    lines = Lines(problem, edges, 2.0 * np.pi * (n_roots + _SPARE) * _HIGH)
+    # waves of contacts that wait are slower
+    lines = Lines(problem, edges, 2.0 * np.pi * (n_roots + _SPARE) * _HIGH / (1.0 + problem.release.delay))
     found = leading_roots(problem, edges, lines, n_roots + _SPARE, limit)
     if not found.searched > 0.0:
         raise InputError(

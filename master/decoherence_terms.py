@@ -47,6 +47,8 @@ def term(problem: Problem, edges: Array, s: complex, noise: float) -> Term:
         size = np.abs(wave)
         lost = _ROUND_OFF * float((size * (1.0 + abs(s) * nodes)).sum())
         lost += transform_error(s, noise, edges)
+        # travels are known to the rounding of the wait
+        lost += float(np.spacing(release.delay))
         wave = np.exp(log_mass - root * nodes)
         slope = complex((wave * nodes).sum())
         waited = np.exp(-root * release.delay)

@@ -20,7 +20,7 @@ from master.piecewise import Piecewise, tabulate
 from master.thermal_paper import PaperBreaking
 from master.threshold_panels import ThresholdPanels
 from origins import Contacts, Thresholds
-from origins.quadrature import gauss
+from origins.quadrature import finite_density, gauss
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
@@ -126,8 +126,8 @@ class ThermalBreaking:
             for row, mass, threshold in self._thresholds(at, np.zeros(at.size), np.abs(at)):
                 rate, spent = self._passed(at[row, None], threshold, np.zeros(1))
                 self._fan_out(here, row, mass, rate * np.exp(-spent), threshold, (origins, lowest, least))
-            own = np.flatnonzero((at > 0.0) & (self.law.pdf(at) > 0.0))
-            mass, threshold = self.law.pdf(at[own])[:, None], at[own, None]
+            own = np.flatnonzero((at > 0.0) & (finite_density(self.law, at) > 0.0))
+            mass, threshold = finite_density(self.law, at[own])[:, None], at[own, None]
             held = self.held(threshold, threshold, np.zeros(1))
             self._fan_out(here, own, mass, held, threshold, (origins, lowest, least))
         return out
@@ -182,7 +182,7 @@ class ThermalBreaking:
             for total, part, weight in zip(out, parts, weights, strict=True):
                 each = part @ weight[0] if len(mass) == 1 else np.einsum("ij,ij->i", part, weight)
                 total += np.bincount(row, weights=each, minlength=x.size)
-        at_threshold = self.law.pdf(x)
+        at_threshold = finite_density(self.law, x)
         inside = (at_threshold > 0.0) & (x > np.abs(origin))
         if inside.any():
             own = x[inside]

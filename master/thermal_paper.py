@@ -15,8 +15,9 @@ import numpy.typing as npt
 
 from master.piecewise import Piecewise, tabulate
 from master.threshold_panels import ThresholdPanels
+from master.weights import NodeWeights
 from origins import Contacts
-from origins.quadrature import GAUSS_NODES, gauss
+from origins.quadrature import GAUSS_NODES, finite_density, gauss
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
@@ -45,6 +46,7 @@ class PaperBreaking:
         self.law, self._thermal = contacts.thresholds, contacts.thermal
         self._velocity = velocity
         self.atoms, self.atom_weights = self.law.atoms
+        self._weights = NodeWeights(self.law)
         temperature, std = contacts.thermal.temperature, self.law.std() or contacts.mean_threshold
         attempts = max(contacts.thermal.attempt_frequency / velocity * contacts.mean_threshold, 1.0)
         stiff = contacts.thermal.law == "stiff"
@@ -98,7 +100,7 @@ class PaperBreaking:
         held = np.exp(np.minimum(np.sign(origin) * before - np.sign(x) * spent, _MOST))
         survival = self.law.sf(least)
         out[1, live] = survival * held
-        out[0, live] = held * (survival * hazard + np.where(x > np.abs(origin), self.law.pdf(x), 0.0))
+        out[0, live] = held * (survival * hazard + np.where(x > np.abs(origin), finite_density(self.law, x), 0.0))
         return out
 
     def grown(self, origins: Array, least: float, felt: float) -> tuple[Array, Array]:
@@ -111,7 +113,7 @@ class PaperBreaking:
         before = np.exp(np.minimum(self.grown(origins, 0.0, 0.0)[0], _MOST))
         spent, hazard = self._integrals(np.abs(x))
         held = np.exp(np.minimum(-np.sign(x) * spent, _MOST))
-        breaks = held * (self.law.sf(np.abs(x)) * hazard + np.where(x > 0.0, self.law.pdf(x), 0.0))
+        breaks = held * (self.law.sf(np.abs(x)) * hazard + np.where(x > 0.0, finite_density(self.law, x), 0.0))
         return (before * breaks)[None]
 
     def held(self, x: Array, threshold: Array, origin: Array) -> Array:
@@ -136,9 +138,10 @@ class PaperBreaking:
             # thresholds passed already count with all that they had cost
             panel = np.clip(np.searchsorted(self._panels, x, side="right") - 1, 0, self._panels.size - 2)
             begin = self._panels[panel]
-            nodes, weights = gauss(begin, np.clip(x, begin, self._panels[panel + 1]))
-            rows = np.arange(x.size)
-            out[0] = self._before[panel] + self._add(rows, weights * self.law.pdf(nodes), nodes, nodes, x.size)[0]
+            ends = begin, np.clip(x, begin, self._panels[panel + 1])
+            nodes, weights = gauss(*ends)
+            mass = self._weights(nodes, weights, *ends)
+            out[0] = self._before[panel] + self._add(np.arange(x.size), mass, nodes, nodes, x.size)[0]
             for row, mass, threshold in self._shared.above(np.maximum(x, lowest)):
                 out += self._add(row, mass, column[row], threshold, x.size)
         elif self._panels.size > 1:
@@ -150,8 +153,9 @@ class PaperBreaking:
             wide = edges[:, 1:] > np.maximum(edges[:, :-1], lowest * (1.0 - 1e-15))
             row = np.nonzero(wide)[0]
             if row.size:
-                nodes, weights = gauss(edges[:, :-1][wide], edges[:, 1:][wide])
-                out[0] += self._add(row, weights * self.law.pdf(nodes), nodes, nodes, x.size)[0]
+                ends = edges[:, :-1][wide], edges[:, 1:][wide]
+                nodes, weights = gauss(*ends)
+                out[0] += self._add(row, self._weights(nodes, weights, *ends), nodes, nodes, x.size)[0]
             out += self._beyond(x, np.maximum(column, lowest), panels)
         for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
             spent = np.exp(self._thermal.log_cumulative(np.minimum(x, atom), atom))
@@ -186,7 +190,8 @@ class PaperBreaking:
         nodes, weights = gauss(left[wide], right[wide])
         thresholds = least[row] + nodes * nodes
         at = np.broadcast_to(column[row], thresholds.shape)
-        mass = 2.0 * nodes * weights * self.law.pdf(thresholds)
+        ends = (least[row, 0] + edge * edge for edge in (left[wide], right[wide]))
+        mass = self._weights(thresholds, 2.0 * nodes * weights, *ends)
         return self._add(row, mass, at, thresholds, x.size)
 
     def _add(self, row: npt.NDArray[np.intp], mass: Array, x: Array, threshold: Array, size: int) -> Array:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import numpy.typing as npt
 
+from master.weights import NodeWeights
 from origins import Thresholds
 from origins.quadrature import gauss, panel_edges
 
@@ -48,7 +49,7 @@ class ThresholdPanels:
     def __init__(
         self, law: Thresholds, rooted: bool, barrier: Callable[[Array], Array], heavy: float = _HEAVY
     ) -> None:
-        self._law, self._rooted = law, rooted
+        self._weights, self._rooted = NodeWeights(law), rooted
         lower, upper = law.support()
         far = upper if np.isfinite(upper) else float(law.isf(1e-300))
         continuous = float(law.atoms[1].sum()) < 1.0 - 1e-14
@@ -62,7 +63,8 @@ class ThresholdPanels:
         self.top = float(self.edges[-1])
         self.heavy = np.abs(np.diff(law.cdf(self.edges))) > heavy
         nodes, weights = gauss(self.edges[:-1], self.edges[1:])
-        self.nodes, self.mass = nodes.ravel(), (weights * law.pdf(nodes)).ravel()
+        mass = self._weights(nodes, weights, self.edges[:-1], self.edges[1:])
+        self.nodes, self.mass = nodes.ravel(), mass.ravel()
         self._width = np.diff(self.edges)
 
     def rows_in(self, many: int) -> int:
@@ -96,14 +98,16 @@ class ThresholdPanels:
         near = left - least[:, None] < _DISTANCE * (right - left) if self._rooted else np.zeros_like(wide)
         row, panel = np.nonzero(wide & ~near)
         if row.size:
-            nodes, weights = gauss(left[row, panel], right[row, panel])
-            yield rows[row], weights * self._law.pdf(nodes), nodes
+            ends = left[row, panel], right[row, panel]
+            nodes, weights = gauss(*ends)
+            yield rows[row], self._weights(nodes, weights, *ends), nodes
         row, panel = np.nonzero(wide & near)
         if row.size:
-            begin, end = (np.sqrt(side[row, panel] - least[row])[:, None] for side in (left, right))
+            ends = left[row, panel], right[row, panel]
+            begin, end = (np.sqrt(side - least[row])[:, None] for side in ends)
             roots = begin + (end - begin) * _X
             nodes = least[row, None] + roots * roots
-            yield rows[row], (2.0 * (end - begin) * _W) * roots * self._law.pdf(nodes), nodes
+            yield rows[row], self._weights(nodes, (2.0 * (end - begin) * _W) * roots, *ends), nodes
 
 
 def _cut(edges: Array, parts: npt.NDArray[np.int_]) -> Array:

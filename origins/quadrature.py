@@ -113,11 +113,11 @@ def _reach(thresholds: "Thresholds", x: float, tail: float) -> float:
 def _mass(thresholds: "Thresholds", left: Array, right: Array, scale: float) -> Array:
     """Weight and first moment (over scale) of panels, shape (m, 2, n) for ends of shape (m, n)."""
     nodes, weights = gauss(left, right)
-    weights *= _finite_density(thresholds, nodes)
+    weights *= finite_density(thresholds, nodes)
     return np.stack([weights.sum(-1), np.einsum("...i,...i->...", weights, nodes) / scale], axis=-2)
 
 
-def _finite_density(thresholds: "Thresholds", nodes: Array) -> Array:
+def finite_density(thresholds: "Thresholds", nodes: Array) -> Array:
     """P_c, but 0 where a node was rounded onto a point at which it diverges."""
     density = thresholds.pdf(nodes)
     return np.where(np.isfinite(density), density, 0.0)
@@ -147,7 +147,7 @@ def moment(thresholds: "Thresholds", n: int, centre: float = 0.0) -> float:
         edges = np.unique(np.concatenate([edges, thresholds.isf(_FAR)]))
     left, right = edges[:-1], edges[1:]
     nodes, factors = gauss(left, right)
-    factors = factors * _finite_density(thresholds, nodes)
+    factors = factors * finite_density(thresholds, nodes)
     mass, known = factors.sum(-1), _cdf_mass(thresholds, left, right)
     spoilt = np.abs(mass - known) > 16.0 * _EPSILON
     empty = spoilt & (mass <= 0.0)

@@ -5,6 +5,7 @@ from functools import cache
 import mpmath
 import numpy as np
 import pytest
+import scipy.stats
 
 import master
 from origins import Contacts, Thermal, gaussian, gaussian_start, identical, mixture, rectangular
@@ -169,3 +170,44 @@ def test_propensity_and_steady_force_agree_with_a_long_path() -> None:
     path = np.linspace(0.5, 1.2, 400)
     highest = master.solve(contacts, path, 1e-9, velocity=0.5).force.max()
     assert judged.static_to_kinetic == pytest.approx(highest / steady.force, rel=1e-5)
+
+
+def arcsine_by_angles(thermal: Thermal) -> tuple[float, float]:
+    """C and F_k of arcsine thresholds between 1/2 and 3/2, which are 1 + cos(t)/2 with t even on (0, π)."""
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+
+    def angles(low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+        """Dense towards `high`, where a stiff contact's rate has a root."""
+        root = (nodes + 1.0) / 2.0
+        return high + (low - high) * root**2, (high - low) * root * weights
+
+    def held(x: float) -> float:
+        last = np.pi if x <= 0.5 else np.arccos(2.0 * (x - 1.0))
+        parts = [angles(0.0, last)] + ([angles(last, np.pi)] if x > 0.5 else [])
+        if thermal.closure == "exact":
+            parts = parts[:1]
+        total = 0.0
+        for t, share in parts:
+            threshold = 1.0 + 0.5 * np.cos(t)
+            spent = thermal.cumulative(np.minimum(x, threshold), threshold)
+            total += float(share @ (spent if thermal.closure == "paper" else np.exp(-spent))) / np.pi
+        return last / np.pi * np.exp(-total) if thermal.closure == "paper" else total
+
+    begin, share = 0.25 * (nodes + 1.0), 0.25 * weights
+    t, turn = angles(0.0, np.pi)
+    x, dx = np.append(begin, 1.0 + 0.5 * np.cos(t)), np.append(share, turn * 0.5 * np.sin(t))
+    left = np.array([held(float(at)) for at in x])
+    return float(dx @ left), float(dx @ (left * x) / (dx @ left))
+
+
+@pytest.mark.parametrize("closure", ["exact", "paper"])
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_thresholds_whose_density_diverges_below_them(law: str, closure: str) -> None:
+    thermal = Thermal(law, 0.1, closure=closure)
+    contacts = Contacts(scipy.stats.arcsine(loc=0.5), thermal=thermal)
+    found = master.steady_state(contacts)
+    length, force = arcsine_by_angles(thermal)
+    assert abs(found.cycle_length - length) <= found.cycle_length_error < 2e-7
+    assert abs(found.force - force) <= found.force_error < 5e-8
+    if (law, closure) == ("soft", "paper"):  # the force falls without bound right there
+        assert master.phase_line(contacts, 0.5).critical_spring == np.inf
