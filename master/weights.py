@@ -40,7 +40,8 @@ class NodeWeights:
                 known = known - weight * ((left < position) & (position <= right))
             found = mass[near].sum(axis=1)
             share = np.where(found[:, None] > 0.0, mass[near], weights[near])
-            mass[near] = share * (known / share.sum(axis=1))[:, None]
+            total = share.sum(axis=1)  # nothing where an edge is met by the next
+            mass[near] = share * np.divide(known, total, out=np.zeros_like(total), where=total > 0.0)[:, None]
         return mass
 
     def _snapped(self, ends: Array) -> Array:
