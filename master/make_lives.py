@@ -29,6 +29,10 @@ def make_lives(contacts: Contacts, level: int = 0) -> Lives:
 
     if contacts.ageing is not None:
         return _ageing(contacts, level)
+    if contacts.grains is not None:
+        from master.grain_lives import GrainLives
+
+        return GrainLives(contacts, _nodes(contacts, Law(contacts, np.inf)))
     law = Law(contacts, np.inf)
     length = law.narrowest * contacts.mean_threshold
     wear: Wear
