@@ -6,24 +6,26 @@ at a temperature,
     ∂u/∂t = ∂/∂y [(D U' + σ) u + D ∂u/∂y] - h u,     u = 0 at y = 0, where contacts break.
 
 Weights of cells in y, small ones towards y = 0, fluxes between them from cubics through the four cells around: of
-fourth order, no weight lost. In time by exp(z) ≈ (1 + z/4)/(1 - 3z/4 + z²/4 - z³/24), z being the step times the
-operator in its middle: what is stiff is damped. All strands make one banded system.
+fourth order, no weight lost. In time by Radau's method of two stages, of third order, which damps what is stiff: the
+density's edge at y = 0, as thin as D over the speed, is at the end of a step what it is at the speed there.
 """
 
 from __future__ import annotations
 
 from copy import copy
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
-from scipy.linalg.lapack import dgbsv, zgbsv
+from scipy.special import ndtr
 
 from master.diffusion_passage import narrowest
 from master.lives import halves
 from master.potential import Potential
 from origins import Contacts, InputError
+from origins.gaussian import CutGaussian
 from origins.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
@@ -35,14 +37,15 @@ _FINEST = 2e-6  # of the same, the narrowest
 _GROWTH = 0.3
 _FAR = 1e-16
 _DEAD = 1e-13
-_GROUPS = 6
+_ASLEEP = 7.0  # standard deviations that thresholds keep from the stretch
+_FAINT = 1e-18
+_FAR_SQUARE = 2.0 * 8.0**2
 _TABLE = 16_384
 _AT_ONCE = 1e-3  # of the time in which thresholds spread by the narrowest width
-_BANDS = 2
-_REAL = 1e-9
+_LEAST = 4
 _NONE = 1e-300
-_POLES = np.roots([-1.0 / 24.0, 0.25, -0.75, 1.0])
-_SHARES = (1.0 + 0.25 * _POLES) / np.polyval(np.polyder([-1.0 / 24.0, 0.25, -0.75, 1.0]), _POLES)
+# Radau's stages, of which the last is the end: where the edge of a density changes within a step it is right there
+_AT, _RADAU = np.array([1.0 / 3.0, 1.0]), np.array([[5.0, -1.0], [9.0, 3.0]]) / 12.0
 
 
 class AgeingLives:
@@ -64,14 +67,15 @@ class AgeingLives:
         self._cells = Cells(contacts, level)
         self.length = _STEPS * self._cells.width
         self.time = _AT_ONCE * self._cells.width**2 / contacts.ageing.rate
-        self.rate, self.error = self._cells.rate, 0.0
-        self.work = 4 * self._cells.edges.size * again[0].size
-        self._again = again
-        self._count = 1
-        self._stretch, self._share = start
-        self._cohort = np.zeros(start[0].size, dtype=np.intp)
-        self._weights = self._cells.fresh(start[0])
-        self._born = self._cells.fresh(again[0])
+        self.rate, self.error, self.fuzzy = self._cells.rate, 0.0, True
+        self.work = self._cells.edges.size // 3 * again[0].size
+        self._again, self._count = again, 1
+        none = np.empty(0)
+        # strands none of which can have broken yet, and those whose thresholds' densities are followed
+        self._asleep = Sleepers(none, none, np.empty(0, dtype=np.intp), none)
+        self._stretch, self._share, self._cohort = none, none, np.empty(0, dtype=np.intp)
+        self._weights = np.empty((0, self._cells.edges.size - 1))
+        self._add(start, np.zeros(start[0].size, dtype=np.intp))
         self._held, self._pull = self._read()
 
     @property
@@ -84,23 +88,39 @@ class AgeingLives:
 
     def born(self) -> None:
         stretch, share = self._again
-        self._stretch, self._share = np.append(self._stretch, stretch), np.append(self._share, share)
-        self._cohort = np.append(self._cohort, np.full(stretch.size, self._count))
-        self._weights = np.concatenate([self._weights, self._born])
+        self._add(self._again, np.full(stretch.size, self._count))
         self._count += 1
-        holds = share * self._born.sum(axis=1)
-        self._held, self._pull = np.append(self._held, holds.sum()), np.append(self._pull, holds @ stretch)
+        self._held, self._pull = np.append(self._held, share.sum()), np.append(self._pull, share @ stretch)
 
-    def advance(self, travel: float, duration: float) -> None:
+    def _add(self, nodes: Nodes, cohort: npt.NDArray[np.intp]) -> None:
+        stretch, share = nodes
+        asleep = self._cells.untouched(stretch, np.zeros(stretch.size))
+        ages = np.zeros(int(asleep.sum()))
+        self._asleep = self._asleep.with_(Sleepers(stretch[asleep], share[asleep], cohort[asleep], ages))
+        if not asleep.all():
+            self._follow(stretch[~asleep], share[~asleep], cohort[~asleep], self._cells.fresh(stretch[~asleep]))
+
+    def _follow(self, stretch: Array, share: Array, cohort: npt.NDArray[np.intp], weights: Array) -> None:
+        self._stretch, self._share = np.append(self._stretch, stretch), np.append(self._share, share)
+        self._cohort, self._weights = np.append(self._cohort, cohort), np.concatenate([self._weights, weights])
+
+    def advance(self, travel: float, duration: float, bend: float = 0.0) -> None:
         alive = self._weights.sum(axis=1) > _DEAD
         self._stretch, self._share = self._stretch[alive], self._share[alive]
         self._cohort, self._weights = self._cohort[alive], self._weights[alive]
+        asleep = self._asleep
+        on = self._cells.untouched(asleep.stretch + travel, asleep.age + duration)
+        if not on.all():
+            up = asleep.where(~on)
+            self._follow(up.stretch, up.share, up.cohort, self._cells.aged(up.stretch, up.age))
+            asleep = asleep.where(on)
+        self._asleep = Sleepers(asleep.stretch + travel, asleep.share, asleep.cohort, asleep.age + duration)
         begin, self._stretch = self._stretch, self._stretch + travel
         turns = begin * self._stretch < 0.0
         # a stretch that passes 0 comes down and goes up again: one move each
         first = np.where(turns, np.abs(begin / travel) if travel else 1.0, 1.0)
         middle = np.where(turns, 0.0, self._stretch)
-        self._weights = self._cells.move(self._weights, np.abs(begin), np.abs(middle), first * duration)
+        self._weights = self._cells.move(self._weights, np.abs(begin), np.abs(middle), first * duration, bend)
         if turns.any():
             rest = (1.0 - first[turns]) * duration
             onward = np.abs(self._stretch[turns])
@@ -115,10 +135,32 @@ class AgeingLives:
         return copy(self)
 
     def _read(self) -> tuple[Array, Array]:
-        holds = self._share * self._weights.sum(axis=1)
-        parts = (np.bincount(self._cohort, part, minlength=self._count) for part in (holds, holds * self._stretch))
-        held, pull = (part.astype(float) for part in parts)
+        holds = np.append(self._share * self._weights.sum(axis=1), self._asleep.share)
+        bears = holds * np.append(self._stretch, self._asleep.stretch)
+        cohort = np.append(self._cohort, self._asleep.cohort)
+        held, pull = (np.bincount(cohort, part, minlength=self._count).astype(float) for part in (holds, bears))
         return held, pull
+
+
+@dataclass(frozen=True)
+class Sleepers:
+    """Strands, arrays of shape (n,), the thresholds of which are far above the stretch all the time."""
+
+    stretch: Array
+    share: Array
+    cohort: npt.NDArray[np.intp]
+    age: Array
+
+    def where(self, these: npt.NDArray[np.bool_]) -> Sleepers:
+        return Sleepers(self.stretch[these], self.share[these], self.cohort[these], self.age[these])
+
+    def with_(self, other: Sleepers) -> Sleepers:
+        return Sleepers(
+            np.append(self.stretch, other.stretch),
+            np.append(self.share, other.share),
+            np.append(self.cohort, other.cohort),
+            np.append(self.age, other.age),
+        )
 
 
 class Cells:
@@ -133,8 +175,11 @@ class Cells:
     """
 
     def __init__(self, contacts: Contacts, level: int) -> None:
+        from master import compiled_ageing
+
         law, ageing = contacts.thresholds, contacts.ageing
         assert ageing is not None
+        self.compiled = compiled_ageing
         self._law, self._thermal, self._diffusion = law, contacts.thermal, ageing.rate
         low, high = ageing.final.support()
         if law.atoms[0].size:
@@ -149,14 +194,16 @@ class Cells:
             )
         self.width = min(narrowest(law), narrowest(ageing.final))
         top = max(float(law.isf(_FAR)), float(ageing.final.isf(_FAR)))
-        self.edges, self._top = _edges(self.width, top, 2.0 ** (-0.5 * level)), top
+        self.edges = _edges(self.width, top, 2.0 ** (-0.5 * level))
         self._widths = np.diff(self.edges)
-        self._value, self._slope = _fluxes(self.edges)
+        self.value, self.slope = _fluxes(self.edges)
         self._normal = ageing.normal
         if self._normal is None:
             # x U'(x), which is finite at 0
             at = np.linspace(0.0, 2.0 * top, _TABLE)
             self._table = at, at * Potential(ageing.final, top).slope(at)
+        # contacts that break below their thresholds do so from the first
+        self._gaussian = self._normal is not None and isinstance(law, CutGaussian) and self._thermal is None
         self.rate = 0.0
         if self._thermal is not None:
             ends = panel_edges(law)
@@ -166,58 +213,56 @@ class Cells:
     def fresh(self, stretch: Array) -> Array:
         """Weights of fresh thresholds above |stretch|, one row for each."""
         at = np.abs(stretch)[:, None] + self.edges
-        cdf, sf = self._law.cdf(at), self._law.sf(at)
-        weights = np.where(cdf[:, :-1] < 0.5, np.diff(cdf), -np.diff(sf))
-        return np.asarray(weights / weights.sum(axis=1, keepdims=True))
+        return _between(self._law.cdf(at), self._law.sf(at))
 
-    def move(self, weights: Array, begin: Array, end: Array, duration: float | Array) -> Array:
-        """Weights after |x| went straight from `begin` to `end` within `duration`, all of shape (strands,)."""
-        duration = np.broadcast_to(duration, begin.shape)
-        if not duration.any():
+    def untouched(self, stretch: Array, age: Array) -> npt.NDArray[np.bool_]:
+        """Whether thresholds of this age are known to be far above |stretch|, and so never yet met it."""
+        if not self._gaussian:
+            return np.zeros(stretch.shape, dtype=bool)
+        mean, std = self._normal_at(age)
+        return np.asarray(mean - _ASLEEP * std > np.abs(stretch))
+
+    def aged(self, stretch: Array, age: Array) -> Array:
+        """Weights of thresholds of this age, none of which has been met."""
+        mean, std = self._normal_at(age)
+        z = (np.abs(stretch)[:, None] + self.edges - mean[:, None]) / std[:, None]
+        return _between(ndtr(z), ndtr(-z))
+
+    def _normal_at(self, age: Array) -> Nodes:
+        law, normal = self._law, self._normal
+        assert isinstance(law, CutGaussian) and normal is not None
+        spread = law.parent_std * np.exp(-normal.rate * age)
+        return normal.mean_after(law.parent_mean, age), np.hypot(normal.std_after(age), spread)
+
+    def move(
+        self, weights: Array, begin: Array, end: Array, duration: float | Array, bend: float = 0.0
+    ) -> Array:
+        """Weights after |x| went straight from `begin` to `end` within `duration`, all of shape (strands,); `bend` as
+        master.lives.Lives has it."""
+        duration = np.ascontiguousarray(np.broadcast_to(duration, begin.shape))
+        if not begin.size or not duration.any():
             return self._shift(weights, end - begin)
-        out = np.zeros(weights.shape)
-        # far above a stretched contact there are no thresholds: it needs the fewer cells
-        needed = np.searchsorted(self.edges, self._top - np.minimum(begin, end)).clip(2 * _BANDS, self._widths.size)
-        for some in np.array_split(np.argsort(needed), min(_GROUPS, begin.size)):
-            if some.size:
-                m = int(needed[some[-1]])
-                out[some, :m] = self._step(weights[some, :m], begin[some], end[some], duration[some])
-        return out
+        flow, early, spread = self.stages(begin, end, duration, bend)
+        # no thresholds are where they cannot come to from the last cell in which there are any
+        further = np.maximum(-flow.min(axis=(0, 2)), 0.0) + np.sqrt(_FAR_SQUARE * self._diffusion * duration)
+        last = weights.shape[1] - np.argmax(weights[:, ::-1] > _FAINT, axis=1)
+        needed = np.searchsorted(self.edges, self.edges[last] + further).clip(_LEAST, self._widths.size)
+        return self.compiled.step(weights, needed, flow, early, spread, self.value, self.slope, _RADAU)
 
-    def _step(self, weights: Array, begin: Array, end: Array, duration: Array) -> Array:
-        """The same over the first of the cells alone."""
-        band = self._operator(0.5 * (begin + end), (end - begin) / duration, weights.shape[1])
-        band *= duration[:, None, None]
-        band = band.reshape(weights.size, -1)
-        out = np.zeros(weights.size)
-        for pole, share in zip(_POLES, _SHARES, strict=True):
-            if pole.imag < 0.0:
-                continue
-            real = abs(pole.imag) < _REAL
-            storage = band.copy() if real else band.astype(complex)
-            storage[:, 2 * _BANDS] -= pole.real if real else pole
-            solve, factor = (dgbsv, share.real) if real else (zgbsv, 2.0 * share)
-            found = solve(_BANDS, _BANDS, storage.T, weights.ravel(), overwrite_ab=True)[2]
-            out += np.real(factor * found)
-        return out.reshape(weights.shape)
-
-    def _operator(self, stretch: Array, speed: Array, m: int) -> Array:
-        """Its five bands for |x| of shape (strands,) and d|x|/dt, over m cells: [strand, j, 4 + i - j], as LAPACK has
-        them beside two more."""
-        drift = self._drift_at(stretch[:, None] + self.edges[:m]) + speed[:, None]
-        band = np.zeros((stretch.size, m, 3 * _BANDS + 1))
-        for k in range(2 * _BANDS):
-            # through face f flows what its k-th cell, f - 2 + k, makes flow: into cell f - 1, out of f
-            first, last = max(_BANDS - k, 0), min(m, m + _BANDS - k)
-            flux = drift[:, first:last] * self._value[first:last, k] + self._diffusion * self._slope[first:last, k]
-            cells = slice(first - _BANDS + k, last - _BANDS + k)
-            band[:, cells, 3 * _BANDS - k] -= flux
-            inside = flux[:, 1:] if first == 0 else flux
-            band[:, cells.stop - inside.shape[1] : cells.stop, 3 * _BANDS - k - 1] += inside
+    def stages(self, begin: Array, end: Array, duration: Array, bend: float) -> tuple[Array, Array, Array]:
+        """Flow through the lower faces of the cells per density, rates of breaking in the cells or nothing, and D, all
+        times the step and at both stages: shapes (2, strands, cells) and (2, strands)."""
+        times = duration * (1.0 + bend * (2.0 * _AT[:, None] - 1.0))
+        stretch = begin + (end - begin) * _AT[:, None]
+        drift = self._drift_at(stretch[:, :, None] + self.edges[:-1])
+        flow = drift * times[:, :, None] + (end - begin)[:, None]
+        early = np.empty((2, begin.size, 0))
         if self._thermal is not None:
-            middle = 0.5 * (self.edges[:m] + self.edges[1 : m + 1])
-            band[:, :, 2 * _BANDS] -= self._thermal.rate(stretch[:, None], stretch[:, None] + middle)
-        return band
+            middle = 0.5 * (self.edges[:-1] + self.edges[1:])
+            early = self._thermal.rate(stretch[:, :, None], stretch[:, :, None] + middle) * times[:, :, None]
+        # an edge thinner than the cells tell is not resolved, and need not be
+        spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(end - begin))
+        return flow, np.asarray(early), spread
 
     def _drift_at(self, threshold: Array) -> Array:
         """D U'."""
@@ -237,6 +282,12 @@ class Cells:
         for row in series[1:]:
             found = found * within + row[cell, strand]
         return np.diff(found, axis=1)
+
+
+def _between(cdf: Array, sf: Array) -> Array:
+    """Weights between neighbouring places of a row, of sum 1."""
+    weights = np.where(cdf[:, :-1] < 0.5, np.diff(cdf), -np.diff(sf))
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
 def _edges(width: float, top: float, share: float) -> Array:

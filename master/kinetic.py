@@ -95,7 +95,7 @@ def kinetic_curve(
     and for a temperature or a rate of contacts without that law.
     """
     began = time.perf_counter()
-    check_contacts(contacts, "master.kinetic_curve", LAWS)
+    check_contacts(contacts, "master.kinetic_curve", (*LAWS, "grains"))
     points = Points(contacts, velocity, temperature, rate, delay)
     force, force_error, holding, holding_error = (row.reshape(points.shape) for row in _along(contacts, points))
     return KineticCurve(
@@ -114,6 +114,8 @@ def kinetic_curve(
 def _along(contacts: Contacts, points: Points) -> Array:
     """Force, its error (lengths), fraction that holds and its error, shape (4, n)."""
     speeds, heat, spread, wait = points.rows
+    if contacts.grains is not None:
+        return np.array([_growing(contacts, *at) for at in zip(speeds, wait, strict=True)]).T
     if contacts.thermal is None:  # only D/v tells, or nothing does
         columns = np.ones(speeds.size), heat, spread / speeds
     else:
@@ -128,6 +130,14 @@ def _along(contacts: Contacts, points: Points) -> Array:
     holding = length / (length + speeds * wait)
     off = holding * (1.0 - holding) * length_error / length
     return np.stack([force * holding, force_error * holding + force * off, holding, off + _ROUND_OFF])
+
+
+def _growing(contacts: Contacts, speed: float, wait: float) -> tuple[float, float, float, float]:
+    """The same at one speed, which thresholds that grow with age and what is out depend on together."""
+    steady = steady_state(changed(contacts, 0.0, 0.0, wait), velocity=speed)
+    off = steady.holding * (1.0 - steady.holding) * steady.cycle_length_error / steady.cycle_length
+    unit = steady.mean_threshold
+    return steady.force, steady.force_error * unit, steady.holding, off * unit + _ROUND_OFF
 
 
 def _at_once(contacts: Contacts, speeds: Array) -> Array:

@@ -32,6 +32,9 @@ class Lives(Protocol):
         At which fresh contacts break (per time): what a moving slider's steps resolve as well; 0 where they do not.
     error : float
         What `held` is off by however small the steps.
+    fuzzy : bool
+        Whether thresholds fluctuate about the stretch, so that none stand right at it: motion in no time then breaks
+        none at first.
     work : int
         Numbers looked at for each cohort in one step: how many steps are affordable.
     """
@@ -39,6 +42,7 @@ class Lives(Protocol):
     length: float
     time: float
     rate: float
+    fuzzy: bool
     work: int
 
     @property
@@ -53,10 +57,11 @@ class Lives(Protocol):
     def born(self) -> None:
         """A new cohort, where the slider stands now."""
 
-    def advance(self, travel: float, duration: float) -> None:
+    def advance(self, travel: float, duration: float, bend: float = 0.0) -> None:
         """All cohorts move on by `travel` (a length of either sign), at constant speed, within `duration`.
 
         A slip is a travel in no time, a hold is time without travel. The answer may be off by the square of the step.
+        bend : how much slower, dt/dX, the slider is at the end than on the mean, as a part of this
         """
 
     def spread(self) -> tuple[Array, Array]:

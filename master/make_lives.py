@@ -29,6 +29,10 @@ def make_lives(contacts: Contacts, level: int = 0) -> Lives:
 
     if contacts.ageing is not None:
         return _ageing(contacts, level)
+    if contacts.grains is not None:
+        from master.grain_lives import GrainLives
+
+        return GrainLives(contacts, _nodes(contacts, Law(contacts, np.inf)))
     law = Law(contacts, np.inf)
     length = law.narrowest * contacts.mean_threshold
     wear: Wear
@@ -109,9 +113,9 @@ def gathered(nodes: Array, weights: Array, number: int) -> tuple[Array, Array]:
 def prepare(contacts: Contacts) -> None:
     """Compile what the lives of these contacts need, which takes its time once."""
     thermal = contacts.thermal
-    if thermal is None or thermal.closure == "paper" or contacts.ageing is not None:
-        return
-    if thermal.law == "stiff" or contacts.stiffness == "linked":
+    stiff = thermal is not None and thermal.closure == "exact" and thermal.law == "stiff"
+    linked = thermal is not None and contacts.stiffness == "linked"
+    if contacts.ageing is not None or stiff or linked:
         lives = make_lives(contacts)
         lives.born()
         lives.advance(0.0, 1.0)

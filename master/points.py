@@ -62,7 +62,7 @@ def changed(contacts: Contacts, temperature: float, rate: float, delay: float, s
     """The same contacts at another temperature, rate of ageing and delay, 0 for none, from `start`."""
     thermal, ageing, again = contacts.thermal, contacts.ageing, contacts.reforming
     return Contacts(
-        contacts.thresholds,
+        contacts.thresholds if contacts.grains is None else contacts.grains,
         start,
         thermal=replace(thermal, temperature=temperature) if thermal is not None and temperature > 0.0 else None,
         ageing=None if ageing is None else Ageing(ageing.final, rate, ageing.closure),

@@ -22,11 +22,17 @@ from origins.drive import SlipRule
 Array = npt.NDArray[np.float64]
 
 _BESIDE = 1e-4
-_CLOSE = 1e-11
+_CLOSE = 1e-10
+_LESS = 0.25  # the slider itself, not its drive, is what steps must follow
+_UNLIKE = 0.2
+_SLOPE_NODES = 5
+_LEAST_WAY = 0.01
+_NEARER = 4
+_ROUNDING, _DOUBLINGS = 1e-12, 60
+_NO_TIME = 1e-11
+_ABOUT, _EXACTLY = 0.1, 1e-10
 _AHEAD = 0.3
 _ITERATIONS = 40
-_DOUBLINGS = 60
-_ROUNDING = 1e-12
 _SCAN = 0.25
 _PER_FOLD = 2.0
 _MOST_STEPS = 20_000
@@ -69,6 +75,11 @@ class Track:
     force: list[float] = field(default_factory=list)
     holding: list[float] = field(default_factory=list)
 
+    def later(self, time: float, way: float) -> Track:
+        """The same once more."""
+        clock, place = [at + time for at in self.clock], [at + way for at in self.place]
+        return Track(self.step, clock, place, self.force, self.holding)
+
 
 class Clock:
     """Even steps in time, or in a hold even in ln(1 + t/first), of one piece of the drive."""
@@ -78,7 +89,7 @@ class Clock:
         speed = abs(piece.travel) / piece.duration
         if self._held and not np.isfinite(time):
             time = piece.duration
-        self._first, self._rate = time, speed / length + rate
+        self._first, self._rate = time, _LESS * speed / length + rate
 
     def count(self, time: float) -> float:
         since = time - self._piece.begin
@@ -117,11 +128,12 @@ class Pull:
         self.slips: list[Slip] = []
         self.steps, self.unresolved = 0, 0.0
         self._place, self._now = 0.0, 0.0
-        self._steep = (1.0 + spring) * length
+        self._rise = spring * length / _LESS
+        self._steep = (1.0 + spring * (1.0 + 1.0 / _LESS)) * length
         self._settle(lives)
         for piece in course:
             self._mark_later(piece.begin)
-            self._follow(piece)
+            self._follow(piece, piece is course[-1])
 
     # -- state ---------------------------------------------------------------------------------------------------------
     def _settle(self, lives: Lives) -> None:
@@ -129,14 +141,14 @@ class Pull:
         self._lives = lives
         lives.born()
         self._clocks, self._breaks, self._births, self._even = [self._now], [0.0], [0.0], [0.0]
-        self._firsts = [0]
+        self._firsts, self._last = [0], (0.0, 0.0)
         self._pending: list[tuple[float, float]] = []
         self._force, self._holding = float(lives.pull[0]), float(lives.held[0])
 
     def _try(self, travel: float, now: float, frozen: bool = False) -> Trial:
         """The slider moves on by `travel` until `now`; where `frozen` none is born."""
         lives = self._lives.copy()
-        lives.advance(travel, now - self._now)
+        lives.advance(travel, now - self._now, self._bent(travel, now - self._now))
         lives.born()
         held, pull = lives.spread()
         even = np.array(self._even[1:])
@@ -149,6 +161,14 @@ class Pull:
         force = float(lives.pull[0] + pull[:k] @ even + pull[k] * (births - before))
         return Trial(lives, force, known + last * (births - before), breaks, births)
 
+    def _bent(self, travel: float, duration: float) -> float:
+        """How dt/dX changes over a step, from what it was in the last."""
+        before, last = self._last
+        if before == 0.0 or travel * before <= 0.0 or duration <= 0.0:
+            return 0.0
+        change = (duration / travel - last / before) / (travel + before)
+        return float(np.clip(change * travel * travel / duration, -1.0, 1.0))
+
     def _remembered(self, now: float) -> tuple[float, float]:
         if not self._delay:
             return 1.0, 0.0
@@ -160,6 +180,7 @@ class Pull:
         self.steps += 1
         if self.steps > _MOST_STEPS:
             raise TooLong
+        self._last = travel, now - self._now
         self._even.append(trial.births - self._births[-1])
         self._lives, self._force, self._holding = trial.lives, trial.force, trial.holding
         self._place += travel
@@ -185,6 +206,7 @@ class Pull:
     def _bend(self) -> None:
         """Breaks may bend or jump here: nothing is read across."""
         self._firsts.append(len(self._clocks) - 1)
+        self._last = 0.0, 0.0
 
     def _mark_later(self, at: float, weight: float = 0.0) -> None:
         """What bends or jumps here does so again after the delay."""
@@ -192,8 +214,9 @@ class Pull:
             self._pending += [(at + self._delay, weight), (at + 2.0 * self._delay, 0.0)]
 
     # -- straight on ---------------------------------------------------------------------------------------------------
-    def _follow(self, piece: Piece) -> None:
+    def _follow(self, piece: Piece, last: bool) -> None:
         """The drive goes on to the end of a piece."""
+        resets = 0
         sign = np.sign(piece.travel) or np.sign(self._force) or 1.0
         clock = Clock(piece, self._length, self._lives.time, self._lives.rate / COARSEST)
         speed = piece.travel / piece.duration
@@ -206,6 +229,9 @@ class Pull:
             let_go = self._slide(min(marks, default=piece.end), drive, clock, float(sign))
             if let_go:
                 self._slip(drive(self._now), float(sign))
+                resets += 1
+                if self._rule == "reset" and resets == 2 and self._repeat(piece, last):
+                    return
             elif marks:
                 weight = sum(share for at, share in self._pending if at == self._now)
                 self._pending = [one for one in self._pending if one[0] != self._now]
@@ -213,6 +239,26 @@ class Pull:
                     self._born_at_once(weight, self._breaks[-1])
             else:
                 return
+
+    def _repeat(self, piece: Piece, last: bool) -> bool:
+        """After a reset all is as after the one before, again and again: whether to the end of all."""
+        track, slip, length = self.tracks[-1], self.slips[-1], self.stretches[-1]
+        period = self._now - track.clock[0]
+        way = slip.after - track.place[0]
+        while last or self._now + period < piece.end:
+            done = len(self.slips) - 1
+            track = track.later(period, way)
+            self.tracks.append(track)
+            self.stretches.append(length)
+            if self._now + period > piece.end:
+                return True
+            slip = Slip(slip.drive + way, slip.before + way, slip.after + way, slip.force_before, slip.force_after)
+            self.slips.append(slip)
+            self._now, self._place = self._now + period, slip.after
+            if done > _MOST_STEPS:
+                raise TooLong
+        self._settle(self._again())
+        return False
 
     def _slide(self, end: float, drive: Callable[[float], float], clock: Clock, sign: float) -> bool:
         """Until `end`, or until the slider lets go: which of them."""
@@ -224,33 +270,47 @@ class Pull:
         track = Track()
         self._bend()
         self._write(track, 0.0)
-        total, share, taken = 0.0, 0.5, 0
-        let_go = self._slope(sign) <= 0.0
+        total, shares, taken = 0.0, [0.5], 0
+        let_go = not self._lives.fuzzy and self._slope(sign) <= 0.0
         while not let_go and self._now < end:
             taken += 1
             # the last of the planned steps takes what is left
             reach = size * (1.5 if taken >= steps else 1.0)
+            share = _ahead(shares)
             at, travel, trial = self._step(reach if taken >= steps else size, share, drive, clock, sign)
             if at >= end:
                 at = end
                 travel, trial = self._to(end, drive, travel)
             # the slider runs ahead of its drive before it lets go
-            ahead = clock.count(at) - clock.count(self._now) < _AHEAD * size
-            if at <= self._now or (ahead and self._slope(sign, trial) <= 0.0):
+            ahead = clock.count(at) - clock.count(self._now) < _AHEAD * _LESS * size
+            if at <= self._now or (ahead and self._falls(travel, at, trial, track, clock, sign) <= 0.0):
                 let_go = True
-                travel, at = self._onset(travel, max(at, self._now), end, drive, sign)
+                for _ in range(_NEARER if self._lives.fuzzy else 0):
+                    # an edge that thins to nothing is followed down in ever smaller steps
+                    half = 0.5 * self._onset(travel, drive, track, clock, sign, _ABOUT)[0]
+                    now = self._when(half, drive, clock, sign)
+                    total += self._record(self._try(half, now), half, now, track, clock, sign, total)
+                    travel -= half
+                travel, at = self._onset(travel, drive, track, clock, sign, _EXACTLY)
                 trial = self._try(travel, at)
             elif at < end and taken >= steps:
                 at, travel, trial = self._step(size, share, drive, clock, sign)
-            now = clock.count(at) - clock.count(self._now)
-            stretch = sign * travel / self._length + now
-            share = now / stretch if stretch > 0.0 else 0.5
+            count = clock.count(at) - clock.count(self._now)
+            stretch = self._record(trial, travel, at, track, clock, sign, total)
+            shares.append(count / stretch if stretch > 0.0 else 0.5)
             total += stretch
-            self._take(trial, travel, at)
-            self._write(track, total)
         self.stretches.append(total)
         self.tracks.append(track)
         return let_go
+
+    def _record(
+        self, trial: Trial, travel: float, at: float, track: Track, clock: Clock, sign: float, total: float
+    ) -> float:
+        """Take a step, the size of which is returned."""
+        size = sign * travel / self._length + clock.count(at) - clock.count(self._now)
+        self._take(trial, travel, at)
+        self._write(track, total + size)
+        return size
 
     def _write(self, track: Track, total: float) -> None:
         track.step.append(total)
@@ -273,7 +333,7 @@ class Pull:
             found[:] = [(at if count > 0.0 else self._now - 1.0, travel, trial)]
             return sign * (self._spring * (drive(at) - self._place - travel) - trial.force)
 
-        self._steep = _secant(excess, share * size, self._steep, _CLOSE * size, lambda count: count < 0.0)
+        self._steep = _secant(excess, share * size, self._steep, _CLOSE * size, 0.0)
         return found[0]
 
     def _to(self, end: float, drive: Callable[[float], float], guess: float) -> tuple[float, Trial]:
@@ -286,8 +346,26 @@ class Pull:
             return self._spring * (drive(end) - self._place - travel) - found[0].force
 
         at: list[float] = []
-        _secant(excess, guess, -self._spring - 1.0, _CLOSE * self._length, lambda _: False)
+        _secant(excess, guess, -self._spring - 1.0, _CLOSE * self._length)
         return at[0], found[0]
+
+    def _falls(
+        self, travel: float, at: float, trial: Trial | None, track: Track, clock: Clock, sign: float
+    ) -> float:
+        """Of the sign of F'(X) + K after such a step."""
+        if not self._lives.fuzzy:
+            return self._slope(sign, self._try(travel, at) if trial is None else trial)
+        # the drive has come furthest: time as a function of the step, whose last slope is asked for
+        begin = clock.count(track.clock[-1])
+        now = clock.count(at) - begin
+        size = min(_SLOPE_NODES, len(track.step))
+        nodes = np.array([*track.step[-size:], track.step[-1] + sign * travel / self._length + now])
+        counts = np.array([*(clock.count(one) - begin for one in track.clock[-size:]), now])
+        apart = nodes[:, None] - nodes
+        np.fill_diagonal(apart, 1.0)
+        weights = 1.0 / apart.prod(axis=1)
+        slopes = weights[:-1] / weights[-1] / (nodes[-1] - nodes[:-1])
+        return float(slopes @ (counts[:-1] - now))
 
     def _slope(self, sign: float, trial: Trial | None = None) -> float:
         """F'(X) + K in motion that takes no time, here or where a trial ends."""
@@ -307,38 +385,46 @@ class Pull:
 
     # -- slips ---------------------------------------------------------------------------------------------------------
     def _onset(
-        self, travel: float, at: float, end: float, drive: Callable[[float], float], sign: float
+        self, travel: float, drive: Callable[[float], float], track: Track, clock: Clock, sign: float, close: float
     ) -> tuple[float, float]:
-        """Travel and time at which F' = -K, within a step that goes beyond."""
-        def when(way: float) -> float:
-            def excess(now: float) -> float:
-                pull = self._spring * (drive(now) - self._place - way) - self._try(way, now).force
-                return sign * pull
-
-            if excess(self._now) >= 0.0:
-                return self._now
-            span = max(at - self._now, 1e-6 * (end - self._now), 1e-15 * end)
-            for _ in range(_DOUBLINGS):
-                if (over := excess(self._now + span)) >= 0.0:
-                    break
-                span *= 2.0
-            else:
-                raise TooLong
-            if over <= _ROUNDING * self._unit * (1.0 + self._spring):
-                return self._now + span  # a step ends where it should: its sign is that of rounding
-            return float(brentq(excess, self._now, self._now + span, xtol=1e-14 * span, rtol=1e-14))
+        """Travel and time at which F' = -K, within a step that goes beyond; to so large a part of the step."""
 
         def slope(way: float) -> float:
-            now = when(way)
-            return self._slope(sign, self._try(way, now))
+            now = self._when(way, drive, clock, sign)
+            if self._lives.fuzzy and clock.count(now) - clock.count(self._now) < 2.0 * _NO_TIME:
+                return -1.0  # the drive would have to come back
+            return self._falls(way, now, None, track, clock, sign)
 
-        low, high = 0.0, travel
-        if slope(high) > 0.0:
-            return high, when(high)
-        if slope(low) <= 0.0:  # by rounding, or by what a coarse step before it has wrong
-            return low, when(low)
-        way = float(brentq(slope, low, high, xtol=1e-12 * self._length, rtol=1e-12))
-        return way, when(way)
+        low, high = _LEAST_WAY * travel if self._lives.fuzzy else 0.0, travel
+        way = high
+        if slope(high) <= 0.0:
+            way = low  # by rounding, or by what a coarse step before it has wrong
+            if slope(low) > 0.0:
+                way = float(brentq(slope, low, high, xtol=close * abs(travel), rtol=1e-12))
+        return way, self._when(way, drive, clock, sign)
+
+    def _when(self, way: float, drive: Callable[[float], float], clock: Clock, sign: float) -> float:
+        """Time at which a travel balances the drive; now, where it did before."""
+        begin = clock.count(self._now)
+        # motion in no time is a limit that thresholds about to be met know nothing of
+        least = _NO_TIME if self._lives.fuzzy else 0.0
+
+        def excess(count: float) -> float:
+            now = max(clock.time(begin + count), self._now)
+            return sign * (self._spring * (drive(now) - self._place - way) - self._try(way, now).force)
+
+        if excess(least) >= 0.0:
+            return clock.time(begin + least) if least else self._now
+        span = max(2.0 * _CLOSE, -1.5 * excess(least) / self._rise)
+        for _ in range(_DOUBLINGS):
+            if (over := excess(span)) >= 0.0:
+                break
+            span *= 2.0
+        else:
+            raise TooLong
+        if over > _ROUNDING * self._unit * (1.0 + self._spring):  # else a step ends where it should
+            span = float(brentq(excess, least, span, xtol=_CLOSE, rtol=1e-14))
+        return clock.time(begin + span)
 
     def _slip(self, drive: float, sign: float) -> None:
         before, force = self._place, self._force
@@ -385,8 +471,12 @@ class Pull:
 
         step = sign * _SCAN * self._length * 0.5
         low, high = _BESIDE * step, step
-        while excess(high) < 0.0:
+        for _ in range(_MOST_STEPS):
+            if excess(high) >= 0.0:
+                break
             low, high = high, high + step
+        else:
+            raise TooLong
         travel = float(brentq(excess, low, high, xtol=1e-15 * self._unit, rtol=1e-14)) if excess(low) < 0.0 else low
         broken = self._breaks[-1]
         self._bend()
@@ -399,16 +489,25 @@ class Pull:
             self._born_at_once(fresh, self._breaks[-1])
 
 
+def _ahead(values: list[float]) -> float:
+    """The next of them, by the parabola through the last."""
+    if len(values) < 4:  # the first is a guess
+        return values[-1]
+    a, b, c = values[-3:]
+    guess = a + 3.0 * (c - b)
+    return guess if abs(guess - c) < _UNLIKE else c
+
+
 def _secant(
-    function: Callable[[float], float], guess: float, slope: float, close: float, stop: Callable[[float], bool]
+    function: Callable[[float], float], guess: float, slope: float, close: float, least: float = -np.inf
 ) -> float:
     """Asks for the root by secants from guesses of it and of the slope there, which is returned; asked last is the
-    root, or where it may `stop`."""
+    root, or `least` where a function that rises has none above."""
     a, fa = guess, function(guess)
     for _ in range(_ITERATIONS):
-        b = a - fa / slope
+        b = max(a - fa / slope, least)
         fb = function(b)
-        if abs(b - a) <= close or stop(b) or fb == 0.0:
+        if abs(b - a) <= close or (b == least and fb >= 0.0) or fb == 0.0:
             break
         if fb != fa:
             slope = (fb - fa) / (b - a)

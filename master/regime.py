@@ -62,7 +62,11 @@ def regime(
     critical = start.critical_spring
     ratio = spring / critical if critical > 0.0 else np.inf
     trend = _trend(drop)
-    verdict, reason = _judge(contacts, spring, rule, drive, trend, path, critical, tolerance)
+    slower = critical
+    if contacts.ageing is not None and not drive.size:
+        # before the drop F < X: the slider takes less than 1 + 1/K times as long as its drive, and ages no more
+        slower = propensity(contacts, tolerance, velocity=velocity * spring / (1.0 + spring)).critical_spring
+    verdict, reason = _judge(contacts, spring, rule, drive, trend, path, critical, tolerance, slower)
     if abs(spring - critical) <= start.critical_spring_error:
         reason += f"; K* is known to {start.critical_spring_error:.1e} only, and K is nearer"
     return Regime(verdict, reason, critical, start.critical_spring_error, ratio, drive.size, trend)
@@ -77,10 +81,11 @@ def _judge(
     path: Array,
     critical: float,
     tolerance: float,
+    slower: float,
 ) -> tuple[Verdict, str]:
     slips = drive.size
-    if contacts.thermal is not None and (not slips or rule == "reset"):
-        return _judge_warm(spring, rule, slips, critical)
+    if (contacts.thermal is not None or contacts.ageing is not None) and (not slips or rule == "reset"):
+        return _judge_warm(spring, slips, critical, slower)
     if not slips:
         if spring >= critical:
             return "smooth", f"K = {spring:.6g} is at least K* = {critical:.6g}: the spring never lets go"
@@ -106,11 +111,11 @@ def _judge(
     return "stick-slip", f"{slips} slips up to the end of the path, their drops not fading"
 
 
-def _judge_warm(spring: float, rule: SlipRule, slips: int, critical: float) -> tuple[Verdict, str]:
-    """Where rates tell, K* is that of a rigid slider as fast as the drive, and a soft one has a speed of its own."""
+def _judge_warm(spring: float, slips: int, critical: float, slower: float) -> tuple[Verdict, str]:
+    """Where speeds tell, K* is that of a rigid slider as fast as the drive, and a soft one has a speed of its own."""
     beside = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
     if not slips:
-        verdict: Verdict = "smooth" if spring >= critical else "undecided"
+        verdict: Verdict = "smooth" if spring >= max(critical, slower) else "undecided"
         return verdict, f"no slip up to the end of the path, at the slider's own speed; {beside}"
     if slips == 1:
         return "undecided", f"one slip up to the end of the path is too few to tell, lengthen it; {beside}"

@@ -62,8 +62,8 @@ def solve(
     Parameters
     ----------
     contacts : Contacts
-        Thresholds, starting stretches and, for a rigid slider, temperature, delay, re-forming and linked stiffness;
-        where it moves forward at one speed, ageing as well. The paper's closure of ageing goes with none of the others.
+        Thresholds, starting stretches and any laws of a contact. Thresholds that grow with age are taken on a rigid
+        slider, the paper's closure of ageing alone and where a rigid one moves forward at one speed.
     path : array of shape (n,)
         Slider positions X (lengths), any spacing, straight between points; where they turn round contacts break at
         -x_s as well. With a spring, positions X_T of the drive, which begins where it balances the start.
@@ -102,7 +102,11 @@ def solve(
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
         return solve_paper(contacts, drive, tolerance)
-    check_contacts(contacts, "master.solve", LAWS)
+    check_contacts(contacts, "master.solve", LAWS if drive.spring is not None else (*LAWS, "grains"))
+    if contacts.grains is not None:
+        from master.timed import solve_timed
+
+        return solve_timed(contacts, drive, tolerance)
     laws = (contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
     plain = laws == (None, None, None, None) and contacts.stiffness == "independent"
     if drive.spring is not None and not plain:

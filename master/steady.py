@@ -91,7 +91,8 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | 
     Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force grows for ever and there
     is no steady state.
     """
-    check_contacts(contacts, "master.steady_state", LAWS)
+    check_contacts(contacts, "master.steady_state", (*LAWS, "grains"))
+    contacts = contacts.sliding(positive("velocity", velocity))
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         from master.ageing_paper import check_alone, paper_steady_state
 

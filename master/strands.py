@@ -32,6 +32,7 @@ class CohortLives:
     def __init__(self, wear: Wear, start: Nodes, again: Nodes) -> None:
         self.length, self.time, self.rate = wear.length, wear.time, wear.rate
         self.work = wear.work * again[0].size
+        self.fuzzy = False
         self._wear, self._at, self._again = wear, 0.0, again
         self._start, self._births = Strands(wear, *start), Strands(wear, *again)
         self._start.add(0.0)
@@ -51,7 +52,7 @@ class CohortLives:
     def born(self) -> None:
         self._births.add(self._at)
 
-    def advance(self, travel: float, duration: float) -> None:
+    def advance(self, travel: float, duration: float, bend: float = 0.0) -> None:
         before, self._at = self._at, self._at + travel
         for strands in (self._start, self._births):
             strands.advance(before, self._at, duration)

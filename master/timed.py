@@ -88,7 +88,7 @@ def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolu
 def _refine(
     contacts: Contacts, drive: Drive, asked: Array, tolerance: float
 ) -> tuple[Array, Array, float, int, str]:
-    unit, delay = contacts.mean_threshold, 0.0 if contacts.delay is None else contacts.delay.time
+    unit, delay = contacts.mean_threshold, contacts.waiting_time
     course = pieces(drive)
     if not course:
         lives = make_lives(contacts)

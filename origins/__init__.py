@@ -12,7 +12,7 @@ from origins.domains import DomainSamples, domains
 from origins.drive import Drive
 from origins.errors import InputError
 from origins.gaussian import gaussian
-from origins.grain_contact import GrainContact
+from origins.grain_contact import GrainContact, growing_grains
 from origins.grain_growth import GrainGrowth, film_growth
 from origins.grains import grains
 from origins.greenwood_williamson import pressure_of_separation, separation_of_pressure
@@ -82,6 +82,7 @@ __all__ = [
     "gaussian",
     "gaussian_start",
     "grains",
+    "growing_grains",
     "gw_elastic",
     "gw_gaussian",
     "gw_plastic",

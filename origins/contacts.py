@@ -12,6 +12,7 @@ from origins.births import Births
 from origins.delay import Delay
 from origins.errors import InputError, refuse
 from origins.frozen import as_thresholds
+from origins.grain_contact import GrainContact
 from origins.start import as_start
 from origins.thermal import Thermal
 from origins.thresholds import Array
@@ -24,8 +25,10 @@ class Contacts:
 
     Parameters
     ----------
-    thresholds : Thresholds or frozen scipy.stats distribution on x >= 0
-        Law P_c(x) of fresh thresholds (a length).
+    thresholds : Thresholds, frozen scipy.stats distribution on x >= 0, or GrainContact
+        Law P_c(x) of fresh thresholds (a length). Of a GrainContact with an age, such as growing_grains(...): they grow
+        as long as a contact is there, also where it rests, and P_c is that of all contacts at X = 0; a broken contact
+        is out until its new grains pin, and after that for the delay.
     start : None, float, Start or frozen scipy.stats distribution
         Stretches at X = 0, of contacts that hold; None: all relaxed, x = 0. A contact that starts at x has a
         threshold from P_c conditional on x_s > |x|.
@@ -45,6 +48,11 @@ class Contacts:
 
     Attributes
     ----------
+    grains : GrainContact or None
+        None where thresholds do not grow with age.
+    waiting_time : float
+        How long a broken contact is out, delay and the time until grains pin together; one that is stretched too fast
+        to hold then waits once more.
     mean_threshold : float
         <x_s>, the unit in which tolerances are stated.
     interface : Interface or None
@@ -57,8 +65,10 @@ class Contacts:
         None where nothing ages and nothing waits.
 
     Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold: such contacts
-    hold nothing; for linked stiffness with thermal closure "paper", which gives all contacts one rate, or with ageing,
-    where the source does not say whether k_i follows; and for fresh thresholds where the final law has no weight.
+    hold nothing; for linked stiffness with thermal closure "paper", which gives all contacts one rate, or with
+    ageing or thresholds that grow, where the source does not say whether k_i follows; for thresholds that grow together
+    with temperature, ageing or re-forming at stretches at which they hold nothing yet; and for fresh thresholds where
+    the final law has no weight.
     """
 
     def __init__(
@@ -71,7 +81,8 @@ class Contacts:
         reforming: object = None,
         stiffness: Literal["independent", "linked"] = "independent",
     ) -> None:
-        self.thresholds = as_thresholds(thresholds)
+        self.grains = thresholds if isinstance(thresholds, GrainContact) else None
+        self.thresholds = as_thresholds(thresholds if self.grains is None else self.grains.at_start)
         self.interface = self.thresholds.interface
         self.start = as_start(start)
         positions, weights = self.thresholds.atoms
@@ -97,6 +108,17 @@ class Contacts:
         self.reforming = Births("reforming", again, self.thresholds) if again.span != (0.0, 0.0) else None
         self.thermal, self.ageing, self.delay, self.stiffness = thermal, ageing, delay, stiffness
         self._check_laws()
+        self.waiting_time = 0.0 if self.delay is None else self.delay.time
+        if self.grains is not None:
+            self.waiting_time += self.grains.growth.first_pinning_time
+
+    def sliding(self, velocity: float) -> Contacts:
+        """Themselves, or for thresholds that grow those that break alike in steady sliding at `velocity` (a length per
+        time), where of all waits only the mean one counts."""
+        if self.grains is None:
+            return self
+        law = self.grains.breaking(velocity)
+        return Contacts(law, delay=Delay(self.waiting_time / law.held_fraction))
 
     def relative_stiffness(self, threshold: npt.ArrayLike) -> Array:
         """k_i/<k> of contacts with these thresholds (lengths): 1 if independent, x_si/<x_s> if linked; same shape."""
@@ -133,13 +155,26 @@ class Contacts:
                 )
         if self.ageing is not None:
             self.ageing.check_fresh(self.thresholds)
+        if self.grains is not None:
+            self._check_grains()
+
+    def _check_grains(self) -> None:
+        if self.thermal is not None or self.ageing is not None:
+            name = "thermal" if self.ageing is None else "ageing"
+            raise InputError(f"{name}: not taken with thresholds that grow with their age; leave one of them out")
+        if self.reforming is not None:
+            raise InputError("reforming: contacts whose thresholds grow from 0 form again at x = 0; leave it out")
+        if self.stiffness == "linked":
+            refuse("stiffness", "linked", "not defined with thresholds that grow: nothing says whether k_i follows")
 
 
 def check_contacts(contacts: object, solver: str, takes: tuple[str, ...] = ()) -> None:
     """Raise InputError for anything but Contacts, such as thresholds alone, and for what `solver` does not take: of
-    "thermal", "ageing", "delay", "reforming" and "stiffness", all that is not in `takes`."""
+    "grains", "thermal", "ageing", "delay", "reforming" and "stiffness", all that is not in `takes`."""
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts, such as origins.Contacts(origins.gaussian(mean=1.0, std=0.05))")
+    if contacts.grains is not None and "grains" not in takes:
+        raise InputError(f"contacts.thresholds: {solver} takes none that grow with age yet; use origins.grains(...)")
     for name in ("thermal", "ageing", "delay", "reforming"):
         if name not in takes and getattr(contacts, name) is not None:
             raise InputError(f"contacts.{name}: {solver} does not take it yet; leave {name} out of the contacts")

@@ -25,17 +25,56 @@ class GrainContact:
     slides at `velocity`, its age at stretch x is tau_m + rest + x/velocity; it breaks where it first meets its
     threshold.
 
-    Steady sliding at a speed v is that of origins.Contacts with `law = breaking(v)` as thresholds and, as a broken
-    contact is out until its new grains pin, with delay = Delay(growth.first_pinning_time / law.held_fraction): those
-    that never hold wait again at once, and of all waits only the mean one counts.
+    origins.Contacts takes it in the place of thresholds. A contact that breaks is then out for tau_m, until its new
+    grains pin; one whose threshold grows more slowly than it is stretched never holds, and is out once more.
 
-    Raises InputError for anything but a GrainGrowth.
+    Parameters
+    ----------
+    growth : GrainGrowth
+    age : float, optional
+        Time since coalescence began of all contacts at X = 0, above tau_m; what origins.Contacts needs to know.
+
+    Raises InputError for anything but a GrainGrowth, and for an age at which no grain pins.
     """
 
-    def __init__(self, growth: GrainGrowth) -> None:
+    def __init__(self, growth: GrainGrowth, age: float | None = None) -> None:
         if not isinstance(growth, GrainGrowth):
             refuse("growth", growth, "must be growth, such as origins.GrainGrowth(alpha=1.0, B=1.0)")
         self.growth = growth
+        self.age = None if age is None else positive("age", age)
+        if self.age is not None and self.age <= growth.first_pinning_time:
+            refuse("age", age, f"no grain pins before the age (2/(3 alpha))³ = {growth.first_pinning_time:.12g}")
+
+    @property
+    def at_start(self) -> Thresholds:
+        """P_c at X = 0. InputError where the age there is not given."""
+        if self.age is None:
+            refuse("age", None, "is missing; give the contacts' age at X = 0, above growth.first_pinning_time")
+        return self.growth.thresholds(self.age)
+
+    def hazard(self, x: npt.ArrayLike, age: npt.ArrayLike) -> Array:
+        """-ln of the fraction of contacts of `age` whose thresholds exceed x >= 0 (a length); shapes broadcast.
+
+        As each contact keeps its quantile, exp(-(the most this ever was)) of those that pinned together still hold.
+        Up to tau_m it is infinite but for x = 0.
+        """
+        stretch, since = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(age, dtype=float))
+        first = self.growth.first_pinning_time
+        excess = np.expm1(np.log1p(np.maximum(since - first, 0.0) / first) / 3.0)
+        s = np.sqrt(self.growth.B) * stretch
+        over = s * (s / (1.0 + np.hypot(1.0, s)))  # of the grain that breaks over the film
+        left = excess - over
+        out = np.where(over > 0.0, np.inf, 0.0)
+        held = (left > 0.0) & (over > 0.0)
+        largest = 1.0 + excess[held]
+        q = over[held] / excess[held] * (largest / left[held])
+        out[held] = hazard_beyond(q, 1.0 / largest, excess[held] / largest)
+        return out[()]
+
+    def lost_hazard(self, velocity: float) -> float:
+        """(9/2) B (velocity tau_m)²: exp(-this) is the fraction of contacts that hold at all where sliding begins as
+        they pin."""
+        return 4.5 * self.growth.B * (velocity * self.growth.first_pinning_time) ** 2
 
     def quantile(self, u: npt.ArrayLike, age: npt.ArrayLike) -> Array:
         """Threshold (a length) of the contact of quantile u in [0, 1] at `age`; shapes broadcast.
@@ -111,7 +150,7 @@ class SlidingGrains(Thresholds):
         self._rest = rest / first
         self._root_b = float(np.sqrt(growth.B))
         self._beta = (self._root_b * self._reach) ** 2
-        self.lost_hazard = 4.5 * self._beta if rest == 0.0 else 0.0
+        self.lost_hazard = GrainContact(growth).lost_hazard(velocity) if rest == 0.0 else 0.0
         self.held_fraction = float(np.exp(-self.lost_hazard))
         self.onset_power = 0.0 if rest == 0.0 else 1.0
         with localcontext(prec=50):
@@ -215,3 +254,20 @@ def _ranks(u: npt.ArrayLike) -> Array:
     if bad.any():
         refuse("u", ranks[bad].flat[0], "must be a quantile between 0 and 1")
     return ranks
+
+
+def growing_grains(alpha: float, B: float, age: float) -> GrainContact:
+    """Contacts whose thresholds grow with their age, in place of thresholds in origins.Contacts (paper, Sec. VI).
+
+    Parameters
+    ----------
+    alpha : float
+        rho = 2<r>/d = alpha age^(1/3), in time^(-1/3).
+    B : float
+        As grains has it, in length^-2.
+    age : float
+        Of all contacts at X = 0 since coalescence began, above tau_m = (2/(3 alpha))³; a broken one begins at 0.
+
+    Raises InputError for a value not above zero, and for an age at which no grain pins.
+    """
+    return GrainContact(GrainGrowth(alpha, B), age)

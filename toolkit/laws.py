@@ -25,6 +25,7 @@ THRESHOLDS = {
     "persson": "origins:persson",
     "lubricated": "origins:lubricated",
     "grains": "origins:grains",
+    "growing-grains": "origins:growing_grains",
     "domains": "toolkit.islands:domains",
     "from-samples": "toolkit.measured:from_samples",
     "from-topography": "toolkit.surfaces:from_topography",
