@@ -76,7 +76,7 @@ class OriginBreaks(FirstBreaks):
         seeds = np.unique(seeds[(seeds > 0.0) & (seeds < top)])
         # breaks vary over X as over x, or as over the start
         known = law.edges[::2] - self.mean_start
-        known = known if self.single else thin(known, 0.25 * (high - low))
+        known = known if self.single else thin(known, 0.06 * (high - low))
         edges = np.concatenate([known, breaking.panels / unit, np.linspace(0.0, top, 5)])
         edges = np.unique(np.append(edges[(edges >= 0.0) & (edges <= top)], seeds))
         # closer than rounding is once
@@ -116,37 +116,60 @@ class OriginBreaks(FirstBreaks):
         """b_0, what holds where that is asked for, dJ_0/dX and the stiffness released; shape (4, n)."""
         if self._sum is None:
             return self._total(np.arange(x.size), x, self._origins[0], self._shares[0], x.size)
-        start = self._sum
-        cuts = self._cuts
-        panels = start.edges if self._spread is None else self._spread.edges
-        own = np.broadcast_to(panels, (x.size, panels.size))
-        # where a stretch turns at 0, and where it is back at what it was
-        turns = self._breaking.bends(x * self._unit) / self._unit
-        edges = np.concatenate([own, cuts - x[:, None], turns, -0.5 * x[:, None]], axis=1)
-        edges = np.sort(np.clip(edges, start.low, start.high), axis=1)
-        left, right = edges[:, :-1], edges[:, 1:]
-        left_over = right - left > 1e-15 * (start.high - start.low)
         out = np.zeros((4, x.size))
+        some, known = np.arange(x.size), np.empty((0, 0), dtype=bool)
         if self._spread is not None and not holds:
             out[[0, 2, 3]], known = self._spread.sums(x)
-            panel = np.searchsorted(panels, 0.5 * (left + right)) - 1
-            left_over &= ~np.take_along_axis(known, np.clip(panel, 0, known.shape[1] - 1), axis=1)
-        row, piece = np.nonzero(left_over)
-        origins, weights = gauss(left[row, piece], right[row, piece])
-        weights = (weights * start.weight(origins)).ravel()
-        felt = weights > _NEGLIGIBLE
-        row = np.repeat(row, origins.shape[1])[felt]
-        out += self._total(row, x[row], origins.ravel()[felt], weights[felt], x.size)
+            some = np.flatnonzero(~known.all(axis=1))
+        if some.size:
+            out += self._by_pieces(x, some, known)
         breaking, unit = self._breaking, self._unit
         for atom, weight in zip(breaking.atoms / unit, breaking.atom_weights, strict=True):
-            at = np.flatnonzero((np.abs(atom - x) < atom) & (atom - x >= start.low) & (atom - x <= start.high))
+            low, high = self._sum.low, self._sum.high
+            at = np.flatnonzero((np.abs(atom - x) < atom) & (atom - x >= low) & (atom - x <= high))
             threshold = np.full(at.size, atom * unit)
-            share = weight * start.weight(atom - x[at]) * breaking.held(threshold, threshold, (atom - x[at]) * unit)
+            share = weight * self._sum.weight(atom - x[at]) * breaking.held(threshold, threshold, (atom - x[at]) * unit)
             stiff = share * self._contacts.relative_stiffness(atom * unit)
             out[0, at] += share
             out[2, at] += stiff * atom
             out[3, at] += stiff
         return out
+
+    def _by_pieces(self, x: Array, some: npt.NDArray[np.intp], known: npt.NDArray[np.bool_]) -> Array:
+        """The same, atoms left out, at `some` of the positions, over those panels of the start that are not known."""
+        start, at = self._sum, x[some, None]
+        assert start is not None
+        panels = start.edges if self._spread is None else self._spread.edges
+        own = np.broadcast_to(panels, (some.size, panels.size))
+        # where a stretch turns at 0, and where it is back at what it was
+        turns = self._breaking.bends(x[some] * self._unit) / self._unit
+        cuts = self._cuts - at
+        if self._spread is not None:
+            # before it is back at what it was, no threshold is passed
+            cuts = np.maximum(cuts, -0.5 * at)
+            turns = -at if self._breaking.bends_at_zero else turns
+        edges = np.concatenate([own, cuts, turns, -0.5 * at], axis=1)
+        edges = np.sort(np.clip(edges, start.low, start.high), axis=1)
+        left, right = edges[:, :-1], edges[:, 1:]
+        left_over = right - left > 1e-15 * (start.high - start.low)
+        if known.size:
+            panel = np.searchsorted(panels, 0.5 * (left + right)) - 1
+            left_over &= ~np.take_along_axis(known[some], np.clip(panel, 0, known.shape[1] - 1), axis=1)
+        row, piece = np.nonzero(left_over)
+        origins, weights = gauss(left[row, piece], right[row, piece])
+        weights = (weights * start.weight(origins)).ravel()
+        felt = weights > _NEGLIGIBLE
+        row, origins, weights = np.repeat(some[row], origins.shape[1])[felt], origins.ravel()[felt], weights[felt]
+        if not known.size:
+            return self._total(row, x[row], origins, weights, x.size)
+        assert self._spread is not None
+        stretch = origins + x[row]
+        (breaks, stiff), told = self._spread.read(stretch, origins)
+        parts = breaks * weights, stiff * weights * stretch, stiff * weights
+        out = np.zeros((4, x.size))
+        out[[0, 2, 3]] = [np.bincount(row[told], weights=part[told], minlength=x.size) for part in parts]
+        rest = ~told
+        return out + self._total(row[rest], x[row[rest]], origins[rest], weights[rest], x.size)
 
     def _total(
         self, row: npt.NDArray[np.intp], x: Array, origins: Array | float, weights: Array | float, size: int

@@ -172,12 +172,29 @@ class Bundle:
         out[np.abs(t) > 1.0 + 1e-9] = 0.0
         return out
 
+    def every(self, x: Array) -> Array:
+        """All functions at x of shape (n,), shape (functions, n); zero outside the panels."""
+        panel = (np.searchsorted(self.edges, x, side="right") - 1).clip(0, self.edges.size - 2)
+        left, right = self.edges[panel], self.edges[panel + 1]
+        t = ((x - left) - (right - x)) / (right - left)
+        powers = self._powers.reshape(_NODES, -1, self.edges.size - 1)
+        out = powers[-1].take(panel, axis=1)
+        for row in powers[-2::-1]:
+            out *= t
+            out += row.take(panel, axis=1)
+        out[:, np.abs(t) > 1.0 + 1e-9] = 0.0
+        return out
 
-def bundle(tables: list[Piecewise], shares: Array) -> Bundle:
-    """Sums of `tables`, all on the same panels, each times its share; shares has shape (functions, tables)."""
+
+    def mixed(self, shares: Array) -> "Bundle":
+        """Sums of these functions, each times its share; shares has shape (sums, functions)."""
+        return Bundle(self.edges, shares @ self._powers.reshape(_NODES, -1, self.edges.size - 1))
+
+
+def bundle(tables: list[Piecewise]) -> Bundle:
+    """Tables that are all on the same panels as one."""
     coefficients = np.stack([table.coefficients for table in tables], axis=1)
-    powers = np.tensordot(_POWERS[:_NODES, :_NODES], coefficients, 1)
-    return Bundle(tables[0].edges, shares @ powers)
+    return Bundle(tables[0].edges, np.tensordot(_POWERS[:_NODES, :_NODES], coefficients, 1))
 
 
 def tabulate(

@@ -32,9 +32,10 @@ _TAIL = 1e-20
 _AROUND = np.array([3.9, 3.3, 2.7, 2.1, 1.5, 0.9, 0.3, -0.4, -1.2, -2.1, -3.2, -4.6, -6.5, -9.0, -13.0, -20.0, -38.0])
 _LEAST = float(np.exp(_AROUND[-1]))
 _SMOOTH = 0.6  # change of ln(A/v) that eight nodes see through
+_BELOW = 3.2  # 16 times the part of a change that is felt where A/v is about 1; the error goes as the power 16 of it
 MOST_SPENT = 40.0  # exponent: beyond, the round-off of a difference of two is felt
 MOST_GROWTH = 3.0  # of A/v over the starts told by one table
-_CUTS = 10
+_CUTS, _CLOSE = 10, 1e-3
 _STEPS = 12
 _CHUNK = 24_000  # so that what is made on the way stays in the cache
 _GONE = 7.0  # e^(-e^7) is nothing
@@ -70,7 +71,9 @@ class ThermalBreaking:
         (2, n) or (4, n) for x of shape (n,)."""
         origin = np.broadcast_to(origin, x.shape)
         out = np.zeros((4 if self.linked else 2, x.size))
-        live = np.flatnonzero(np.maximum(x, np.abs(origin)) <= self.top)
+        least = np.maximum(x, np.abs(origin))
+        live = np.flatnonzero(least <= self.top)
+        live = live[least[live].argsort(kind="stable")]  # neighbours share most of their thresholds
         x, origin = x[live], origin[live]
         chunk = self._panels.rows_in(_CHUNK)
         parts = [self._integrals(x[i : i + chunk], origin[i : i + chunk]) for i in range(0, x.size, chunk)]
@@ -201,8 +204,9 @@ class ThermalBreaking:
         edges = np.maximum(panels.edges, least[:, None])
         level = np.maximum(self._passed(x[:, None], edges, origin[:, None])[1], _LEAST)
         level = np.minimum(np.log(level), _AROUND[0]) + 1.0
-        # below, e^(-A/v) changes by little
-        across = np.abs(np.diff(np.where(level < 0.0, 0.25 * level, level), axis=1))
+        # below, e^(-A/v) changes by little, and the less the smaller A is
+        seen = np.where(level < 0.0, _BELOW * np.expm1(np.minimum(level, 0.0) / 16.0), level)
+        across = np.abs(np.diff(seen, axis=1))
         sharp = ((across > _SMOOTH) & panels.heavy).any(axis=1)
         smooth = np.flatnonzero(~sharp)
         for row, mass, threshold in panels.above(least[smooth]):
@@ -269,6 +273,8 @@ class BreakingLaw(Thresholds):
             at = np.linspace(low, high, 34)[1:-1]
             passed = int((self.breaking.rows(at)[1] > _TAIL).sum())
             low, high = (at[passed - 1] if passed else low), (at[passed] if passed < at.size else high)
+            if high - low < _CLOSE * low:
+                break
         # an exact value at the very end is told from what comes before by what comes after
         return float(high) * 1.001 if high in self._atoms else float(high)
 

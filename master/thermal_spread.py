@@ -5,7 +5,7 @@ threshold lies below: a smooth function of x_0. Over a part of the start a few v
 is tabulated over x, and at the nodes of the start it is a sum of these tables.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +28,7 @@ _SAME = 1e-14
 _NOTHING = 1e-20
 _MOST_PARTS = 16.0  # of a start among whose stretches thresholds lie
 _FREE = 1e-15
-_PAIRS = 8_000
+_PAIRS = 1_000
 _LEAST = 3e-15
 _HEAVY = 1e-14
 _MOST_PANELS = 96.0
@@ -37,8 +37,10 @@ _MOST_PANELS = 96.0
 @dataclass
 class Part:
     """Panels `first` up to `last` of the start, told by the stretches x_0 = `origins`: from the stretch `begin` on,
-    with thresholds above `least`. `share` is the weight of these panels in the start; `breaks` and, where stiffnesses
-    differ, `stiffness` are p of contacts from each of their nodes, `felt` the stretches between which they break."""
+    with thresholds above `least`. `share` is the weight of these panels in the start.
+
+    `told` are p and, where stiffnesses differ, the same with these, of contacts from each of the origins; `mixed` from
+    each node of the panels; `felt` the stretches between which these break."""
 
     first: int
     last: int
@@ -46,8 +48,8 @@ class Part:
     least: float
     origins: Array
     share: float
-    breaks: Bundle | None = None
-    stiffness: Bundle | None = None
+    told: list[Bundle] = field(default_factory=list)
+    mixed: list[Bundle] = field(default_factory=list)
     felt: tuple[float, float] = (-np.inf, np.inf)
 
 
@@ -104,7 +106,6 @@ class SpreadBreaks:
         known = np.zeros(whole.shape, dtype=bool)
         out = np.zeros((3, x.size))
         for part in self._parts:
-            assert part.breaks is not None
             here = slice(part.first, part.last)
             known[:, here] = whole[:, here] & (left[:, here] >= part.begin)
             felt = known[:, here] & (left[:, here] < part.felt[1]) & (right[:, here] > part.felt[0])
@@ -113,11 +114,26 @@ class SpreadBreaks:
                 row, panel = rows[i : i + _PAIRS], panels[i : i + _PAIRS] + part.first
                 stretch = x[row, None] + self._nodes[panel]
                 node = (panel - part.first)[:, None] * GAUSS_NODES.size + np.arange(GAUSS_NODES.size)
-                breaks = self._shares[panel] * part.breaks(node, stretch)
-                stiff = breaks if part.stiffness is None else self._shares[panel] * part.stiffness(node, stretch)
-                sums = breaks.sum(-1), (stiff * stretch).sum(-1), stiff.sum(-1)
+                breaks, *rest = (self._shares[panel] * table(node, stretch) for table in part.mixed)
+                stiff = rest[0] if rest else breaks
+                sums = breaks.sum(-1), np.einsum("ij,ij->i", stiff, stretch), stiff.sum(-1)
                 out += np.stack([np.bincount(row, weights=one, minlength=x.size) for one in sums])
         return out, known
+
+    def read(self, stretch: Array, origin: Array) -> tuple[Array, npt.NDArray[np.bool_]]:
+        """p of contacts from each origin, and the same with stiffnesses, where that is known; shape (2, n); and where
+        it is."""
+        out, known = np.zeros((2, stretch.size)), np.zeros(stretch.size, dtype=bool)
+        for part in self._parts:
+            inside = (origin >= self.edges[part.first]) & (origin <= self.edges[part.last]) & (stretch >= part.begin)
+            all_here = np.flatnonzero(inside & ~known)
+            known[all_here] = True
+            for i in range(0, all_here.size, _PAIRS):
+                here = all_here[i : i + _PAIRS]
+                shares = _shares(part.origins, origin[here]) / part.share
+                for row, table in enumerate(part.told):
+                    out[row, here] = np.einsum("nk,kn->n", shares, table.every(stretch[here]))
+        return out if self._breaking.linked else out[[0, 0]], known
 
     def _split(self, first: int, last: int) -> None:
         """Parts of the panels `first` up to `last`, halved until a few x_0 tell the rest."""
@@ -127,14 +143,18 @@ class SpreadBreaks:
         # thresholds below |x_0| are none of the contact's own; soft contacts' rates from above go on below smoothly
         reach = max(-low, high if rooted else 0.0)
         free = float(self._breaking.law.cdf(reach * self._unit)) * share < _FREE
-        origins = None
-        narrow = free or high - low < self._widest or last - first == 1
-        if narrow and not (low < 0.0 < high and (bends or not free)):
-            origins = self._origins(low, high, reach if rooted else max(-low, low), share)
-        if origins is not None:
-            begin, least = (low, reach if rooted else 0.0) if free else (reach, reach)
-            self._parts.append(Part(first, last, begin, least, origins, share))
-        elif last - first > 1:
+        narrow = high - low < self._widest or last - first == 1
+        ways = []  # from which stretch on, with thresholds above what
+        if free and not (bends and low < 0.0 < high):
+            ways.append((low, reach if rooted else 0.0))
+        if narrow and not low < 0.0 < high:
+            ways.append((max(-low, high), max(-low, high)))
+        for begin, least in ways:
+            origins = self._origins(low, high, max(least, -low, low), share)
+            if origins is not None:
+                self._parts.append(Part(first, last, begin, least, origins, share))
+                return
+        if last - first > 1:
             middle = 0.5 * (low + high) if not low < 0.0 < high else 0.0
             cut = first + 1 + int(np.abs(self.edges[first + 1 : last] - middle).argmin())
             self._split(first, cut)
@@ -178,16 +198,16 @@ class SpreadBreaks:
 
         tables = tabulate(rows, edges, self._accuracy)
         for part, end in zip(parts, ends, strict=True):
-            at = self._nodes[part.first : part.last].ravel()
             mine = slice(end - part.origins.size, end)
+            part.told = [bundle(tables[mine])]
+            if breaking.linked:
+                part.told.append(bundle(tables[origins.size :][mine]))
+            shares = _shares(part.origins, self._nodes[part.first : part.last].ravel()) / part.share
+            part.mixed = [table.mixed(shares) for table in part.told]
             size = np.max([np.abs(table.coefficients).sum(axis=0) for table in tables[mine]], axis=0)
             felt = np.flatnonzero(size > _NOTHING)
             if felt.size:
                 part.felt = float(tables[0].edges[felt[0]]), float(tables[0].edges[felt[-1] + 1])
-            shares = _shares(part.origins, at) / part.share
-            part.breaks = bundle(tables[mine], shares)
-            if breaking.linked:
-                part.stiffness = bundle(tables[origins.size :][mine], shares)
 
 
 def _shares(origins: Array, at: Array) -> Array:

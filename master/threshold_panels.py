@@ -17,7 +17,7 @@ _HEAVY = 1e-13
 _FINE = 20  # nodes of a panel over the root of the distance
 _X, _W = np.polynomial.legendre.leggauss(_FINE)
 _X, _W = 0.5 * (_X + 1.0), 0.5 * _W
-_RUNG, _MOST_PARTS = 2.4, 6
+_RUNG, _MOST_PARTS = 2.6, 12
 _DISTANCE = 1.0  # from a root, in widths of a panel whose eight nodes do not feel it
 
 
@@ -58,8 +58,8 @@ class ThresholdPanels:
         parts = np.ceil(np.diff(barrier(edges)) / _RUNG).astype(int)
         # where that takes many, stretches need panels of their own anyway
         much = np.abs(np.diff(law.cdf(edges))) > heavy
-        self.edges = _cut(edges, np.where(much & (parts <= _MOST_PARTS), np.maximum(parts, 1), 1))
         self.even = not (much & (parts > _MOST_PARTS)).any()
+        self.edges = _cut(edges, np.where(much & (parts <= _MOST_PARTS), np.maximum(parts, 1), 1))
         self.top = float(self.edges[-1])
         self.heavy = np.abs(np.diff(law.cdf(self.edges))) > heavy
         nodes, weights = gauss(self.edges[:-1], self.edges[1:])
