@@ -50,7 +50,7 @@ class KineticCurve:
     force : array
         F_k/(N_c <k>), a length.
     force_error : array
-        Its error in units of the mean threshold.
+        Its error in units of the mean threshold, as a tolerance is: times contacts.mean_threshold it is a length.
     holding, holding_error : array
         Fraction of the contacts that hold, C/(C + v τ_m), and its error.
     run_time : float

@@ -16,6 +16,7 @@ _LOST = 1e-12  # weight that may lie there
 _ULP = 1e-15
 _SIGHT = 2.0  # width of the narrowest Gaussian that eight nodes see through, in panels
 _SOME = 1e-3
+_SAME = 1e-13
 _DECILES = np.linspace(0.05, 0.95, 10)
 
 
@@ -131,10 +132,14 @@ class Law:
             beyond = self.atom_weights[self.atoms > self.edges[-1]].sum()
             whole -= float(self.sf(self.edges[-1:])[0] - beyond)
         if tight.any():
-            lower, upper = self.cdf(self.edges), self.sf(self.edges)
+            # an edge at an exact value is just below it: its weight is in the panel that begins there
+            ends = self.edges
+            for atom in self.atoms:
+                ends = np.where(np.abs(ends - atom) < _SAME * atom, atom * (1.0 - _SAME), ends)
+            lower, upper = self.cdf(ends), self.sf(ends)
             known = np.where(lower[:-1] < 0.5, np.diff(lower), -np.diff(upper))
             for atom, weight in zip(self.atoms, self.atom_weights, strict=True):
-                known = known - weight * ((left < atom) & (atom <= right))
+                known = known - weight * ((ends[:-1] < atom) & (atom <= ends[1:]))
             lost = (known - mass > 1e-10) & tight
             self.atoms = np.append(self.atoms, 0.5 * (left + right)[lost])
             self.atom_weights = np.append(self.atom_weights, (known - mass)[lost])

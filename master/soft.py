@@ -139,7 +139,6 @@ def _refine(
 ) -> tuple[Ride, float, str]:
     """A ride on lattices fine enough, its error estimate and the reason for stopping short."""
     travel = float(np.abs(np.diff(x, prepend=0.0)).sum())
-    floor = ROUND_OFF * (1.0 + travel) * (1.0 + spring)
     coarser: Ride | None = None
     best: tuple[Ride, float] | None = None
     difference = before = np.inf
@@ -148,6 +147,9 @@ def _refine(
         ride = Ride(law, begin, spring, rule, x, tolerance, level)
         if coarser is not None:
             before, difference = difference, _change(ride, coarser, x, spring)
+            # K X_T at slips is as large as K; where none comes, a stiff spring holds X closer than F can tell
+            stiff = spring if ride.slips else min(spring, max(spring - ride.least_slope, 1.0))
+            floor = ROUND_OFF * (1.0 + travel) * (1.0 + stiff)
             error = estimate(difference, before, ride.least_share, law.diverges) + floor + ride.error
             if np.isfinite(before):
                 if best is None or error < best[1]:

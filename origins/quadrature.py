@@ -50,7 +50,7 @@ def panel_edges(
     # a quantile that a law cannot give is no seed
     low, high = low[np.isfinite(low)], high[np.isfinite(high)]
     seeds = [low, high[:-1], thresholds.breakpoints]
-    top = min(upper, end if np.isfinite(end) else _reach(thresholds, float(high.max(initial=1.0)), tail))
+    top = min(upper, end if np.isfinite(end) else _reach(thresholds, float(high.max()) if high.size else 1.0, tail))
     if not top > lower:
         return np.empty(0)
     edges = np.unique(np.concatenate([[lower, top], *seeds]))

@@ -150,6 +150,16 @@ def test_values_far_below_a_node_break_at_once(value):
     assert np.abs(solution.force - without.force).max() <= 2.0 * value + 1e-7
 
 
+@pytest.mark.parametrize("wait", [0.9142893233907352, 0.1, 1.0 / 3.0])
+def test_an_exact_value_where_a_density_begins_counts_once(wait):
+    """Moved by the wait, value and edge are rounded apart: none of them is another value."""
+    parts = [origins.identical(0.5), origins.identical(1.0), origins.rectangular(0.5, 1.5)]
+    law = origins.mixture(parts, [0.4, 0.2, 0.4])
+    contacts = origins.Contacts(law, 0.03, delay=origins.Delay(wait), stiffness="linked")
+    solution = master.solve(contacts, [0.0, 20.0])
+    assert solution.success and solution.force_error < 1e-8
+
+
 @pytest.mark.parametrize("shape", [1.0, 4.0 / 3.0, 1.5, 2.0])
 def test_an_exact_value_beside_an_onset(shape):
     law = origins.mixture([origins.identical(0.9), scipy.stats.gamma(shape, scale=1.0 / shape)], [0.4, 0.6])

@@ -254,6 +254,14 @@ def test_a_stiff_spring_follows_the_rigid_curve_through_turns(law, rule):
     assert np.abs(solution.force - rigid.force[:-1]).max() <= 3e-8 * contacts.mean_threshold
 
 
+def test_a_spring_may_be_as_stiff_as_one_likes():
+    contacts, drive = origins.Contacts(NARROW), np.linspace(0.0, 3.0, 31)
+    rigid = master.solve(contacts, drive)
+    solution = solve_soft(contacts, drive, 1e12, "instant", 1e-8)
+    assert solution.success and not solution.slips.drive.size
+    assert np.abs(solution.force - rigid.force).max() <= solution.force_error + rigid.force_error + 1e-10
+
+
 @pytest.mark.parametrize("rule", RULES)
 def test_the_mirror_image_of_a_drive(rule):
     path = np.concatenate([np.linspace(0.0, 4.0, 41), np.linspace(3.9, -3.0, 60)])

@@ -172,6 +172,15 @@ def test_propensity_and_steady_force_agree_with_a_long_path() -> None:
     assert judged.static_to_kinetic == pytest.approx(highest / steady.force, rel=1e-5)
 
 
+@pytest.mark.parametrize("closure", ["exact", "paper"])
+def test_units_that_make_lengths_tiny(closure: str) -> None:
+    def force(unit: float) -> float:
+        thermal = Thermal("stiff", 0.05 * unit**2, closure=closure)
+        return master.steady_state(Contacts(gaussian(unit, 0.05 * unit), thermal=thermal), velocity=unit).force / unit
+
+    assert force(1e-60) == pytest.approx(force(1.0), rel=1e-12)
+
+
 def arcsine_by_angles(thermal: Thermal) -> tuple[float, float]:
     """C and F_k of arcsine thresholds between 1/2 and 3/2, which are 1 + cos(t)/2 with t even on (0, π)."""
     nodes, weights = np.polynomial.legendre.leggauss(40)
