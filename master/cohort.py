@@ -179,10 +179,9 @@ def _sum(first: Piecewise, second: Piecewise) -> Piecewise:
     edges = np.append(every[:-1][np.append(True, apart[:-1])], every[-1])
     (table,) = tabulate(lambda x: (first(x) + second(x))[None], edges, np.inf)
     # where they crowd about a point at which births diverge, what counts is how many there are
+    total, width = np.diff(first.integral(edges) + second.integral(edges)), np.diff(edges)
     crowded = np.diff(np.searchsorted(every, edges)) > 1
-    total = first.integral(edges) + second.integral(edges)
-    table.coefficients[:, crowded] = 0.0
-    table.coefficients[0, crowded] = (np.diff(total) / np.diff(edges))[crowded]
+    table.coefficients[0] = np.where(crowded, total / width, table.coefficients[0])
     return Piecewise(edges, table.coefficients)
 
 

@@ -24,9 +24,9 @@ from origins.errors import finite, refuse
 Array = npt.NDArray[np.float64]
 
 _BEYOND = 1.7
-_WATCH = np.sqrt(0.5) * np.arange(1.0, 378.0) % 1.0
 _STALL = 20.0
 _MOST_AROUND = 40  # points of one leg
+_CUBE = 0.375
 _ACCURACY = 1e-13
 
 
@@ -52,8 +52,7 @@ class Course:
             y = self._travels(move)
             leg = Leg(law, state, move.direction, move.travel, step, accuracy, known_to, y, first)
             self.legs.append(leg)
-            # where corners add up errors are uneven: points of the path may be lucky
-            self._watched.append(leg.force(np.append(y, move.travel * _WATCH) if law.rough else y))
+            self._watched.append(leg.force(y))
             first = None
             if len(self.legs) < len(path):
                 state, known_to = leg.end_state(move.travel).whole(law), step
@@ -73,14 +72,13 @@ class Course:
         )
 
     def change(self, coarser: "Course") -> float:
-        """Largest change of the force from a coarser course, at the path's points and others that are watched; where a
-        leg looks rough, at some nodes to either side of these points as well."""
+        """Largest change of the force from a coarser course at the path's points; where corners add up errors are
+        uneven, and points may be lucky: there at some nodes to either side of them as well."""
         change = float(np.abs(self.watched - coarser.watched).max())
         for move, leg, before in zip(self._path, self.legs, coarser.legs, strict=True):
             if before.problem.rough and leg.end > 0.0:
-                asked = self._travels(move)
-                near = around(asked, before.step, leg.end, _MOST_AROUND)
-                near = near[near >= asked[asked > 0.0].min(initial=leg.end)]  # closer to 0 nothing was prepared for
+                near = around(self._travels(move), before.step, leg.end, _MOST_AROUND)
+                near = near[leg.covers(near) & before.covers(near)]
                 change = max(change, float(np.abs(leg.force(near) - before.force(near)).max(initial=0.0)))
         return change
 
@@ -225,5 +223,5 @@ def _refine(law: Law, begin: State, path: list[Move], x: Array, tolerance: float
 
 def _least_share(leg: Leg) -> float:
     """The smallest part of the last difference that is believed to be the error left: where corners fold,
-    errors fall as the cube, taken with a margin of four; what seems to fall faster began too far off."""
-    return max(least_share(leg.problem, leg.step), 0.5 if leg.problem.rough else 0.0)
+    errors fall as the cube, taken with a margin of three; what seems to fall faster began too far off."""
+    return max(least_share(leg.problem, leg.step), _CUBE if leg.problem.rough else 0.0)

@@ -116,6 +116,12 @@ class Leg:
         later = self.problem.chain.released(y) if self.later is None else self.later(y)
         return self.start_force + y - self.first.released(y) - later
 
+    def covers(self, y: Array) -> npt.NDArray[np.bool_]:
+        """Which travels the force is known at: all but those close to 0 that were not asked for."""
+        if not isinstance(self.later, LaterReleased):
+            return np.ones(y.size, dtype=bool)
+        return self.later.step_at(y) > 0.0
+
     @property
     def nodes(self) -> int:
         """Nodes of the widest lattice; 0 where none was needed."""
