@@ -22,7 +22,7 @@ from origins.drive import SlipRule
 Array = npt.NDArray[np.float64]
 
 _BESIDE = 1e-4
-_CLOSE = 1e-10
+_CLOSE, _CLOSE_ENOUGH = 1e-10, 1e-7
 _LESS = 0.25  # the slider itself, not its drive, is what steps must follow
 _UNLIKE = 0.2
 _SLOPE_NODES = 5
@@ -30,7 +30,7 @@ _LEAST_WAY = 0.01
 _NEARER = 4
 _ROUNDING, _DOUBLINGS = 1e-12, 60
 _NO_TIME = 1e-11
-_ABOUT, _EXACTLY = 0.1, 1e-10
+_ABOUT, _EXACTLY = 0.1, 1e-7
 _AHEAD = 0.3
 _ITERATIONS = 40
 _SCAN = 0.25
@@ -333,7 +333,7 @@ class Pull:
             found[:] = [(at if count > 0.0 else self._now - 1.0, travel, trial)]
             return sign * (self._spring * (drive(at) - self._place - travel) - trial.force)
 
-        self._steep = _secant(excess, share * size, self._steep, _CLOSE * size, 0.0)
+        self._steep = _secant(excess, share * size, self._steep, _CLOSE_ENOUGH * size, 0.0)
         return found[0]
 
     def _to(self, end: float, drive: Callable[[float], float], guess: float) -> tuple[float, Trial]:
@@ -346,7 +346,7 @@ class Pull:
             return self._spring * (drive(end) - self._place - travel) - found[0].force
 
         at: list[float] = []
-        _secant(excess, guess, -self._spring - 1.0, _CLOSE * self._length)
+        _secant(excess, guess, -self._spring - 1.0, _CLOSE_ENOUGH * self._length)
         return at[0], found[0]
 
     def _falls(
@@ -409,13 +409,19 @@ class Pull:
         # motion in no time is a limit that thresholds about to be met know nothing of
         least = _NO_TIME if self._lives.fuzzy else 0.0
 
+        asked = [least]
+
         def excess(count: float) -> float:
+            asked[:] = [count]
             now = max(clock.time(begin + count), self._now)
             return sign * (self._spring * (drive(now) - self._place - way) - self._try(way, now).force)
 
-        if excess(least) >= 0.0:
+        if (short := excess(least)) >= 0.0:
             return clock.time(begin + least) if least else self._now
-        span = max(2.0 * _CLOSE, -1.5 * excess(least) / self._rise)
+        if self._lives.fuzzy:  # nothing jumps
+            self._rise = _secant(excess, -short / self._rise, self._rise, _CLOSE, least)
+            return clock.time(begin + asked[0])
+        span = max(2.0 * _CLOSE, -1.5 * short / self._rise)
         for _ in range(_DOUBLINGS):
             if (over := excess(span)) >= 0.0:
                 break
