@@ -29,6 +29,7 @@ _SLOPE_NODES = 5
 _LEAST_WAY = 0.01
 _NEARER = 4
 _ROUNDING, _DOUBLINGS = 1e-12, 60
+_BALANCED = 1e-9
 _NO_TIME = 1e-11
 _ABOUT, _EXACTLY = 0.1, 1e-7
 _AHEAD = 0.3
@@ -409,17 +410,18 @@ class Pull:
         # motion in no time is a limit that thresholds about to be met know nothing of
         least = _NO_TIME if self._lives.fuzzy else 0.0
 
-        asked = [least]
+        asked = [least, 0.0]
 
         def excess(count: float) -> float:
-            asked[:] = [count]
             now = max(clock.time(begin + count), self._now)
-            return sign * (self._spring * (drive(now) - self._place - way) - self._try(way, now).force)
+            asked[:] = [count, sign * (self._spring * (drive(now) - self._place - way) - self._try(way, now).force)]
+            return asked[1]
 
         if (short := excess(least)) >= 0.0:
             return clock.time(begin + least) if least else self._now
-        if self._lives.fuzzy:  # nothing jumps
-            self._rise = _secant(excess, -short / self._rise, self._rise, _CLOSE, least)
+        rise = _secant(excess, -short / self._rise, self._rise, _CLOSE, least)
+        if abs(asked[1]) <= _BALANCED * self._unit:  # where births jump, secants need not end
+            self._rise = rise
             return clock.time(begin + asked[0])
         span = max(2.0 * _CLOSE, -1.5 * short / self._rise)
         for _ in range(_DOUBLINGS):
