@@ -12,6 +12,7 @@ from master.ageing_transient import AgeingTransient, paper_transient
 PICTURES = Path(__file__).parent / "pictures"
 BLUE, RED, GREEN, GREY = "#1f4e79", "#c0392b", "#2e7d32", "0.55"
 FORCE = r"$F_k/(N_c\langle k\rangle)$"
+FORCE_OF_X = r"$F/(N_c\langle k\rangle)$"
 
 # Figs. A08 and A13 of the paper
 NARROW, WIDE = origins.gaussian(1.0, 0.05), origins.gaussian(1.0, 0.2)
@@ -150,6 +151,29 @@ def _draw_a06(axes: Any) -> None:
     axes.legend(fontsize="small")
 
 
+def draw_stick_slip() -> None:
+    """Fig. A06 as a spring sees it: the drive's own clock, every slip a reset to relaxed contacts."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.5, 3.9), layout="constrained")
+    axes = figure.subplots()
+    for velocity, ink in ((1.5, BLUE), (6.0, GREEN), (15.0, RED)):
+        path = np.linspace(0.0, 3.0, 601)[6:]
+        solved = master.solve(a06("exact"), path, 1e-3, velocity=velocity, spring=3.5)
+        slips = solved.slips
+        told = f"{slips.drive.size} slips, period {solved.period:.6f}" if solved.period else "no slip"
+        print(f"A06: v = {velocity:g}: {told}, F to {solved.force_error:.0e} of <x_s> in {solved.run_time:.0f} s")
+        # before and after a slip at one place
+        at = np.concatenate([path, slips.drive, slips.drive])
+        force = np.concatenate([solved.force, slips.force_before, slips.force_after])
+        order = np.lexsort((np.repeat([1, 0, 2], [path.size, slips.drive.size, slips.drive.size]), at))
+        axes.plot(at[order], force[order], color=ink, lw=1.4, label=f"v = {velocity:g}")
+    axes.set(title="A06: a spring of 3.5 $N_c\\langle k\\rangle$, contacts that age", xlabel="$X_T$", ylabel=FORCE_OF_X)
+    axes.set(xlim=(0.0, 3.0), ylim=(-0.02, 0.85))
+    axes.legend(fontsize="small", loc="upper right", ncols=3)
+    figure.savefig(PICTURES / "laws_stick_slip.png", dpi=130)
+
+
 def draw_temperature() -> None:
     from matplotlib.figure import Figure
 
@@ -267,5 +291,6 @@ def draw_decoherence() -> None:
 
 if __name__ == "__main__":
     draw_ageing()
+    draw_stick_slip()
     draw_temperature()
     draw_decoherence()

@@ -22,15 +22,16 @@ from origins.drive import SlipRule
 Array = npt.NDArray[np.float64]
 
 _BESIDE = 1e-4
-_CLOSE = 1e-10
+_CLOSE, _CLOSE_ENOUGH = 1e-10, 1e-7
 _LESS = 0.25  # the slider itself, not its drive, is what steps must follow
 _UNLIKE = 0.2
 _SLOPE_NODES = 5
 _LEAST_WAY = 0.01
 _NEARER = 4
 _ROUNDING, _DOUBLINGS = 1e-12, 60
+_BALANCED = 1e-9
 _NO_TIME = 1e-11
-_ABOUT, _EXACTLY = 0.1, 1e-10
+_ABOUT, _EXACTLY = 0.1, 1e-7
 _AHEAD = 0.3
 _ITERATIONS = 40
 _SCAN = 0.25
@@ -333,7 +334,7 @@ class Pull:
             found[:] = [(at if count > 0.0 else self._now - 1.0, travel, trial)]
             return sign * (self._spring * (drive(at) - self._place - travel) - trial.force)
 
-        self._steep = _secant(excess, share * size, self._steep, _CLOSE * size, 0.0)
+        self._steep = _secant(excess, share * size, self._steep, _CLOSE_ENOUGH * size, 0.0)
         return found[0]
 
     def _to(self, end: float, drive: Callable[[float], float], guess: float) -> tuple[float, Trial]:
@@ -346,7 +347,7 @@ class Pull:
             return self._spring * (drive(end) - self._place - travel) - found[0].force
 
         at: list[float] = []
-        _secant(excess, guess, -self._spring - 1.0, _CLOSE * self._length)
+        _secant(excess, guess, -self._spring - 1.0, _CLOSE_ENOUGH * self._length)
         return at[0], found[0]
 
     def _falls(
@@ -409,13 +410,20 @@ class Pull:
         # motion in no time is a limit that thresholds about to be met know nothing of
         least = _NO_TIME if self._lives.fuzzy else 0.0
 
+        asked = [least, 0.0]
+
         def excess(count: float) -> float:
             now = max(clock.time(begin + count), self._now)
-            return sign * (self._spring * (drive(now) - self._place - way) - self._try(way, now).force)
+            asked[:] = [count, sign * (self._spring * (drive(now) - self._place - way) - self._try(way, now).force)]
+            return asked[1]
 
-        if excess(least) >= 0.0:
+        if (short := excess(least)) >= 0.0:
             return clock.time(begin + least) if least else self._now
-        span = max(2.0 * _CLOSE, -1.5 * excess(least) / self._rise)
+        rise = _secant(excess, -short / self._rise, self._rise, _CLOSE, least)
+        if abs(asked[1]) <= _BALANCED * self._unit:  # where births jump, secants need not end
+            self._rise = rise
+            return clock.time(begin + asked[0])
+        span = max(2.0 * _CLOSE, -1.5 * short / self._rise)
         for _ in range(_DOUBLINGS):
             if (over := excess(span)) >= 0.0:
                 break

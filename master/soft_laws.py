@@ -94,9 +94,11 @@ def _refine(
         reforming=None if contacts.reforming is None else contacts.reforming.law,
         stiffness=contacts.stiffness,
     )
+    # steps of third order leave more than powers of their square
+    rough = uneven(contacts) or contacts.ageing is not None
     scale = np.array([spring, 0.0, 0.0, 1.0, 1.0])[:, None] / unit
     plan: list[float] = []
-    table, best = Extrapolation(uneven(contacts)), (np.inf, np.empty((5, 0)), np.empty(0), np.empty(0), 0)
+    table, best = Extrapolation(rough), (np.inf, np.empty((5, 0)), np.empty(0), np.empty(0), 0)
     before: list[Array] = []
     level = 0
     message = ""
@@ -114,7 +116,7 @@ def _refine(
         slips = np.array(rows).reshape(-1, 5).T
         force, holding = _read(pull.tracks, asked, contacts)
         if before and before[-1].shape != slips.shape:
-            table, before = Extrapolation(uneven(contacts)), []
+            table, before = Extrapolation(rough), []
         before.append(slips)
         near = np.zeros(asked.size, dtype=bool)
         for one, other in pairwise(before[-3:]):
