@@ -133,20 +133,32 @@ def _along(contacts: Contacts, points: Points) -> Array:
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
     """Force, its error, C and its error (lengths) at each speed, shape (4, n)."""
     out = np.full((4, speeds.size), np.nan)
-    thermal = contacts.thermal
-    if thermal is not None and thermal.closure == "exact" and contacts.reforming is None and contacts.ageing is None:
-        (length, square), (other, other_square) = (_moments(contacts, speeds, fine) for fine in (True, False))
-        force = 0.5 * square / length
-        # the finer panels are far better than what they differ from
-        off = np.abs(force - 0.5 * other_square / other) + _INVERSE * force
-        summed = np.stack([force, off, length, np.abs(length - other) + _INVERSE * length])
-        sure = off <= _TOLERANCE * force
-        out[:, sure] = summed[:, sure]
+    if summable(contacts):
+        sums = summed(contacts, speeds)
+        sure = sums[1] <= _TOLERANCE * sums[0]
+        out[:, sure] = sums[:, sure]
     for i in np.flatnonzero(np.isnan(out[0])):
         steady = steady_state(contacts, velocity=float(speeds[i]))
         unit = contacts.mean_threshold
         out[:, i] = steady.force, steady.force_error * unit, steady.cycle_length, steady.cycle_length_error * unit
     return out
+
+
+def summable(contacts: Contacts) -> bool:
+    """Whether breaks are by a rate of each contact's own, and births relaxed."""
+    thermal = contacts.thermal
+    exact = thermal is not None and thermal.closure == "exact"
+    return exact and contacts.reforming is None and contacts.ageing is None
+
+
+def summed(contacts: Contacts, speeds: Array) -> Array:
+    """Force without a wait, its error, C and its error (lengths) at each speed by the two sums, shape (4, n); of
+    contacts that are `summable`."""
+    (length, square), (other, other_square) = (_moments(contacts, speeds, fine) for fine in (True, False))
+    force = 0.5 * square / length
+    # the finer panels are far better than what they differ from
+    off = np.abs(force - 0.5 * other_square / other) + _INVERSE * force
+    return np.stack([force, off, length, np.abs(length - other) + _INVERSE * length])
 
 
 def _moments(contacts: Contacts, speeds: Array, fine: bool) -> tuple[Array, Array]:
