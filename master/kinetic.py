@@ -31,6 +31,7 @@ _NEAR = -2.0  # ln A, less that of the threshold, from which a stiff contact's p
 _BEFORE, _AFTER = 6.0, 4.5  # of ln e about 0, between which most breaks lie
 _WIDER, _WIDEST = 1.3, 4.0
 _RUNG = 1.0  # in k_BT
+_UNTRIED, _TRIED = 1e-2, 0.7  # attempts on the way to a threshold, and the logarithm from one to the next edge
 _TOP, _COARSE_TOP = np.cbrt([2.0, 1.6, 1.2, 0.85, 0.55, 0.28, 0.08, 0.0]), np.cbrt([2.0, 1.4, 0.9, 0.45, 0.0])
 _TOLERANCE = 1e-9
 _INVERSE = 1e-10  # relative error of a short stretch found from its amount
@@ -212,7 +213,8 @@ def _panels(deepest: float, first: float, last: float, width: float) -> Array:
 
 def _by_barriers(contacts: Contacts, edges: Array, slowest: float, rung: float) -> Array:
     """Edges between thresholds, with those where the barrier of a relaxed contact is `rung` higher: from an amount that
-    it spends at once to one that brings it close to its threshold, x goes within one k_BT."""
+    it spends at once to one that brings it close to its threshold, x goes within one k_BT. And with those between
+    thresholds at which contacts have made some attempts, and more."""
     thermal = contacts.thermal
     assert thermal is not None
     lowest, highest = float(edges[0]), float(edges[-1])
@@ -223,4 +225,8 @@ def _by_barriers(contacts: Contacts, edges: Array, slowest: float, rung: float) 
         rungs = np.cbrt(2.0 * thermal.temperature * contacts.mean_threshold * barriers)
     else:
         rungs = np.sqrt(2.0 * thermal.temperature * barriers)
-    return np.unique(np.append(edges, rungs[(rungs > lowest) & (rungs < highest)]))
+    # thresholds so low that they are reached before the first attempt
+    least = max(lowest, _UNTRIED * slowest / thermal.attempt_frequency)
+    steps = int(np.log(max(highest / least, 1.0)) / (_TRIED * rung))
+    inner = np.append(rungs, np.geomspace(least, highest, 2 + steps))
+    return np.unique(np.append(edges, inner[(inner > lowest) & (inner < highest)]))
