@@ -30,6 +30,7 @@ class Cycle:
 
     Attributes
     ----------
+    velocity : float
     law : Thresholds
         Of the travel from one break to the next.
     births : Start
@@ -50,7 +51,7 @@ class Cycle:
     """
 
     def __init__(self, contacts: Contacts, velocity: float = 1.0, accuracy: float = 1e-8) -> None:
-        self._thresholds = contacts.thresholds
+        self._thresholds, self.velocity = contacts.thresholds, velocity
         self.births = as_start(None) if contacts.reforming is None else contacts.reforming.law
         self.law: Thresholds = contacts.thresholds
         self.unit = contacts.mean_threshold

@@ -31,6 +31,7 @@ _NEAR = -2.0  # ln A, less that of the threshold, from which a stiff contact's p
 _BEFORE, _AFTER = 6.0, 4.5  # of ln e about 0, between which most breaks lie
 _WIDER, _WIDEST = 1.3, 4.0
 _RUNG = 1.0  # in k_BT
+_UNTRIED, _TRIED = 1e-2, 0.7  # attempts on the way to a threshold, and the logarithm from one to the next edge
 _TOP, _COARSE_TOP = np.cbrt([2.0, 1.6, 1.2, 0.85, 0.55, 0.28, 0.08, 0.0]), np.cbrt([2.0, 1.4, 0.9, 0.45, 0.0])
 _TOLERANCE = 1e-9
 _INVERSE = 1e-10  # relative error of a short stretch found from its amount
@@ -143,20 +144,32 @@ def _growing(contacts: Contacts, speed: float, wait: float) -> tuple[float, floa
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
     """Force, its error, C and its error (lengths) at each speed, shape (4, n)."""
     out = np.full((4, speeds.size), np.nan)
-    thermal = contacts.thermal
-    if thermal is not None and thermal.closure == "exact" and contacts.reforming is None and contacts.ageing is None:
-        (length, square), (other, other_square) = (_moments(contacts, speeds, fine) for fine in (True, False))
-        force = 0.5 * square / length
-        # the finer panels are far better than what they differ from
-        off = np.abs(force - 0.5 * other_square / other) + _INVERSE * force
-        summed = np.stack([force, off, length, np.abs(length - other) + _INVERSE * length])
-        sure = off <= _TOLERANCE * force
-        out[:, sure] = summed[:, sure]
+    if summable(contacts):
+        sums = summed(contacts, speeds)
+        sure = sums[1] <= _TOLERANCE * sums[0]
+        out[:, sure] = sums[:, sure]
     for i in np.flatnonzero(np.isnan(out[0])):
         steady = steady_state(contacts, velocity=float(speeds[i]))
         unit = contacts.mean_threshold
         out[:, i] = steady.force, steady.force_error * unit, steady.cycle_length, steady.cycle_length_error * unit
     return out
+
+
+def summable(contacts: Contacts) -> bool:
+    """Whether breaks are by a rate of each contact's own, and births relaxed."""
+    thermal = contacts.thermal
+    exact = thermal is not None and thermal.closure == "exact"
+    return exact and contacts.reforming is None and contacts.ageing is None
+
+
+def summed(contacts: Contacts, speeds: Array) -> Array:
+    """Force without a wait, its error, C and its error (lengths) at each speed by the two sums, shape (4, n); of
+    contacts that are `summable`."""
+    (length, square), (other, other_square) = (_moments(contacts, speeds, fine) for fine in (True, False))
+    force = 0.5 * square / length
+    # the finer panels are far better than what they differ from
+    off = np.abs(force - 0.5 * other_square / other) + _INVERSE * force
+    return np.stack([force, off, length, np.abs(length - other) + _INVERSE * length])
 
 
 def _moments(contacts: Contacts, speeds: Array, fine: bool) -> tuple[Array, Array]:
@@ -210,7 +223,8 @@ def _panels(deepest: float, first: float, last: float, width: float) -> Array:
 
 def _by_barriers(contacts: Contacts, edges: Array, slowest: float, rung: float) -> Array:
     """Edges between thresholds, with those where the barrier of a relaxed contact is `rung` higher: from an amount that
-    it spends at once to one that brings it close to its threshold, x goes within one k_BT."""
+    it spends at once to one that brings it close to its threshold, x goes within one k_BT. And with those between
+    thresholds at which contacts have made some attempts, and more."""
     thermal = contacts.thermal
     assert thermal is not None
     lowest, highest = float(edges[0]), float(edges[-1])
@@ -221,4 +235,8 @@ def _by_barriers(contacts: Contacts, edges: Array, slowest: float, rung: float) 
         rungs = np.cbrt(2.0 * thermal.temperature * contacts.mean_threshold * barriers)
     else:
         rungs = np.sqrt(2.0 * thermal.temperature * barriers)
-    return np.unique(np.append(edges, rungs[(rungs > lowest) & (rungs < highest)]))
+    # thresholds so low that they are reached before the first attempt
+    least = max(lowest, _UNTRIED * slowest / thermal.attempt_frequency)
+    steps = int(np.log(max(highest / least, 1.0)) / (_TRIED * rung))
+    inner = np.append(rungs, np.geomspace(least, highest, 2 + steps))
+    return np.unique(np.append(edges, inner[(inner > lowest) & (inner < highest)]))

@@ -84,8 +84,9 @@ def _judge(
     slower: float,
 ) -> tuple[Verdict, str]:
     slips = drive.size
-    if (contacts.thermal is not None or contacts.ageing is not None) and (not slips or rule == "reset"):
-        return _judge_warm(spring, slips, critical, slower)
+    rates = contacts.thermal is not None or contacts.ageing is not None
+    if rates and (not slips or rule == "reset"):
+        return _judge_rates(contacts, spring, slips, critical, slower)
     if not slips:
         if spring >= critical:
             return "smooth", f"K = {spring:.6g} is at least K* = {critical:.6g}: the spring never lets go"
@@ -111,12 +112,15 @@ def _judge(
     return "stick-slip", f"{slips} slips up to the end of the path, their drops not fading"
 
 
-def _judge_warm(spring: float, slips: int, critical: float, slower: float) -> tuple[Verdict, str]:
-    """Where speeds tell, K* is that of a rigid slider as fast as the drive, and a soft one has a speed of its own."""
+def _judge_rates(contacts: Contacts, spring: float, slips: int, critical: float, slower: float) -> tuple[Verdict, str]:
+    """Where rates tell, K* is that of a rigid slider as fast as the drive, and a soft one has a speed of its own; what
+    slips must be resets."""
     beside = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
     if not slips:
         verdict: Verdict = "smooth" if spring >= max(critical, slower) else "undecided"
         return verdict, f"no slip up to the end of the path, at the slider's own speed; {beside}"
+    if slips == 1 and contacts.start.span == (0.0, 0.0) and contacts.reforming is None:
+        return "stick-slip", f"one slip, after which contacts stand as they began, and so slip again; {beside}"
     if slips == 1:
         return "undecided", f"one slip up to the end of the path is too few to tell, lengthen it; {beside}"
     return "stick-slip", f"{slips} slips, each after a reset that leaves nothing of what was before; {beside}"

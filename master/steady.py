@@ -26,6 +26,7 @@ Array = npt.NDArray[np.float64]
 
 _ROUND_OFF = 4e-16
 _REACHED = 1e-9
+_WELL = 1e-9  # of the force: tables are good
 TABLES = 1e-11  # relative error of what rests on tables of breaks by a rate
 
 
@@ -117,6 +118,8 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         reach = float(cycle.relaxed.isf(_REACHED))
         off = float(off + cycle.error * (0.5 * reach**2 + force * reach) / (length + wait))
         length_off += cycle.error * reach
+    if cycle.breaking is not None and off > _WELL * force:
+        force, off, length, length_off = _summed(contacts, cycle, (force, off, length, length_off))
     return SteadyState(
         force=force,
         force_error=off / contacts.mean_threshold,
@@ -127,6 +130,22 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         _contacts=contacts,
         _cycle=cycle,
     )
+
+
+def _summed(
+    contacts: Contacts, cycle: Cycle, known: tuple[float, float, float, float]
+) -> tuple[float, float, float, float]:
+    """Force, C and their errors (lengths) by sums over contacts, where those apply and are better than what is `known`:
+    tables of cold stretches at which contacts break are narrower than x is known."""
+    from master.kinetic import summable, summed
+
+    if not summable(contacts):
+        return known
+    force, off, length, length_off = (float(row[0]) for row in summed(contacts, np.array([cycle.velocity])))
+    wait = cycle.release.delay * cycle.unit
+    share = length / (length + wait)
+    off = off * share + force * share * (1.0 - share) * length_off / length
+    return (force * share, off, length, length_off) if off < known[1] else known
 
 
 def _cycle_integrals(contacts: Contacts, cycle: Cycle) -> tuple[float, float, float, float]:

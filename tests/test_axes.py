@@ -1,5 +1,6 @@
 """Axes of pictures: prefixes, powers of ten, logarithmic where decades differ; read back as drawn."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,15 @@ import origins
 from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.comparing import compare
 from toolkit.comparison_picture import draw_comparison, plot_forces, plot_springs, plot_surface, plot_thresholds
-from toolkit.plots import plot_density, plot_deviation, plot_force, plot_hazard
+from toolkit.plots import (
+    plot_density,
+    plot_deviation,
+    plot_force,
+    plot_hazard,
+    plot_holding,
+    plot_position,
+    save_picture,
+)
 from toolkit.results import sample_curve
 from toolkit.running import run
 from toolkit.scene import load_scene
@@ -184,3 +193,25 @@ def test_surface_of_any_size() -> None:
     plot_surface(axes, 1e-6 * np.random.default_rng(1).standard_normal((8, 8)), (2e-3, 1e-3))
     assert axes.get_xlabel() == "x (mm)" and max(labels(axes.xaxis)) == 2.0
     assert axes.figure.axes[1].get_ylabel() == "height (µm)"
+
+
+def test_a_drive_in_time_is_drawn_against_time(tmp_path: Path) -> None:
+    law = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    drive = {"turns": [1.5, 1.5, 2.0], "times": [1.5, 3.5, 4.0], "points": 10}
+    scene = {"contacts": {"thresholds": law, "delay": {"time": 0.25}}, "drive": drive, "master": {"tolerance": 1e-3}}
+    result = run(scene | {"eq": {"contacts": 200, "replicas": 2}})
+    times = [0.0, 0.5, 1.0, 1.5, 13.0 / 6.0, 17.0 / 6.0, 3.5, 11.0 / 3.0, 23.0 / 6.0, 4.0]
+    axes = Figure().subplots(4)
+    for own, draw, values in (
+        (axes[0], plot_force, result.master.force),
+        (axes[1], plot_position, result.master.path),
+        (axes[2], plot_holding, result.master.holding),
+    ):
+        line = draw(own, result).get_lines()[0]
+        assert line.get_xdata() == pytest.approx(times) and np.array_equal(line.get_ydata(), values)
+        assert own.get_xlabel() == "time $t$"
+    assert axes[0].get_title().endswith(r"$\tau_m$ = 0.25")
+    assert np.isin(plot_deviation(axes[3], result).get_lines()[0].get_xdata(), times).all()
+    assert result.master.holding.min() < 0.9
+    save_picture(result, tmp_path / "picture.png")
+    assert (tmp_path / "picture.png").stat().st_size > 10_000

@@ -3,6 +3,7 @@ forms."""
 
 import numpy as np
 import pytest
+from scipy.stats import weibull_min
 
 import master
 from master.ageing_paper import gaussian_force
@@ -133,3 +134,20 @@ def test_wide_laws_slow_and_hot(thermal: Thermal, speed: float, more, thresholds
     curve, steady = master.kinetic_curve(contacts, speed), master.steady_state(contacts, velocity=speed)
     assert abs(curve.force - steady.force) <= (curve.force_error + steady.force_error) * contacts.mean_threshold
     assert curve.force_error <= 4e-9 * curve.force / contacts.mean_threshold
+
+
+@pytest.mark.parametrize(
+    ("law", "thermal"),
+    [
+        (weibull_min(0.8), Thermal("soft", 31.988, 1095.5)),
+        (rectangular(0.0, 0.8), Thermal("soft", 0.083387, 65946.5)),
+        (gaussian(1.0, 0.4), Thermal("stiff", 39.328, 1447.9)),
+    ],
+    ids=["wide", "rectangular", "gaussian"],
+)
+def test_fast_attempts_on_low_thresholds(law: object, thermal: Thermal) -> None:
+    """Between thresholds reached at once and those never reached, x_b changes where P_c does not."""
+    contacts = Contacts(law, thermal=thermal)
+    curve, tables = master.kinetic_curve(contacts, [0.5, 1.0]), master.steady_state(contacts)
+    off = abs(curve.force[1] - tables.force)
+    assert off <= (curve.force_error[1] + tables.force_error) * contacts.mean_threshold < 2e-8 * tables.force

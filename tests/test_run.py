@@ -265,6 +265,17 @@ def test_plot_draws_on_the_axes_given(result: Any) -> None:
     assert np.allclose(np.diff(heights, axis=1)[:, 0], 2.0 * result.eq.force_standard_error[shown])
 
 
+def test_a_temperature_at_which_contacts_hold_nothing_is_noted() -> None:
+    def notes(temperature: float) -> tuple[str, ...]:
+        law = {"kind": "gaussian", "mean": 1.0, "std": 0.1}
+        contacts = {"thresholds": law, "thermal": {"law": "soft", "temperature": temperature}}
+        return toolkit.run({"contacts": contacts, "drive": {"to": 0.1, "points": 3}, "master": {}}).notes
+
+    assert notes(90.0) == ()
+    (note,) = notes(505.0)
+    assert note.startswith("the temperature is 500 <x_s^2>: barriers are 0.001 k_BT")
+
+
 @pytest.mark.parametrize(
     "law",
     [{"kind": "identical", "value": 1.0}, {"kind": "rectangular", "lower": 0.5, "upper": 1.5}],

@@ -139,6 +139,10 @@ def test_generated_surface_gives_its_thresholds() -> None:
     )
     x = direct.mean() * np.linspace(0.01, 3.0, 50)
     assert np.array_equal(built.sf(x), direct.sf(x))
+    # whose contacts have a stiffness, so that kelvins are a temperature
+    warm = {"thermal": {"law": "soft", "temperature": {"kelvin": 300.0}}}
+    thermal = toolkit.load_scene(scene | {"contacts": scene["contacts"] | warm}).contacts.thermal
+    assert thermal.temperature == pytest.approx(1.380649e-23 * 300.0 / direct.interface.mean_stiffness, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -289,6 +293,18 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("eq.histograms", [1.0, 2.005], "eq.histograms[1] = 2.005: is none of the path's points; near it are 2 "),
         ("eq.histograms", [math.nan], "eq.histograms[0] = nan: must be finite"),
         ("drive.spring", 0.5, "drive.spring = 0.5: the ensemble [eq] takes a rigid slider; leave one of them out"),
+        ("drive.slip", "reform", "drive.slip = 'reform': must be \"reset\", \"reform-after\" or \"instant\""),
+        ("drive.slip", "reset", "drive.slip = 'reset': is what a slip of a soft slider does, and without drive.spring"),
+        (
+            "contacts.thermal",
+            {"law": "soft", "temperature": {"kelvin": 300.0}},
+            "contacts.thermal.temperature.kelvin = 300.0: needs <k> in N/m, which thresholds from a rough surface know",
+        ),
+        (
+            "contacts.thermal",
+            {"law": "soft", "temperature": {"celsius": 20.0}},
+            "contacts.thermal.temperature = {'celsius': 20.0}: must be a number, k_BT/<k>, or { kelvin = 300.0 }",
+        ),
         ("drive.times", [1.0, 2.0], "drive.times = [1.0, 2.0]: must hold one time for each of drive.turns, 1"),
         ("colour", "red", "colour = 'red': unknown key; known here: contacts, drive, title, master, eq"),
         ("title", 3, "title = 3: must be text in quotes"),

@@ -1,13 +1,16 @@
 """Soft sliders with temperature, delay and re-forming: every slip, and what comes of holds."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import master
+from master.regime import regime
 from master.soft_laws import solve_soft_laws
 from master.timed import solve_timed
 from master.timeline import times
-from origins import Contacts, Delay, Drive, InputError, Thermal, gaussian, gaussian_start
+from origins import Ageing, Contacts, Delay, Drive, InputError, Thermal, gaussian, gaussian_start
 from origins.drive import SlipRule
 
 WIDE = gaussian(1.0, 0.2)
@@ -95,3 +98,14 @@ def test_short_delays_leave_a_slider_as_without() -> None:
     delayed = master.solve(Contacts(WIDE, delay=Delay(1e-9)), path, 1e-2, spring=0.5, slip="reform-after")
     plain = master.solve(Contacts(WIDE), path, 1e-6, spring=0.5, slip="reform-after")
     assert delayed.success and delayed.slips.drive == pytest.approx(plain.slips.drive, abs=2e-2)
+
+
+@pytest.mark.parametrize(
+    "laws", [{"thermal": SOFT}, {"ageing": Ageing(gaussian(1.2, 0.1), 1e-2)}], ids=["temperature", "ageing"]
+)
+def test_one_reset_is_judged_alike_whatever_the_rates(laws: dict[str, Any]) -> None:
+    """From relaxed contacts it repeats, as they are what it leaves; from others a second slip must show it."""
+    path, once = np.linspace(0.0, 3.0, 31), np.array([1.9])
+    for start, verdict in ((None, "stick-slip"), (0.1, "undecided")):
+        found = regime(Contacts(gaussian(1.0, 0.1), start, **laws), 0.5, "reset", once, 0.6 * once, path, 1e-4)
+        assert found.verdict == verdict and found.reason.startswith("one slip")

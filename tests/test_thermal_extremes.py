@@ -6,7 +6,7 @@ import pytest
 from thermal_table import force, points, stored
 
 import master
-from origins import Contacts, Thermal, gaussian, gaussian_start
+from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, rectangular
 
 NARROW = gaussian(1.0, 0.05)
 
@@ -79,3 +79,20 @@ def test_fast_sliding_loses_force_as_a_power_of_temperature(law: str, closure: s
         speed = np.geomspace(1e3, 1e5, 3)
         warm = master.kinetic_curve(Contacts(NARROW, thermal=Thermal(law, 0.1)), speed).force
         assert fitted(speed, cold - warm) == pytest.approx(-1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_cold_rectangles_at_the_highest_rates(law: str) -> None:
+    """Stretches at which they break are known to 1e-16, and p changes over 1e-6 of them: tables of p give but 5e-5."""
+    thermal = Thermal(law, 1e-6, 1e12)
+    # every contact breaks below its threshold, at A = e of the exponential law: trapezoids in ln e, Gauss in ξ
+    u = np.arange(-36.0, 4.5, 0.05)
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    x = thermal.inverse(np.exp(u), (1.0 + 0.5 * nodes)[:, None])
+    chance = 0.05 * np.exp(u - np.exp(u))
+    length, square = (float(0.5 * weights @ (x**n @ chance)) for n in (1, 2))
+    contacts = Contacts(rectangular(0.5, 1.5), thermal=thermal, delay=Delay(0.5))
+    found = master.steady_state(contacts)
+    force = 0.5 * square / (length + 0.5)
+    assert abs(found.force - force) <= found.force_error + 1e-12 < 1e-9
+    assert abs(found.holding - length / (length + 0.5)) < 1e-9

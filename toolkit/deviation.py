@@ -21,10 +21,18 @@ def deviation(result: Result) -> tuple[Array, Array]:
     solved, eq = result.master, result.eq
     if solved is None or eq is None:
         raise ValueError("a result of both solvers is needed")
-    telling = np.isfinite(eq.force_standard_error)
-    telling &= eq.force_standard_error > np.sqrt(_FEWEST) * _of_one_contact(result, eq)
+    tell = telling(result)
     allowed = eq.force_standard_error + eq.step_error + solved.force_error * result.mean_threshold
-    return eq.path[telling], ((eq.force - solved.force)[telling] / allowed[telling])
+    return eq.path[tell], ((eq.force - solved.force)[tell] / allowed[tell])
+
+
+def telling(result: Result) -> npt.NDArray[np.bool_]:
+    """Which points of the path tell; none without an ensemble."""
+    eq = result.eq
+    if eq is None:
+        return np.empty(0, dtype=bool)
+    enough = eq.force_standard_error > np.sqrt(_FEWEST) * _of_one_contact(result, eq)
+    return np.isfinite(eq.force_standard_error) & enough
 
 
 def _of_one_contact(result: Result, eq: Simulated) -> Array:

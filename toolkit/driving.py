@@ -25,8 +25,11 @@ def make_drive(table: "DriveTable") -> Drive:
         raise InputError(f"drive: needs one of to = 5.0 and turns = [3.0, -3.0, 3.0], and {both}")
     ends = [positive("drive.to", table.to)] if table.turns is None else table.turns
     path, time = _path(ends, table.times, points)
+    if table.slip is not None and table.spring is None:
+        rule = "is what a slip of a soft slider does, and without drive.spring the slider is rigid; give one or neither"
+        refuse("drive.slip", table.slip, rule)
     with laws.inside("drive", {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}):
-        return Drive(path, table.velocity, time, table.spring, table.slip)
+        return Drive(path, table.velocity, time, table.spring, table.slip or "reset")
 
 
 def _path(

@@ -105,6 +105,22 @@ def call(
         return function(**arguments, **given)
 
 
+def without_kelvin(table: Mapping[str, Any], where: str, thresholds: origins.Thresholds) -> Mapping[str, Any]:
+    """The table with its `temperature` as k_BT/<k>, a length squared, where it is given as { kelvin = 300.0 }: for
+    thresholds from a rough surface, whose contacts have a stiffness in N/m. Raises InputError for others."""
+    given = table.get("temperature")
+    if not isinstance(given, Mapping):
+        return table
+    where = f"{where}.temperature"
+    if set(given) != {"kelvin"}:
+        refuse(where, dict(given), "must be a number, k_BT/<k>, or { kelvin = 300.0 }")
+    if thresholds.interface is None:
+        rule = "needs <k> in N/m, which thresholds from a rough surface know; give k_BT/<k>, the square of a length"
+        refuse(f"{where}.kelvin", given["kelvin"], rule)
+    with inside(where, {"kelvin": "kelvin"}):
+        return {**table, "temperature": thresholds.interface.temperature(kelvin=given["kelvin"])}
+
+
 def as_table(name: str, value: object) -> Mapping[str, Any]:
     """`value` if it is a table, else InputError."""
     if not isinstance(value, Mapping):

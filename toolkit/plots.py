@@ -1,6 +1,7 @@
 """Pictures: functions that take matplotlib axes and return them. Data are in the unit of the thresholds; tick labels
 have its prefix, or the power of ten that the axis names."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -8,21 +9,24 @@ import numpy as np
 
 from origins.samples import Sampled
 from origins.thresholds import Thresholds
+from toolkit.abscissa import along, clock, conditions, curves, write_along
 from toolkit.axes import Lengths, heights, spans_decades
-from toolkit.deviation import deviation, why_not_compared
+from toolkit.deviation import deviation, telling, why_not_compared
 from toolkit.results import OWN_UNIT, AgeingRecord, Result, SoftRecord, ThresholdCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
+_DASHES = {"master": "-", "eq": ":"}
 _STEPS = 2000  # as many as a picture can show
 _NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
+_ALL = 1e-9  # of the contacts
 _BARS = 61  # as many error bars as leave the line in sight
 
 
 def plot(result: Result, axes: Any = None) -> Any:
-    """F(X) from every solver, and P_c(x) beside it.
+    """F(X) from every solver, F(t) where the drive has a time for each point, and P_c(x) beside it.
 
     Parameters
     ----------
@@ -47,9 +51,10 @@ def plot(result: Result, axes: Any = None) -> Any:
 
 
 def plot_force(axes: "Axes", result: Result) -> "Axes":
-    """F/(N_c<k>) against X: the master equation as a line, the ensemble as error bars, one standard error, under it."""
+    """F/(N_c<k>) against X, or t where the drive keeps time: the master equation as a line, the ensemble as error bars,
+    one standard error, under it."""
     if result.master is not None:
-        path, force = result.master.path, result.master.force
+        path, force = along(result, result.master), result.master.force
         axes.plot(path, force, color=_INK["master"], lw=1.4, zorder=3, label="master equation")
         if isinstance(result.master, AgeingRecord) and result.master.outrun < path[-1]:
             axes.axvspan(result.master.outrun, path[-1], color="0.9", lw=0, label="contacts outrun $P_c$ (Q15)")
@@ -57,7 +62,7 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
         eq = result.eq
         shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
         axes.errorbar(
-            eq.path[shown],
+            along(result, eq)[shown],
             eq.force[shown],
             yerr=eq.force_standard_error[shown],
             fmt="o",
@@ -68,43 +73,62 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
             zorder=2,
             label="EQ ensemble, ±1 standard error",
         )
-    curves = [curve for curve in (result.master, result.eq) if curve is not None]
-    metres = _in_metres(result.thresholds)
-    reach, highest = (max((float(np.abs(one).max()) for one in some), default=0.0) for some in (
-        [curve.path for curve in curves], [curve.force for curve in curves]
-    ))
-    place = "drive position $X_T$" if isinstance(result.master, SoftRecord) else "slider position $X$"
-    Lengths.of(reach, metres).write(axes.xaxis, place)
-    Lengths.of(highest, metres).write(axes.yaxis, r"force $F/(N_c\langle k\rangle)$")
-    axes.set_title(result.title or result.name)
+    highest = max((float(np.abs(curve.force).max()) for curve in curves(result)), default=0.0)
+    write_along(axes, result)
+    Lengths.of(highest, _in_metres(result.thresholds)).write(axes.yaxis, r"force $F/(N_c\langle k\rangle)$")
+    axes.set_title("\n".join(filter(None, [result.title or result.name, conditions(result)])))
     axes.legend()
+    return axes
+
+
+def plot_position(axes: "Axes", result: Result) -> "Axes":
+    """Where the drive, or the rigid slider, and a soft slider are at each time."""
+    curve = curves(result)[0]
+    soft = isinstance(curve, SoftRecord)
+    axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
+    if isinstance(curve, SoftRecord):
+        axes.plot(along(result, curve), curve.position, color=_INK["master"], lw=1.2, label="slider")
+        axes.legend(fontsize="small")
+    write_along(axes, result)
+    name = "position" if soft else "slider\nposition $X$"
+    Lengths.of(float(np.abs(curve.path).max()), _in_metres(result.thresholds)).write(axes.yaxis, name)
+    return axes
+
+
+def plot_holding(axes: "Axes", result: Result) -> "Axes":
+    """The fraction of the contacts that hold; the others wait to form again."""
+    for curve, name in ((result.master, "master"), (result.eq, "eq")):
+        if curve is not None:
+            axes.plot(along(result, curve), curve.holding, color=_INK[name], lw=1.2, ls=_DASHES[name])
+    axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
+    write_along(axes, result)
     return axes
 
 
 def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
-    path, off = deviation(result)
+    off = deviation(result)[1]
     if (reason := why_not_compared(result)) is not None:
         axes.text(0.5, 0.5, f"not compared: {reason}", transform=axes.transAxes, ha="center", va="center")
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
-    axes.plot(path, off, ".", ms=3.5, color=_INK["eq"])
+    if result.eq is not None:
+        axes.plot(along(result, result.eq)[telling(result)], off, ".", ms=3.5, color=_INK["eq"])
     reach = max(4.0, 1.1 * float(np.abs(off).max(initial=0.0)))
     axes.set(ylabel="EQ - ME\n(std. errors)", ylim=(-reach, reach))
-    reach = 0.0 if result.master is None else float(np.abs(result.master.path).max())
-    Lengths.of(reach, _in_metres(result.thresholds)).write(axes.xaxis, "slider position $X$")
+    write_along(axes, result)
     return axes
 
 
 def plot_defects(axes: "Axes", result: Result) -> "Axes":
     """What the paper's closure of ageing does not keep: mass of P_c less 1, and weight below 0."""
     if isinstance(result.master, AgeingRecord):
-        path = result.master.path
+        path = along(result, result.master)
         axes.plot(path, result.master.mass_defect, color=_INK["master"], lw=1.2, label="mass of $P_c$ less 1")
         axes.plot(path, result.master.positivity_defect, color=_INK["eq"], lw=1.2, ls="--", label="weight below 0")
         largest = max(float(np.abs(result.master.mass_defect).max()), float(result.master.positivity_defect.max()))
         axes.set(ylabel="defects\nof (Q15)", ylim=(-0.15 * max(largest, _NO_DEFECT), 1.3 * max(largest, _NO_DEFECT)))
         axes.legend(fontsize="small")
-        Lengths.of(float(np.abs(path).max()), _in_metres(result.thresholds)).write(axes.xaxis, "slider position $X$")
+        write_along(axes, result)
     return axes
 
 
@@ -177,6 +201,11 @@ def _label(axes: "Axes", curve: ThresholdCurve, title: str, name: str, inverse: 
         lengths.write_inverse(axes.yaxis, inverse)
 
 
+def _waits(result: Result) -> bool:
+    """Whether contacts wait before they form again."""
+    return any(bool((curve.holding < 1.0 - _ALL).any()) for curve in curves(result))
+
+
 def _in_metres(curve: ThresholdCurve) -> bool:
     return curve.unit != OWN_UNIT
 
@@ -194,15 +223,25 @@ def save_picture(result: Result, path: Path) -> None:
     """The picture of a run as a PNG, on a figure of its own: the session's backend is not touched."""
     from matplotlib.figure import Figure
 
-    both = result.master is not None and result.eq is not None
-    below = plot_deviation if both else plot_defects if isinstance(result.master, AgeingRecord) else None
-    figure = Figure(figsize=(10, 5 if below else 4), layout="constrained")
-    rows: list[Any] = [["F", "P"], ["z", "P"]] if below else [["F", "P"]]
-    places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=[3, 1] if below else [1])
+    below: list[Callable[[Any, Result], Any]] = []
+    if curves(result) and clock(result) is not None:
+        below.append(plot_position)
+    if _waits(result):
+        below.append(plot_holding)
+    if result.master is not None and result.eq is not None:
+        below.append(plot_deviation)
+    elif isinstance(result.master, AgeingRecord):
+        below.append(plot_defects)
+    figure = Figure(figsize=(10, 4 + len(below)), layout="constrained")
+    rows: list[Any] = [["F", "P"], *([draw.__name__, "P"] for draw in below)]
+    places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=[3, *(1 for _ in below)])
     plot(result, [places["F"], places["P"]])
-    if below:
-        below(places["z"], result).sharex(places["F"])
-        places["F"].set_xlabel("")
+    above = places["F"]
+    for draw in below:
+        own = draw(places[draw.__name__], result)
+        own.sharex(places["F"])
+        above.set_xlabel("")
+        above = own
     figure.savefig(path, dpi=150, format="png")
 
 

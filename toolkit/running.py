@@ -5,6 +5,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import toolkit
+from origins.contacts import Contacts
 from toolkit import laws
 from toolkit.folders import check_folder
 from toolkit.interfaces import of_interface, remarks
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from eq_model import Ensemble
     from toolkit.checkpoint import Checkpoint
 
+_HOT = 100.0  # k_BT/<k> in <x_s^2>
 _EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}
 
 
@@ -103,8 +105,24 @@ def solve(
 
 
 def _beside(scene: Scene) -> list[str]:
-    """What the numbers of the surface leave out of the contacts."""
+    """Temperatures at which contacts hold nothing, and what the numbers of the surface leave out of the contacts."""
     contacts = scene.contacts
+    return _too_hot(contacts) + _left_out(contacts)
+
+
+def _too_hot(contacts: Contacts) -> list[str]:
+    if contacts.thermal is None:
+        return []
+    share = contacts.thermal.temperature / contacts.thresholds.moment(2)
+    if not share > _HOT:
+        return []
+    return [
+        f"the temperature is {share:.3g} <x_s^2>: barriers are {0.5 / share:.1g} k_BT, so that contacts break as often "
+        "as they attempt, whatever their stretch and threshold"
+    ]
+
+
+def _left_out(contacts: Contacts) -> list[str]:
     laws_of = {"temperature": contacts.thermal, "ageing": contacts.ageing, "delay": contacts.delay}
     there = [name for name, law in {**laws_of, "re-forming": contacts.reforming}.items() if law is not None]
     if contacts.interface is None or not there:

@@ -52,7 +52,7 @@ class DriveTable(Table, frozen=True):
     times: list[float] | None = None
     velocity: float = 1.0
     spring: float | None = None
-    slip: Literal["reset", "reform-after", "instant"] = "reset"
+    slip: Literal["reset", "reform-after", "instant"] | None = None
 
 
 class MasterTable(Table, frozen=True):
@@ -208,15 +208,15 @@ def _check_reach(scene: Scene, table: DriveTable) -> None:
 
 def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
     """The contacts with the laws that the table names, and no other."""
-    made: dict[str, Any] = {
-        "thresholds": laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm),
-        "stiffness": table.stiffness,
-    }
+    thresholds = laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm)
+    made: dict[str, Any] = {"thresholds": thresholds, "stiffness": table.stiffness}
     for name, kinds in (("start", laws.START), ("reforming", laws.REFORMING)):
         if (own := getattr(table, name)) is not None:
+            own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.build(kinds, own, f"contacts.{name}", folder)
     for name, law in (("thermal", origins.Thermal), ("ageing", laws.ageing), ("delay", origins.Delay)):
         if (own := getattr(table, name)) is not None:
+            own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
     with laws.inside("contacts", {name: name for name in made}):
         return Contacts(**made)
@@ -247,11 +247,22 @@ def _explain(message: str, tables: Mapping[str, Any]) -> str:
         return f"{'.'.join([*keys, key])} = {shown(value[key])}: unknown key; known here: {known}"
     if missing:
         return f"{'.'.join([*keys, missing[1]])}: is missing"
+    if rule.startswith("Invalid enum value"):
+        allowed = [f'"{one}"' for one in _choices(kind)]
+        rule = f"must be {', '.join(allowed[:-1])} or {allowed[-1]}"
     if other and other[1] in _EXPECTED:
         rule = f"must be {_EXPECTED[other[1]]}"
         rule += without_point(value, least=0) if other[1] == "int" else ""
     text = str(value).lower() if isinstance(value, bool) else shown(value)
     return f"{'.'.join(keys)} = {text}: {rule}"
+
+
+def _choices(kind: Any) -> list[str]:
+    """The words that a Literal, or one among others, allows."""
+    found: list[str] = []
+    for one in get_args(kind):
+        found += [one] if isinstance(one, str) else _choices(one)
+    return found
 
 
 def _field_type(kind: Any, key: str) -> Any:
