@@ -12,20 +12,23 @@ from master.starting import StartSum
 from origins import Contacts
 
 if TYPE_CHECKING:
+    from master.generations import Generations
+    from master.timeline import Piece
     from master.wear import Wear
 
 Array = npt.NDArray[np.float64]
+Nodes = tuple[Array, Array]
 
 _NARROW = 1e-9  # of the mean threshold: below, all stand at one stretch
 _BIRTHS = 8
 _STARTS = 24
 _TAIL = 1e-19
+_MOST_LIMITS = 12
 
 
 def make_lives(contacts: Contacts, level: int = 0) -> Lives:
     """Cohorts of these contacts, none born yet; inner meshes halved `level` times."""
     from master.strands import CohortLives
-    from master.wear import ColdWear
 
     if contacts.ageing is not None:
         return _ageing(contacts, level)
@@ -33,6 +36,23 @@ def make_lives(contacts: Contacts, level: int = 0) -> Lives:
         from master.grain_lives import GrainLives
 
         return GrainLives(contacts, _nodes(contacts, Law(contacts, np.inf)))
+    return CohortLives(*_ingredients(contacts, level))
+
+
+def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) -> "Generations":
+    """The same contacts, none born yet, on panels; but for those whose thresholds change."""
+    from master.generations import Generations
+
+    law = contacts.thresholds
+    limits = np.append(law.breakpoints, law.atoms[0]) if law.breakpoints.size <= _MOST_LIMITS else law.atoms[0]
+    return Generations(*_ingredients(contacts, level), course, limits[limits > 0.0])
+
+
+def _ingredients(contacts: Contacts, level: int) -> "tuple[Wear, Nodes, Nodes]":
+    """What single contacts keep of the past; stretches of the start and of births, and with each its weight over
+    S(|r|)."""
+    from master.wear import ColdWear
+
     law = Law(contacts, np.inf)
     length = law.narrowest * contacts.mean_threshold
     wear: Wear
@@ -45,7 +65,7 @@ def make_lives(contacts: Contacts, level: int = 0) -> Lives:
         again = gathered(*_nodes(Contacts(contacts.thresholds, contacts.reforming.law), law), _BIRTHS + 4 * level)
         again = again[0], again[1] / contacts.thresholds.sf(np.abs(again[0]))
     start = _nodes(contacts, law)
-    return CohortLives(wear, (start[0], start[1] / contacts.thresholds.sf(np.abs(start[0]))), again)
+    return wear, (start[0], start[1] / contacts.thresholds.sf(np.abs(start[0]))), again
 
 
 def _ageing(contacts: Contacts, level: int) -> Lives:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from master.cut_law import SLACK
 from master.thermal_paper import PaperBreaking
-from master.wear import Left
+from master.wear import Left, Standing
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
@@ -33,7 +33,7 @@ class PaperWear:
     def fresh(self, stretch: Array) -> Array:
         return np.stack([self._logsf(np.abs(stretch)), np.abs(stretch)], axis=1)
 
-    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
+    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float | Array) -> None:
         first, last = np.abs(begin), np.abs(end)
         out, born = worn.T
         across = (begin < 0.0) != (end < 0.0)
@@ -57,6 +57,19 @@ class PaperWear:
         held = np.where(worn[:, 0] > _LEAST, np.exp(worn[:, 0]), 0.0)
         none = np.zeros(held.size)
         return Left(held, held, none, none)
+
+    def standing(self, stretch: float) -> Standing:
+        at = np.array([abs(stretch)])
+        share = np.exp(self._logsf(at))
+        return Standing(self._breaking.hazard(at), share, share)
+
+    def keeper(self) -> "PaperWear":
+        return self
+
+    def kept(self, stretch: float, spent: Array) -> Array:
+        out = self.fresh(np.array([stretch]))[0]
+        out[0] = max(out[0] - spent[0], _LEAST)
+        return out
 
     def _logsf(self, x: Array) -> Array:
         # a contact whose stretch has reached its threshold is broken: survival past rounding of the sum

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from master.cut_law import SLACK, CutLaw
 from master.thermal_wear import error_of, fresh_rate
-from master.wear import Left
+from master.wear import Left, Standing
 from origins import Contacts
 from origins.quadrature import GAUSS_NODES, NODES
 
@@ -55,7 +55,7 @@ class SpentWear:
         worn[:, _FROM], worn[:, _CUT] = stretch, -1.0
         return worn
 
-    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
+    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float | Array) -> None:
         way = end - begin
         # births take part in any motion from their first step on
         change = np.abs(way * worn[:, _TIME] - worn[:, _WAY] * duration)
@@ -104,6 +104,41 @@ class SpentWear:
             edge[inside] = cut.law.pdf(m) * kept[:, -1]
             edge_stiff[inside] = edge[inside] * springs[:, -1]
         return Left(held, stiff, edge, edge_stiff)
+
+    def standing(self, stretch: float) -> Standing:
+        cut, m = self._cut, abs(stretch)
+        panel, later = self._standing(m)
+        own, weights = np.empty(0), np.empty(0)
+        if 0 <= panel < cut.edges.size - 1:
+            own, weights = (x[0] for x in cut.own(np.array([m]), np.array([panel])))
+        own = np.maximum(own, self._least)
+        held = m * (1.0 + SLACK) < cut.atoms
+        nodes = np.concatenate([cut.nodes[later], cut.atoms[held], own])
+        weights = np.concatenate([cut.weights[later], cut.atom_weights[held], weights])
+        springs = np.asarray(self._stiffness(nodes))
+        return Standing(self._thermal.rate(np.minimum(m, nodes), nodes, springs), weights, weights * springs)
+
+    def keeper(self) -> "SpentWear":
+        return self
+
+    def kept(self, stretch: float, spent: Array) -> Array:
+        cut, m = self._cut, abs(stretch)
+        panel, later = self._standing(m)
+        held = np.flatnonzero(m * (1.0 + SLACK) < cut.atoms)
+        out = self.fresh(np.array([stretch]))[0]
+        out[_CUT] = m
+        out[_FIRST : self._atoms.stop] = _MOST
+        count = cut.nodes[later].size
+        out[_FIRST : self._atoms.start][later] = np.minimum(spent[:count], _MOST)
+        out[self._atoms][held] = np.minimum(spent[count : count + held.size], _MOST)
+        if 0 <= panel < cut.edges.size - 1:
+            out[self._own] = np.minimum(spent[count + held.size :], _MOST)
+        return out
+
+    def _standing(self, least: float) -> tuple[int, slice]:
+        """The panel that a cut falls into, and the nodes beyond it."""
+        panel = int(self._cut.panel(np.array([least]))[0])
+        return panel, slice(min(NODES * (panel + 1), self._cut.nodes.size), None)
 
     def at_nodes(self, worn: Array, stretch: Array, first: Numbers) -> Array:
         """A at the nodes of the law from number `first` on, shape (m, k), as compiled code has it; for comparison."""

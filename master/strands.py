@@ -107,6 +107,14 @@ class Strands:
         self._held[k], self._pull[k], self._edge[k], self._edge_stiff[k] = self._at_birth
         self.count += 1
 
+    def put(self, at: float, worn: Array) -> None:
+        """The same with numbers of their own, shape (nodes, width)."""
+        self.add(at)
+        rows = slice(self.count - 1, self.count)
+        self._worn[rows] = worn
+        furthest = np.abs(self._stretch)
+        self._read(rows, self._stretch, furthest, self._wear.left(worn.copy(), self._stretch, furthest))
+
     def advance(self, before: float, at: float, duration: float) -> None:
         """All move with the slider from X = before to X = at."""
         rows = self._alive()

@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cut_law import SLACK, CutLaw
-from master.wear import Left
+from master.wear import Left, Standing, Wear
 from origins import Contacts
+from origins.quadrature import NODES
 from origins.soft_contact import log_between
 
 Array = npt.NDArray[np.float64]
@@ -19,7 +20,6 @@ _GONE = 6.0  # e^(-e^6) is nothing
 _CHANGE = 1.5  # of ln A that eight nodes see through, but for ERROR
 ERROR = 5e-9
 _STEEPER = 1.75  # a stiff contact's barrier changes so much faster with its threshold, at most
-_CHUNK = 40_000
 
 
 def resolved(contacts: Contacts) -> tuple[Array, Array]:
@@ -49,9 +49,13 @@ class SoftWear:
     width = 1
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
+        from master import compiled
+
         thermal = contacts.thermal
         assert thermal is not None
-        self._cut, self._spring = cut, 0.5 / thermal.temperature
+        self._compiled = compiled
+        self._tails = np.append(cut.weights[::-1].cumsum()[::-1], 0.0)
+        self._contacts, self._cut, self._spring = contacts, cut, 0.5 / thermal.temperature
         self._log_frequency = float(np.log(thermal.attempt_frequency))
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
         self.error, self.work = error_of(cut), cut.nodes.size + 50
@@ -60,9 +64,10 @@ class SoftWear:
     def fresh(self, stretch: Array) -> Array:
         return np.full((stretch.size, 1), -np.inf)
 
-    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
-        if duration > 0.0:
-            spent = self._log_mean(begin, end) + (self._log_frequency + np.log(duration))
+    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float | Array) -> None:
+        if np.any(duration):
+            with np.errstate(divide="ignore"):
+                spent = self._log_mean(begin, end) + (self._log_frequency + np.log(duration))
             np.logaddexp(worn[:, 0], spent, out=worn[:, 0])
 
     def _log_mean(self, begin: Array, end: Array) -> Array:
@@ -91,15 +96,8 @@ class SoftWear:
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
         cut, level = self._cut, worn[:, 0]
         panel = cut.panel(furthest)
-        held = np.empty(level.size)
-        rows = max(1, _CHUNK // max(self._barrier.size, 1))
-        first = 8 * (panel + 1)
-        for i in range(0, level.size, rows):
-            # panels below all cuts need not be looked at
-            low = int(first[i : i + rows].min())
-            share = _kept(level[i : i + rows, None] - self._barrier[low:])
-            share *= np.arange(low, self._barrier.size) >= first[i : i + rows, None]
-            held[i : i + rows] = share @ cut.weights[low:]
+        first = np.minimum(NODES * (panel + 1), self._barrier.size)
+        held = self._compiled.soft_left(level, first, self._barrier, cut.weights, self._tails)
         inside = np.flatnonzero((panel >= 0) & (panel < cut.edges.size - 1))
         if inside.size:
             nodes, weights = cut.own(furthest[inside], panel[inside])
@@ -108,6 +106,18 @@ class SoftWear:
             held += weight * (furthest * (1.0 + SLACK) < atom) * _kept(level - barrier)
         edge = cut.law.pdf(furthest) * _kept(level - self._spring * furthest * furthest)
         return Left(held, held, edge, edge)
+
+    def standing(self, stretch: float) -> Standing:
+        return self.keeper().standing(stretch)
+
+    def keeper(self) -> Wear:
+        # of contacts of many ages W does not tell enough
+        from master.spent_wear import SpentWear
+
+        return SpentWear(self._contacts, self._cut, self.length)
+
+    def kept(self, stretch: float, spent: Array) -> Array:
+        return self.keeper().kept(stretch, spent)
 
 
 def _kept(log_spent: Array) -> Array:

@@ -10,6 +10,7 @@ from master.forward import ROUND_OFF, estimate
 from master.lives import Lives
 from master.make_lives import make_lives, prepare
 from master.marching import March, lagrange, march
+from master.on_panels import follow
 from master.outcome import outcome
 from master.timeline import Part, beside, jumps, marks, parts, pieces, times
 from origins import Contacts, Drive
@@ -70,7 +71,11 @@ def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolu
     prepare(contacts)
     began = clocks.perf_counter()
     asked = times(drive)
-    force, holding, error, nodes, message = _refine(contacts, drive, asked, tolerance)
+    if contacts.ageing is None and contacts.grains is None:
+        found = follow(contacts, drive, tolerance)
+        force, holding, error, nodes, message = found.force, found.holding, found.error, found.nodes, found.message
+    else:
+        force, holding, error, nodes, message = _refine(contacts, drive, asked, tolerance)
     success, message = outcome(contacts, error, tolerance, message)
     return TimedSolution(
         path=drive.path,

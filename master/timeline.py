@@ -18,6 +18,7 @@ from origins import Drive
 Array = npt.NDArray[np.float64]
 
 _SAME = 1e-9  # of a speed
+_ROUNDING = 1e-15  # of times
 _CLOSE = 1e-10
 _MOST_MARKS = 400
 _MOST_JUMPS = 200
@@ -60,7 +61,8 @@ def pieces(drive: Drive, origin: float = 0.0) -> list[Piece]:
         last = out[-1] if out else None
         if last is not None:
             speed, own = last.travel / last.duration, (after - before) / (end - begin)
-            if abs(speed - own) <= _SAME * max(abs(speed), abs(own)):
+            rounding = _ROUNDING * end / min(end - begin, last.duration)
+            if abs(speed - own) <= (_SAME + rounding) * max(abs(speed), abs(own)):
                 out[-1] = Piece(last.begin, float(end), last.before, float(after))
                 continue
         out.append(Piece(float(begin), float(end), float(before), float(after)))

@@ -4,6 +4,8 @@ A contact holds at least while its threshold exceeds m, the largest |x| of its l
 born at r still do. What it must remember of a strand of contacts are a few numbers, `worn`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -37,6 +39,21 @@ class Left:
     edge_stiff: Array
 
 
+@dataclass
+class Standing:
+    """Contacts that break each at a rate of its own while the slider stands, arrays of shape (n,), times S(|r|).
+
+    Attributes
+    ----------
+    rate, held, stiff : array
+        Rates, share of the contacts, and the same times relative stiffness.
+    """
+
+    rate: Array
+    held: Array
+    stiff: Array
+
+
 class Wear(Protocol):
     """Stretches and largest |x| are lengths of shape (m,); `worn` has shape (m, width).
 
@@ -53,13 +70,23 @@ class Wear(Protocol):
     def fresh(self, stretch: Array) -> Array:
         """Numbers of strands born at these stretches."""
 
-    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
+    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float | Array) -> None:
         """In place: strands move straight from `begin` to `end` at constant speed; m is that before."""
 
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
         """In place: whatever of the motion so far is not worked out yet, before trial steps are made from here."""
 
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left: ...
+
+    def standing(self, stretch: float) -> Standing:
+        """Those born at a stretch, while the slider stands."""
+
+    def keeper(self) -> Wear:
+        """The wear of contacts born all through a hold."""
+
+    def kept(self, stretch: float, spent: Array) -> Array:
+        """Numbers, shape (width,), of contacts born at a stretch, of which e^-spent is left at each rate of
+        `standing`."""
 
 
 class ColdWear:
@@ -75,7 +102,7 @@ class ColdWear:
     def fresh(self, stretch: Array) -> Array:
         return np.empty((stretch.size, 0))
 
-    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float) -> None:
+    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float | Array) -> None:
         pass
 
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
@@ -88,6 +115,16 @@ class ColdWear:
         if self._beyond is None:
             return Left(held, held, edge, edge)
         return Left(held, self._beyond(reached), edge, edge * self._stiffness(furthest))
+
+    def standing(self, stretch: float) -> Standing:
+        left = self.left(self.fresh(np.array([stretch])), np.array([stretch]), np.array([abs(stretch)]))
+        return Standing(np.zeros(1), left.held, left.stiff)
+
+    def keeper(self) -> Wear:
+        return self
+
+    def kept(self, stretch: float, spent: Array) -> Array:
+        return np.empty(0)
 
 
 def _stiffness_beyond(contacts: Contacts) -> Callable[[Array], Array]:

@@ -1,0 +1,75 @@
+"""How many contacts are born, on any motion: number conservation, panel by panel, to a high order.
+
+With J(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) what is left of the births at s,
+
+    G_0(t) + integral of E(t, s) dJ(s) + [B(t) - J(t)] = 1,        J(t) = B(t - τ),
+
+the terms being contacts that hold since t = 0, others that hold, and those that wait. On every panel B is a polynomial
+for which this is so at the panel's nodes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from master.break_counts import Breaks
+from master.generations import Generations
+from master.panels import Panel
+
+Array = npt.NDArray[np.float64]
+
+_DEPTH = 14
+
+
+class TooMuch(Exception):
+    """More work than time allows."""
+
+
+class Course:
+    """The force and what holds at the panels' beginnings and nodes, lists of arrays (p + 1,).
+
+    Panels on which B is not known to `accuracy` are cut up. Raises TooMuch where `work`, what was looked at, gets
+    beyond `most`.
+    """
+
+    def __init__(
+        self, lives: Generations, panels: list[Panel], delay: float, accuracy: float, most: float = np.inf
+    ) -> None:
+        self.panels: list[Panel] = []
+        self._lives, self._breaks = lives, Breaks(panels[-1].end, delay)
+        self.force: list[Array] = []
+        self.holding: list[Array] = []
+        last = lives.start
+        for whole in panels:
+            left = [(whole, 0)]
+            while left:
+                panel, depth = left.pop()
+                found, force, holding = self._solve(panel)
+                if lives.work > most:
+                    raise TooMuch
+                fine = depth == _DEPTH or panel.count == 1
+                if not fine and self._breaks.lacks(panel, found) > accuracy:
+                    left += [(part, depth + 1) for part in reversed(panel.parts())]
+                    continue
+                self._breaks.add(panel, found)
+                lives.finish(panel, self._breaks)
+                self.panels.append(panel)
+                self.force.append(np.append(last[1], force))
+                self.holding.append(np.append(last[0], holding))
+                last = holding[-1], force[-1]
+        self.work = lives.work
+
+    def _solve(self, panel: Panel) -> tuple[Array, Array, Array]:
+        """B, force and holding at the nodes."""
+        lives, breaks = self._lives, self._breaks
+        held, pull = lives.known(panel, breaks)
+        births, values = breaks.births(panel)
+        young = lives.young(panel)
+        slope, slopes = breaks.next_rate(panel, young.time)
+        held += np.add.reduceat(young.held * slope, young.firsts)
+        pull += np.add.reduceat(young.pull * slope, young.firsts)
+        system = np.add.reduceat(young.held[:, None] * slopes, young.firsts)
+        more = np.add.reduceat(young.pull[:, None] * slopes, young.firsts)
+        found = np.asarray(np.linalg.solve(np.eye(panel.count) - values + system, 1.0 - held + births), dtype=float)
+        return found, pull + more @ found, held + system @ found

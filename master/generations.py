@@ -1,0 +1,279 @@
+"""All contacts along one motion: those that hold since t = 0, and those born on each panel.
+
+What is left of the births of a panel in motion is summed over its nodes; where their largest |x| since bends with the
+moment of birth, or passes a bend of P_c, over nodes between such bends. Contacts born in one hold share their place:
+for each threshold what is left of them all is known in closed form, and they go on as one strand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.break_counts import Breaks
+from master.panels import MOST_NODES, Panel, radau
+from master.pot import Pot
+from master.replay import replay
+from master.timeline import Piece
+from master.wear import Wear
+
+Array = npt.NDArray[np.float64]
+Nodes = tuple[Array, Array]
+Numbers = npt.NDArray[np.intp]
+
+_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(MOST_NODES + 1)
+_GAUSS, _WEIGHTS = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHTS
+_CLOSE = 1e-12
+_MOST_GRADES = 8
+_FINER = 4.0
+_DEAD = 1e-19
+_LARGEST = 2e6
+
+
+class Generations:
+    """
+    start, again : pairs of arrays (n,)
+        Stretches of the contacts that hold at X = 0, and of births (lengths); with each its weight over S(|r|).
+    limits : stretches at which P_c bends or jumps
+    """
+
+    def __init__(self, wear: Wear, start: Nodes, again: Nodes, course: list[Piece], limits: Array) -> None:
+        self._wear, self._course, self._again, self._limits = wear, course, again, limits
+        self._strands = Strands(wear)
+        first = wear.fresh(start[0])
+        self._strands.add(-start[0], np.abs(start[0]), first, start[1], -1)
+        self._pots = Strands(wear.keeper())
+        self._pot: Pot | None = None
+        self._at = 0.0
+        self.work = 0.0
+        self.length, self.time, self.rate = wear.length, wear.time, wear.rate
+        left = wear.left(first, start[0], np.abs(start[0]))
+        self.start = float(left.held @ start[1]), float((left.stiff * start[0]) @ start[1])
+        # of finished panels in motion: X at both ends, extremes of X since
+        self._panels: list[Panel] = []
+        self._table = np.empty((0, 4))
+        self._alive = np.empty(0, dtype=bool)
+
+    @property
+    def error(self) -> float:
+        return self._wear.error
+
+    def known(self, panel: Panel, breaks: Breaks) -> tuple[Array, Array]:
+        """What holds at the panel's nodes of the births before it, and its force."""
+        standing = panel.travel == 0.0
+        if standing and self._pot is None:
+            self._pot = Pot(self._wear, self._again)
+        if not standing and self._pot is not None:
+            share, worn = self._pot.merged()
+            if share > 0.0:
+                stretch = self._again[0]
+                self._pots.add(self._at - stretch, np.abs(stretch), worn, share * self._again[1], -1)
+            self._pot = None
+        time = panel.nodes
+        at = panel.place(time)
+        self.work += (time.size + 1.0) * self._strands.count * self._wear.work
+        extra, bent = self._bent(time, at, breaks)
+        held, pull = self._strands.sums(self._at, at, time - panel.begin, bent)
+        more = self._pots.sums(self._at, at, time - panel.begin, None)
+        held, pull = held + extra[0] + more[0], pull + extra[1] + more[1]
+        if self._pot is not None:
+            resting = self._pot.left(time - panel.begin)
+            held, pull = held + resting[0], pull + resting[1]
+        return held, pull
+
+    def young(self, panel: Panel) -> Young:
+        """Births of the panel itself, at each of its nodes."""
+        ends = panel.nodes
+        places = panel.place(ends)
+        times, weights = [], []
+        for now, at in zip(ends.tolist(), places.tolist(), strict=True):
+            part = Panel(panel.begin, now, panel.before, at, panel.count)
+            time, weight = _between(part, self._splits(part, now, at, at))
+            times.append(time)
+            weights.append(weight)
+        sizes = [time.size for time in times]
+        time, weight = np.concatenate(times), np.concatenate(weights)
+        now = np.repeat(ends, sizes)
+        if self._pot is not None:
+            held, pull = self._pot.young(now - time)
+        else:
+            held, pull = self._replay(time, panel.place(time), now, np.repeat(places, sizes))
+        firsts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+        return Young(time, held * weight, pull * weight, firsts.astype(np.intp))
+
+    def finish(self, panel: Panel, breaks: Breaks) -> None:
+        """On to the panel's end, the breaks on it being known."""
+        self._strands.advance(self._at, panel.after, panel.duration)
+        self._pots.advance(self._at, panel.after, panel.duration)
+        self._at = panel.after
+        if self._pot is not None:
+            time, weight = _between(panel, self._splits(panel, panel.end, self._at, self._at))
+            self._pot.add(panel.duration, panel.end - time, weight * breaks.rate(time))
+            return
+        self._table[:, 2] = np.maximum(self._table[:, 2], self._at)
+        self._table[:, 3] = np.minimum(self._table[:, 3], self._at)
+        self._born(panel, breaks.rate(panel.nodes) * radau(panel.count).weights * panel.duration)
+        self._panels.append(panel)
+        self._table = np.append(self._table, [[panel.before, panel.after, panel.after, panel.after]], axis=0)
+        self._alive = np.append(self._alive, True)
+        gone = np.setdiff1d(np.flatnonzero(self._alive), self._strands.origin)
+        self._alive[gone] = False
+
+    def _born(self, panel: Panel, even: Array) -> None:
+        """Births at the panel's nodes, now at its end."""
+        stretch, share = self._again
+        nodes = stretch.size
+        time = panel.nodes
+        first, place = np.tile(stretch, time.size), np.repeat(panel.place(time), nodes) - np.tile(stretch, time.size)
+        worn = np.tile(self._wear.fresh(stretch), (time.size, 1))
+        last = panel.after - place
+        self._wear.advance(worn, first, last, np.abs(first), np.repeat(panel.end - time, nodes))
+        furthest = np.maximum(np.abs(first), np.abs(last))
+        self._strands.add(place, furthest, worn, np.outer(even, share).ravel(), len(self._panels))
+
+    def _bent(self, time: Array, at: Array, breaks: Breaks) -> tuple[Array, npt.NDArray[np.bool_]]:
+        """Where at times, shape (p,), what is left bends with the moment of birth: what holds of the births of such
+        panels, and its force, shape (2, p); and which panels, (p, panels)."""
+        out, bent = np.zeros((2, time.size)), np.zeros((time.size, self._alive.size), dtype=bool)
+        most = np.maximum(self._table[:, 2], at[:, None])
+        least = np.minimum(self._table[:, 3], at[:, None])
+        parts: list[tuple[int, Array, Array, Array]] = []
+        for i, k in np.argwhere(self._suspects(time, most, least)).tolist():
+            panel = self._panels[k]
+            splits = self._splits(panel, float(time[i]), float(most[i, k]), float(least[i, k]))
+            if splits.size:
+                birth, weight = _between(panel, splits)
+                bent[i, k] = True
+                parts.append((i, birth, weight, panel.place(birth)))
+        if not parts:
+            return out, bent
+        which = np.repeat([part[0] for part in parts], [part[1].size for part in parts])
+        birth, weight, place = (np.concatenate([part[k] for part in parts]) for k in (1, 2, 3))
+        weight = weight * breaks.rate(birth)
+        for row, left in enumerate(self._replay(birth, place, time[which], at[which])):
+            out[row] = np.bincount(which, left * weight, minlength=time.size)
+        return out, bent
+
+    def _replay(self, birth: Array, place: Array, time: Array, at: Array) -> tuple[Array, Array]:
+        self.work += birth.size * self._again[0].size * self._wear.work
+        return replay(self._wear, self._course, self._again, birth, place, time, at)
+
+    def _suspects(self, time: Array, most: Array, least: Array) -> npt.NDArray[np.bool_]:
+        """Which panels may be split, at times with these extremes of X since, shape (p, panels)."""
+        low, high = (f(self._table[:, 0], self._table[:, 1]) for f in (np.minimum, np.maximum))
+        out = np.zeros(most.shape, dtype=bool)
+        for x in self._candidates(most, least):
+            out |= (x > low) & (x < high)
+        for k in range(max(low.size - 2, 0), low.size):
+            panel = self._panels[k]
+            if panel.count > 1 and panel.duration > self._wear.time:
+                out[:, k] |= time - panel.end < panel.duration
+        return out & self._alive
+
+    def _candidates(self, most: Array, least: Array) -> list[Array]:
+        """X of births at which their largest |x| bends, or passes a limit."""
+        out = []
+        for r in self._again[0].tolist():
+            out.append(0.5 * (most + least) + r)
+            for reach in (abs(r), *self._limits[self._limits > abs(r)].tolist()):
+                if reach > 0.0:
+                    out += [most - reach + r, least + reach + r]
+        return out
+
+    def _splits(self, panel: Panel, now: float, most: float, least: float) -> Array:
+        """Times in a panel between which what is left changes smoothly with the moment of birth."""
+        out: list[float] = []
+        if panel.travel != 0.0:
+            for x in self._candidates(np.array(most), np.array(least)):
+                at = (float(x) - panel.before) / panel.travel
+                if _CLOSE < at < 1.0 - _CLOSE:
+                    out.append(panel.begin + at * panel.duration)
+        age, fast = now - panel.end, panel.duration / self._wear.time
+        if panel.count > 1 and fast > 1.0 and age < panel.duration:
+            # births break the faster the weaker they are: some at once
+            number = int(np.ceil(np.log(fast) / np.log(_FINER)))
+            if panel.travel != 0.0:
+                number = min(number, _MOST_GRADES)
+            share = _FINER ** -np.arange(1.0, number + 1.0)
+            out += (panel.end - share[share * panel.duration > 0.5 * age] * panel.duration).tolist()
+        return np.unique(out)
+
+
+@dataclass(frozen=True)
+class Young:
+    """Moments of birth within a panel up to each of its nodes, one node after the other, the weights of the births per
+    time there in what holds and in the force, and where those of each node begin."""
+
+    time: Array
+    held: Array
+    pull: Array
+    firsts: Numbers
+
+
+class Strands:
+    """Contacts born at one place and one stretch each: rows with X less the stretch, the largest |x|, what their wear
+    keeps, a weight, and the number of the panel they were born on."""
+
+    def __init__(self, wear: Wear) -> None:
+        self._wear = wear
+        self._place, self._furthest, self._share = np.empty(0), np.empty(0), np.empty(0)
+        self._worn = np.empty((0, wear.width))
+        self.origin = np.empty(0, dtype=np.intp)
+
+    @property
+    def count(self) -> int:
+        return self._place.size
+
+    def add(self, place: Array, furthest: Array, worn: Array, share: Array, origin: int) -> None:
+        self._place, self._furthest = np.append(self._place, place), np.append(self._furthest, furthest)
+        self._worn = np.concatenate([self._worn, worn])
+        self._share = np.append(self._share, share)
+        self.origin = np.append(self.origin, np.full(place.size, origin))
+
+    def sums(
+        self, before: float, at: Array, lasts: Array, without: npt.NDArray[np.bool_] | None
+    ) -> tuple[Array, Array]:
+        """What holds, and its force, when the slider has gone on from X = before to each of `at`; `without` the births
+        of panels, shape (at.size, panels)."""
+        held, pull = np.zeros(at.size), np.zeros(at.size)
+        n = self._place.size
+        if not n:
+            return held, pull
+        begin = before - self._place
+        some = max(1, int(_LARGEST / (n * (self._worn.shape[1] + 1))))
+        for first in range(0, at.size, some):
+            rows = slice(first, first + some)
+            count = at[rows].size
+            stretch = (at[rows, None] - self._place).ravel()
+            worn, furthest = np.tile(self._worn, (count, 1)), np.tile(self._furthest, count)
+            self._wear.advance(worn, np.tile(begin, count), stretch, furthest, np.repeat(lasts[rows], n))
+            left = self._wear.left(worn, stretch, np.maximum(furthest, np.abs(stretch)))
+            share = np.tile(self._share, (count, 1))
+            if without is not None:
+                born = np.flatnonzero(self.origin >= 0)
+                share[:, born] *= ~without[rows][:, self.origin[born]]
+            held[rows] = (left.held.reshape(count, n) * share).sum(axis=1)
+            pull[rows] = ((left.stiff * stretch).reshape(count, n) * share).sum(axis=1)
+        return held, pull
+
+    def advance(self, before: float, at: float, duration: float) -> None:
+        """All go on; those of which nothing is left are forgotten."""
+        if not self._place.size:
+            return
+        stretch = at - self._place
+        self._wear.advance(self._worn, before - self._place, stretch, self._furthest, duration)
+        self._furthest = np.maximum(self._furthest, np.abs(stretch))
+        held = self._wear.left(self._worn.copy(), stretch, self._furthest).held
+        alive = np.flatnonzero(held > _DEAD)
+        if alive.size < held.size:
+            self._place, self._furthest, self._share = self._place[alive], self._furthest[alive], self._share[alive]
+            self._worn, self.origin = self._worn[alive], self.origin[alive]
+
+
+def _between(panel: Panel, splits: Array) -> tuple[Array, Array]:
+    """Nodes in time on the parts of a panel, and their weights."""
+    edges = np.concatenate([[panel.begin], splits, [panel.end]])
+    width = np.diff(edges)[:, None]
+    return (edges[:-1, None] + width * _GAUSS).ravel(), (width * _WEIGHTS).ravel()

@@ -1,0 +1,171 @@
+"""Any path in time, by collocation: panels made shorter until the force along it changes by less than the tolerance."""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from master.bends import bends, beside
+from master.collocation import Course, TooMuch
+from master.forward import ROUND_OFF
+from master.make_lives import make_generations
+from master.panels import Panel, Scales, panels, radau
+from master.timeline import Piece, jumps, pieces, times
+from origins import Contacts, Drive
+
+Array = npt.NDArray[np.float64]
+
+_COARSEST, _FINER = 0.4, 1.3
+_ACCURACY, _FALLS = 3e-4, 0.12
+_OVER = 0.05  # of a panel's accuracy that is reached
+_SUDDEN = 0.05
+_LENGTH = 1.5  # widths of the law
+_FIRST = 0.5  # of k_BT/<k x>
+_RATE = 1.0
+_ORDERS = 2
+_WATCH = 4
+_MOST_WORK = 3e9  # takes half a minute
+_MOST_PANELS = 5_000
+_GLANCE = 0.1  # of the most, where even these would not do
+_WIDER = 8.0
+_MOST_LEVELS = 12
+_EPSILON = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Found:
+    """Force (lengths) and holding at the times asked for, error estimate in mean thresholds, nodes in time, the last
+    course, and the reason for stopping short."""
+
+    force: Array
+    holding: Array
+    error: float
+    nodes: int
+    course: Course | None
+    message: str
+
+
+def follow(contacts: Contacts, drive: Drive, tolerance: float) -> Found:
+    """Force on a rigid slider that moves as the drive says, for contacts with any laws but ageing."""
+    unit, delay = contacts.mean_threshold, 0.0 if contacts.delay is None else contacts.delay.time
+    asked, course = times(drive), pieces(drive)
+    lives = make_generations(contacts, course)
+    if not course:
+        force, holding = (np.full(asked.size, x) for x in lives.start[::-1])
+        return Found(force, holding, lives.error + ROUND_OFF, 0, None, "")
+    scales = Scales(_LENGTH * lives.length, _first(contacts, lives.length), lives.time, lives.rate / _RATE)
+    edges, lost = _edges(contacts, course, delay)
+    needed, fine = _needed(course, scales), _COARSEST
+    hopeless = lost or needed > _MOST_PANELS
+    if needed > _MOST_PANELS:
+        scales = scales.wider(needed / (_GLANCE * _MOST_PANELS))
+    watch = np.concatenate([_watched(a, b) for a, b in pairwise(edges.tolist())])
+    place = np.append(drive.path, [_where(course, time) for time in watch])
+    everywhere = np.append(asked, watch)
+    speed = max(abs(piece.travel) / piece.duration for piece in course)
+    rounding = _EPSILON * speed * float(asked[-1]) / unit
+    best: Found | None = None
+    before: Array | None = None
+    changes: list[float] = []
+    for level in range(_MOST_LEVELS):
+        cut = panels(course, edges[1:-1], scales, fine)
+        if level:
+            lives = make_generations(contacts, course, level)
+        accuracy = np.inf if hopeless else max(_ACCURACY * _FALLS**level, lives.error, 10.0 * rounding)
+        try:
+            found = Course(lives, cut, delay, accuracy, _GLANCE * _MOST_WORK if hopeless else _MOST_WORK)
+        except TooMuch:
+            if best is not None:
+                break
+            scales, hopeless = scales.wider(_WIDER), True
+            continue
+        count = sum(panel.count for panel in found.panels)
+        answer = np.stack([read(found, everywhere, place, row) for row in (found.force, found.holding)])
+        if before is not None:
+            changes.append(float((np.abs(answer - before).max(axis=1) / [unit, 1.0]).max()))
+        before = answer
+        error = np.inf
+        if not hopeless:
+            error = max(left(changes), _OVER * accuracy) + rounding + ROUND_OFF * (1.0 + count) + lives.error
+        if best is None or error < best.error:
+            best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
+        more = found.work * _FINER**2
+        if best.error <= tolerance or error < 2.0 * lives.error or hopeless or more > _MOST_WORK:
+            break
+        fine *= _FINER
+    assert best is not None
+    return replace(best, message=_words(best, tolerance, needed))
+
+
+def left(changes: list[float]) -> float:
+    """What the last answer is off by, from the changes of answers that get better and better."""
+    if not changes:
+        return np.inf
+    # answers on the same panels do not change, though they are not exact
+    return max(changes[-1], _SUDDEN * changes[-2] if len(changes) > 1 else 0.0)
+
+
+def _words(found: Found, tolerance: float, needed: float) -> str:
+    if not np.isfinite(found.error):
+        return f"what contacts do within the path takes {8 * needed:.0e} steps in time to resolve, and that is too many"
+    return (
+        f"error estimate {found.error:.1e} with {found.nodes} steps in time, above the tolerance {tolerance:.1e}; "
+        "loosen the tolerance, or end the path sooner"
+    )
+
+
+def _first(contacts: Contacts, length: float) -> float:
+    """Travel over which rates change when a motion begins."""
+    if contacts.thermal is None:
+        return _LENGTH * length
+    return min(_LENGTH * length, _FIRST * contacts.thermal.temperature / contacts.mean_threshold)
+
+
+def _edges(contacts: Contacts, course: list[Piece], delay: float) -> tuple[Array, bool]:
+    """Times between which breaks go on smoothly, both ends among them; whether there are more than can be followed."""
+    law = contacts.thresholds
+    lone = [contacts.start.mean()] if contacts.start.is_single else []
+    again = 0.0 if contacts.reforming is None else contacts.reforming.law.mean()
+    limits = np.append(law.breakpoints, law.atoms[0])
+    sharp = jumps(course, lone, again, law.atoms[0], delay)
+    inner = beside(bends(course, lone, again, limits[limits > 0.0], delay, _ORDERS), sharp or [], course)
+    return np.concatenate([[0.0], inner[(inner > 0.0) & (inner < course[-1].end)], [course[-1].end]]), sharp is None
+
+
+def _needed(course: list[Piece], scales: Scales) -> float:
+    """How many panels motion takes."""
+    moving = [piece for piece in course if piece.travel != 0.0]
+    return sum(max(abs(piece.travel) / scales.length, piece.duration * scales.rate, 1.0) for piece in moving)
+
+
+def _watched(begin: float, end: float) -> Array:
+    return begin + (end - begin) * np.arange(1, _WATCH) / _WATCH
+
+
+def _where(course: list[Piece], time: float) -> float:
+    piece = next((piece for piece in course if time <= piece.end), course[-1])
+    return piece.before + piece.travel * (time - piece.begin) / piece.duration
+
+
+def read(course: Course, time: Array, place: Array, rows: list[Array]) -> Array:
+    """Rows of a course at times, when the slider is at X = place."""
+    ends = np.array([panel.end for panel in course.panels])
+    which = np.minimum(np.searchsorted(ends, time, side="left"), ends.size - 1)
+    out = np.empty(time.size)
+    for k in np.unique(which).tolist():
+        mine, panel = which == k, course.panels[k]
+        if panel.count == 1:  # a contact whose stretch has reached its threshold is broken
+            out[mine] = rows[k][-1]
+        else:
+            out[mine] = radau(panel.count).values(_share(panel, time[mine], place[mine])) @ rows[k]
+    return out
+
+
+def _share(panel: Panel, time: Array, place: Array) -> Array:
+    """Share of a panel that is done; the place tells more than the time where times are long."""
+    if panel.travel == 0.0:
+        share = (time - panel.begin) / panel.duration
+    else:
+        share = (place - panel.before) / panel.travel
+    return np.clip(share, 0.0, 1.0)
