@@ -224,7 +224,7 @@ def test_slope_of_the_solved_force(name: str) -> None:
             origins.Contacts(
                 origins.rectangular(0.0, 1.0593), start=-0.15676, thermal=origins.Thermal("soft", 0.81976, 0.0397)
             ),
-            3e-10,
+            2e-9,
         ),
         (origins.Contacts(origins.rectangular(0.5798, 0.8544), thermal=origins.Thermal("soft", 0.12534, 0.0559)), 1e-9),
         (
