@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-_ACCURACY = 1e-14
+_ACCURACY, _BY_A_RATE = 1e-14, 1e-13
 _FELT = 1e-13
 
 
@@ -58,7 +58,7 @@ def born(contacts: Contacts, unit: float, breaking: "Breaking | None", law: Thre
 
     breaking = breaking.of(law_of)
     end = (breaking.top - law_of.span[0]) / unit
-    return OriginBreaks(again, Law(again, np.inf, law, unit), breaking, end, _ACCURACY)
+    return OriginBreaks(again, Law(again, np.inf, law, unit), breaking, end, _BY_A_RATE)
 
 
 class TravelLaw(Thresholds):

@@ -27,6 +27,7 @@ Array = npt.NDArray[np.float64]
 _ROUND_OFF = 4e-16
 _REACHED = 1e-9
 _WELL = 1e-9  # of the force: tables are good
+_MARGIN = 2.0
 TABLES = 1e-11  # relative error of what rests on tables of breaks by a rate
 
 
@@ -111,8 +112,10 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         raise InputError("thresholds: the distribution's own survival is not a number; use milder parameters")
     # where the law is a solution with an error of its own, tables are better than that
     rounding = TABLES if cycle.breaking is not None and cycle.error == 0.0 else _ROUND_OFF
-    off = abs(force - again_area / (again_length + wait)) + rounding * abs(force)
-    length_off = abs(length - again_length) + rounding * length
+    # of two sums over tables either may be the one that is off, and the other a little
+    margin = 1.0 if cycle.breaking is None else _MARGIN
+    off = margin * abs(force - again_area / (again_length + wait)) + rounding * abs(force)
+    length_off = margin * abs(length - again_length) + rounding * length
     if cycle.error > 0.0:
         # an error of the survival up to where hardly any holds
         reach = float(cycle.relaxed.isf(_REACHED))

@@ -37,7 +37,7 @@ MOST_SPENT = 40.0  # exponent: beyond, the round-off of a difference of two is f
 MOST_GROWTH = 3.0  # of A/v over the starts told by one table
 _CUTS, _CLOSE = 10, 1e-3
 _STEPS = 12
-_CHUNK = 24_000  # so that what is made on the way stays in the cache
+_CHUNK = 36_000  # so that what is made on the way stays in the cache
 _GONE = 7.0  # e^(-e^7) is nothing
 
 

@@ -40,7 +40,7 @@ class Part:
     with thresholds above `least`. `share` is the weight of these panels in the start.
 
     `told` are p and, where stiffnesses differ, the same with these, of contacts from each of the origins; `mixed` from
-    each node of the panels; `felt` the stretches between which these break."""
+    each node of the panels, one for all where there is one origin; `felt` the stretches between which these break."""
 
     first: int
     last: int
@@ -114,6 +114,8 @@ class SpreadBreaks:
                 row, panel = rows[i : i + _PAIRS], panels[i : i + _PAIRS] + part.first
                 stretch = x[row, None] + self._nodes[panel]
                 node = (panel - part.first)[:, None] * GAUSS_NODES.size + np.arange(GAUSS_NODES.size)
+                if part.origins.size == 1:  # all nodes alike
+                    node = np.zeros_like(node)
                 breaks, *rest = (self._shares[panel] * table(node, stretch) for table in part.mixed)
                 stiff = rest[0] if rest else breaks
                 sums = breaks.sum(-1), np.einsum("ij,ij->i", stiff, stretch), stiff.sum(-1)
@@ -202,7 +204,8 @@ class SpreadBreaks:
             part.told = [bundle(tables[mine])]
             if breaking.linked:
                 part.told.append(bundle(tables[origins.size :][mine]))
-            shares = _shares(part.origins, self._nodes[part.first : part.last].ravel()) / part.share
+            at = part.origins if part.origins.size == 1 else self._nodes[part.first : part.last].ravel()
+            shares = _shares(part.origins, at) / part.share
             part.mixed = [table.mixed(shares) for table in part.told]
             size = np.max([np.abs(table.coefficients).sum(axis=0) for table in tables[mine]], axis=0)
             felt = np.flatnonzero(size > _NOTHING)
