@@ -5,8 +5,8 @@ import pytest
 
 import master
 import origins
-from master.ageing_lives import Cells
 from master.first_passage import first_passage
+from master.threshold_cells import Cells
 from origins import Ageing, Contacts, Delay, InputError, Thermal
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(0.8, 0.08)
