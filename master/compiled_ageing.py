@@ -1,5 +1,4 @@
-"""One step of the thresholds' densities of contacts that age, strand by strand, compiled; ageing_lives.py has the same
-by banded systems of LAPACK.
+"""One step of the thresholds' densities of contacts that age, strand by strand, compiled.
 
 All that is compiled for it stands in this one file, because numba's cache on disk notices changes in a function's own
 file only.

@@ -133,9 +133,15 @@ def gathered(nodes: Array, weights: Array, number: int) -> tuple[Array, Array]:
 def prepare(contacts: Contacts) -> None:
     """Compile what the lives of these contacts need, which takes its time once."""
     thermal = contacts.thermal
-    stiff = thermal is not None and thermal.closure == "exact" and thermal.law == "stiff"
-    linked = thermal is not None and contacts.stiffness == "linked"
-    if contacts.ageing is not None or stiff or linked:
+    if contacts.ageing is not None:
+        from master.threshold_cells import Cells
+
+        cells, at = Cells(contacts, 0), np.zeros(1)
+        cells.move(cells.fresh(at), at, at, 1.0)
+        return
+    if thermal is None or thermal.closure == "paper":
+        return
+    if thermal.law == "stiff" or contacts.stiffness == "linked":
         lives = make_lives(contacts)
         lives.born()
         lives.advance(0.0, 1.0)

@@ -2,13 +2,14 @@
 
 A step is so long in X and in time together, σ dX/length + d(clock) = step, that it is even where the slider creeps and
 where it runs ahead of a slip, in which dX/dt grows without end: there X_T is smooth in X. The slider lets go where the
-force falls faster than the spring's as it moves in no time, F'(X) = -K.
+force falls faster than the spring's as it moves in no time, F'(X) = -K. Where thresholds fluctuate none stand right at
+a stretch, and motion in no time breaks none at first: there it is where X_T, as a function of X, has come furthest.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -16,43 +17,26 @@ from scipy.optimize import brentq
 
 from master.lives import Lives
 from master.marching import Memory, unknown
+from master.secants import foreseen, secant
 from master.timeline import Piece
+from master.track import LESS, Clock, Slip, TooLong, Track
 from origins.drive import SlipRule
 
 Array = npt.NDArray[np.float64]
 
 _BESIDE = 1e-4
-_CLOSE, _CLOSE_ENOUGH = 1e-10, 1e-7
-_LESS = 0.25  # the slider itself, not its drive, is what steps must follow
-_UNLIKE = 0.2
+_CLOSE, _CLOSE_ENOUGH = 1e-10, 1e-7  # of what a step takes in time
+_BALANCED, _ROUNDING = 1e-9, 1e-12  # forces left over
+_DOUBLINGS = 60
+_AHEAD = 0.3  # of the clock's usual part of a step, below which the slider may be about to let go
 _SLOPE_NODES = 5
+_NEARER = 4  # halvings of the last step before a slip
+_ABOUT, _EXACTLY = 0.1, 1e-7  # of a step, where it is
 _LEAST_WAY = 0.01
-_NEARER = 4
-_ROUNDING, _DOUBLINGS = 1e-12, 60
-_BALANCED = 1e-9
 _NO_TIME = 1e-11
-_ABOUT, _EXACTLY = 0.1, 1e-7
-_AHEAD = 0.3
-_ITERATIONS = 40
 _SCAN = 0.25
-_PER_FOLD = 2.0
 _MOST_STEPS = 20_000
 COARSEST = 0.5  # of the length over which births change
-
-
-class TooLong(Exception):
-    """More steps than memory and time allow."""
-
-
-@dataclass
-class Slip:
-    """Lengths, as in master.soft.Slips."""
-
-    drive: float
-    before: float
-    after: float
-    force_before: float
-    force_after: float
 
 
 @dataclass
@@ -64,42 +48,6 @@ class Trial:
     holding: float
     breaks: float
     births: float
-
-
-@dataclass
-class Track:
-    """One smooth stretch: step parameter, time, X, force and holding at its nodes."""
-
-    step: list[float] = field(default_factory=list)
-    clock: list[float] = field(default_factory=list)
-    place: list[float] = field(default_factory=list)
-    force: list[float] = field(default_factory=list)
-    holding: list[float] = field(default_factory=list)
-
-    def later(self, time: float, way: float) -> Track:
-        """The same once more."""
-        clock, place = [at + time for at in self.clock], [at + way for at in self.place]
-        return Track(self.step, clock, place, self.force, self.holding)
-
-
-class Clock:
-    """Even steps in time, or in a hold even in ln(1 + t/first), of one piece of the drive."""
-
-    def __init__(self, piece: Piece, length: float, time: float, rate: float) -> None:
-        self._piece, self._held = piece, piece.travel == 0.0
-        speed = abs(piece.travel) / piece.duration
-        if self._held and not np.isfinite(time):
-            time = piece.duration
-        self._first, self._rate = time, _LESS * speed / length + rate
-
-    def count(self, time: float) -> float:
-        since = time - self._piece.begin
-        return _PER_FOLD * float(np.log1p(since / self._first)) if self._held else since * self._rate
-
-    def time(self, count: float) -> float:
-        if self._held:
-            return self._piece.begin + self._first * float(np.expm1(min(count / _PER_FOLD, 700.0)))
-        return self._piece.begin + count / self._rate
 
 
 class Pull:
@@ -129,8 +77,8 @@ class Pull:
         self.slips: list[Slip] = []
         self.steps, self.unresolved = 0, 0.0
         self._place, self._now = 0.0, 0.0
-        self._rise = spring * length / _LESS
-        self._steep = (1.0 + spring * (1.0 + 1.0 / _LESS)) * length
+        self._rise = spring * length / LESS
+        self._steep = (1.0 + spring * (1.0 + 1.0 / LESS)) * length
         self._settle(lives)
         for piece in course:
             self._mark_later(piece.begin)
@@ -277,13 +225,13 @@ class Pull:
             taken += 1
             # the last of the planned steps takes what is left
             reach = size * (1.5 if taken >= steps else 1.0)
-            share = _ahead(shares)
+            share = foreseen(shares)
             at, travel, trial = self._step(reach if taken >= steps else size, share, drive, clock, sign)
             if at >= end:
                 at = end
                 travel, trial = self._to(end, drive, travel)
             # the slider runs ahead of its drive before it lets go
-            ahead = clock.count(at) - clock.count(self._now) < _AHEAD * _LESS * size
+            ahead = clock.count(at) - clock.count(self._now) < _AHEAD * LESS * size
             if at <= self._now or (ahead and self._falls(travel, at, trial, track, clock, sign) <= 0.0):
                 let_go = True
                 for _ in range(_NEARER if self._lives.fuzzy else 0):
@@ -334,7 +282,7 @@ class Pull:
             found[:] = [(at if count > 0.0 else self._now - 1.0, travel, trial)]
             return sign * (self._spring * (drive(at) - self._place - travel) - trial.force)
 
-        self._steep = _secant(excess, share * size, self._steep, _CLOSE_ENOUGH * size, 0.0)
+        self._steep = secant(excess, share * size, self._steep, _CLOSE_ENOUGH * size, 0.0)
         return found[0]
 
     def _to(self, end: float, drive: Callable[[float], float], guess: float) -> tuple[float, Trial]:
@@ -347,7 +295,7 @@ class Pull:
             return self._spring * (drive(end) - self._place - travel) - found[0].force
 
         at: list[float] = []
-        _secant(excess, guess, -self._spring - 1.0, _CLOSE_ENOUGH * self._length)
+        secant(excess, guess, -self._spring - 1.0, _CLOSE_ENOUGH * self._length)
         return at[0], found[0]
 
     def _falls(
@@ -419,7 +367,7 @@ class Pull:
 
         if (short := excess(least)) >= 0.0:
             return clock.time(begin + least) if least else self._now
-        rise = _secant(excess, -short / self._rise, self._rise, _CLOSE, least)
+        rise = secant(excess, -short / self._rise, self._rise, _CLOSE, least)
         if abs(asked[1]) <= _BALANCED * self._unit:  # where births jump, secants need not end
             self._rise = rise
             return clock.time(begin + asked[0])
@@ -495,32 +443,3 @@ class Pull:
         self._mark_later(self._now, fresh)
         if not self._delay:
             self._born_at_once(fresh, self._breaks[-1])
-
-
-def _ahead(values: list[float]) -> float:
-    """The next of them, by the parabola through the last."""
-    if len(values) < 4:  # the first is a guess
-        return values[-1]
-    a, b, c = values[-3:]
-    guess = a + 3.0 * (c - b)
-    return guess if abs(guess - c) < _UNLIKE else c
-
-
-def _secant(
-    function: Callable[[float], float], guess: float, slope: float, close: float, least: float = -np.inf
-) -> float:
-    """Asks for the root by secants from guesses of it and of the slope there, which is returned; asked last is the
-    root, or `least` where a function that rises has none above."""
-    a, fa = guess, function(guess)
-    for _ in range(_ITERATIONS):
-        b = max(a - fa / slope, least)
-        fb = function(b)
-        if abs(b - a) <= close or (b == least and fb >= 0.0) or fb == 0.0:
-            break
-        if fb != fa:
-            slope = (fb - fa) / (b - a)
-        # what is left is the error of the slope, not worth another step
-        if abs(fb / slope) <= close:
-            break
-        a, fa = b, fb
-    return slope

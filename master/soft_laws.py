@@ -11,11 +11,12 @@ from master.forward import ROUND_OFF
 from master.make_lives import make_lives, prepare
 from master.marching import lagrange
 from master.outcome import outcome
-from master.pulled import COARSEST, Pull, TooLong, Track
+from master.pulled import COARSEST, Pull
 from master.regime import regime
 from master.soft import Slips, SoftSolution
 from master.timed import Extrapolation, most_steps, uneven
 from master.timeline import pieces, times
+from master.track import TooLong, Track
 from origins import Contacts, Drive
 from origins.errors import refuse
 

@@ -15,7 +15,7 @@ FIRST = GRAINS.growth.first_pinning_time
 def simulate(contacts: Contacts, path: np.ndarray, time: np.ndarray, step: float) -> np.ndarray:
     """Mean stretch and holding fraction, each with its standard error, at the ends of straight pieces: every contact
     keeps a quantile, as a hazard, and breaks where that of its law at its stretch and age exceeds it."""
-    generator, count = np.random.default_rng(3), 10_000
+    generator, count = np.random.default_rng(3), 6_000
     grains, wait = contacts.grains, contacts.waiting_time
     x = np.full(count, contacts.start.mean())
     pinned = np.full(count, FIRST - grains.age)  # when
@@ -52,7 +52,7 @@ def test_paths_in_time_against_contacts_one_by_one(name: str) -> None:
     contacts = Contacts(GRAINS, start, delay=Delay(delay))
     solved = master.solve(contacts, path, 2e-3, time=time)
     assert solved.success, solved.message
-    told = simulate(contacts, path, time, 8e-3)
+    told = simulate(contacts, path, time, 1e-2)
     own = solved.force_error * contacts.mean_threshold
     z = (told[:, 0, 0] - solved.force) / (told[:, 0, 1] + own), (told[:, 1, 0] - solved.holding) / (told[:, 1, 1] + own)
     assert np.abs(z).max() < 5.0, z
@@ -62,7 +62,7 @@ def test_far_along_the_force_is_that_of_steady_sliding() -> None:
     """One road steps in time and lets those that never hold wait again, the other knows their mean wait alone."""
     contacts, velocity = Contacts(GRAINS, 0.05), 1.0
     steady = master.steady_state(contacts, velocity=velocity)
-    far = master.solve(contacts, [15.0], 1e-4, velocity=velocity)
+    far = master.solve(contacts, [12.0], 5e-4, velocity=velocity)
     assert far.success and abs(far.force[0] - steady.force) < far.force_error * contacts.mean_threshold
     assert far.holding[0] == pytest.approx(steady.holding, abs=1e-4)
     curve = master.kinetic_curve(contacts, [velocity, 2.0], delay=[[0.0], [0.3]])
@@ -71,11 +71,11 @@ def test_far_along_the_force_is_that_of_steady_sliding() -> None:
 
 
 def test_contacts_at_rest_grow_stronger() -> None:
-    path = np.concatenate([[2.0, 2.0], np.linspace(2.1, 4.0, 20)])
+    path = np.concatenate([[2.0, 2.0], np.linspace(2.2, 4.0, 10)])
     peaks = []
-    for hold in (1.0, 10.0, 100.0):
+    for hold in (1.0, 30.0):
         time = np.concatenate([[2.0, 2.0 + hold], hold + path[2:]])
-        solved = master.solve(Contacts(GRAINS), path, 1e-3, time=time)
+        solved = master.solve(Contacts(GRAINS), path, 5e-3, time=time)
         assert solved.success and solved.force[1] == pytest.approx(solved.force[0], abs=1e-12)
         peaks.append(float(solved.force[2:].max()))
     assert (np.diff(peaks) > 0.1).all(), peaks

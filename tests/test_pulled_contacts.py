@@ -13,12 +13,12 @@ FRESH, FINAL = gaussian(0.5, 0.1), gaussian(0.8, 0.08)
 # Fig. A06
 OLD = Ageing(gaussian(1.0, 0.02), 5e-4)
 A06 = Contacts(gaussian(0.5, 0.05), gaussian_start(0.02, 0.01), ageing=OLD)
-REPEATS, COUNT = 8, 2_000
+REPEATS, COUNT = 6, 1_500
 CASES: dict[str, tuple[Contacts, float, float, SlipRule, float]] = {
     "soft, instant": (Contacts(WIDE, thermal=Thermal("soft", 0.1)), 1.0, 0.4, "instant", 3.2),
     "soft, reform-after": (Contacts(WIDE, thermal=Thermal("soft", 0.1)), 1.0, 0.4, "reform-after", 3.2),
     "soft, delay": (Contacts(WIDE, 0.1, Thermal("soft", 0.05), delay=Delay(0.2)), 1.0, 0.4, "instant", 3.2),
-    "ageing, reset": (A06, 6.0, 3.5, "reset", 1.2),
+    "ageing, reset": (A06, 6.0, 3.5, "reset", 0.95),
 }
 
 
@@ -28,7 +28,7 @@ def test_slips_and_forces_are_those_of_contacts_one_by_one(name: str) -> None:
     path = np.linspace(0.1, 1.0, 10) * end
     solved = master.solve(contacts, path, 1e-2, velocity=velocity, spring=spring, slip=rule)
     assert solved.success and solved.slips.drive.size
-    told = [pull(contacts, path, velocity, spring, rule, end / 400, COUNT, seed) for seed in range(REPEATS)]
+    told = [pull(contacts, path, velocity, spring, rule, end / 300, COUNT, seed) for seed in range(REPEATS)]
     first = np.array([one.slips[:, 0] for one in told])
     force = np.array([one.force for one in told])
     # finite ensembles slip late
@@ -48,8 +48,8 @@ def test_slips_and_forces_are_those_of_contacts_one_by_one(name: str) -> None:
 
 
 def test_a_stiff_spring_moves_ageing_contacts_as_a_rigid_slider() -> None:
-    path = np.linspace(0.1, 0.6, 6)
-    soft = master.solve(A06, path, 2e-3, velocity=6.0, spring=1e6)
+    path = np.linspace(0.1, 0.5, 5)
+    soft = master.solve(A06, path, 5e-3, velocity=6.0, spring=1e6)
     rigid = master.solve(A06, path, 1e-8, velocity=6.0)
     assert soft.success and not soft.slips.drive.size
     assert np.abs(soft.force - rigid.force).max() < soft.force_error * 0.5 + 2e-6
@@ -58,9 +58,9 @@ def test_a_stiff_spring_moves_ageing_contacts_as_a_rigid_slider() -> None:
 def test_smooth_sliding_ends_in_the_steady_state() -> None:
     contacts = Contacts(FRESH, ageing=Ageing(FINAL, 1e-3))
     steady = master.steady_state(contacts, velocity=2.0)
-    solved = master.solve(contacts, [0.5, 5.0], 1e-2, velocity=2.0, spring=4.0)
+    solved = master.solve(contacts, [0.5, 4.0], 2e-2, velocity=2.0, spring=4.0)
     assert solved.success and solved.regime.verdict == "smooth"
-    assert solved.force[1] == pytest.approx(steady.force, abs=2e-4)
+    assert solved.force[1] == pytest.approx(steady.force, abs=5e-4)
 
 
 def test_slips_of_ageing_contacts_are_those_of_finer_steps_and_repeat() -> None:
