@@ -13,7 +13,10 @@ _SLACK = 1e-13
 
 
 class Breaks:
-    """B(t) and J(t), the births, on the panels done so far, polynomials through their values there; 0 before."""
+    """B(t) and J(t), the births, on the panels done so far, polynomials through their values there; 0 before.
+
+    Without a delay both are counted from each panel's beginning: in a long hold they would grow beyond all precision.
+    """
 
     def __init__(self, end: float, delay: float) -> None:
         self._delay, self._slack = delay, _SLACK * end
@@ -67,14 +70,14 @@ class Breaks:
         return slopes[:, 0] * self._last(self._births) + slopes[:, 1:] @ known, slopes[:, 1:] @ more
 
     def lacks(self, panel: Panel, breaks: Array) -> float:
-        """What the polynomials may lack on the panel that comes next."""
+        """What the polynomials may lack on the panel that comes next; of contacts that break there many times, once."""
         tail = radau(panel.count).tail
-        out = tail(np.append(self._last(self._breaks), breaks))
+        first = self._last(self._breaks)
+        out = tail(np.append(first, breaks))
         if self._delay:
             known, more = self.births(panel)
             out = max(out, tail(np.append(self._last(self._births), known + more @ breaks)))
-        return out
+        return out / max(float(breaks[-1]) - first, 1.0)
 
-    @staticmethod
-    def _last(values: list[Array]) -> float:
-        return float(values[-1][-1]) if values else 0.0
+    def _last(self, values: list[Array]) -> float:
+        return float(values[-1][-1]) if values and self._delay else 0.0

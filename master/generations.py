@@ -29,6 +29,7 @@ _CLOSE = 1e-12
 _MOST_GRADES = 8
 _FINER = 4.0
 _DEAD = 1e-19
+_EACH = 3e5  # a panel takes as long as so much
 _LARGEST = 2e6
 
 
@@ -73,7 +74,7 @@ class Generations:
             self._pot = None
         time = panel.nodes
         at = panel.place(time)
-        self.work += (time.size + 1.0) * self._strands.count * self._wear.work
+        self.work += _EACH + (time.size + 1.0) * self._strands.count * self._wear.work
         extra, bent = self._bent(time, at, breaks)
         held, pull = self._strands.sums(self._at, at, time - panel.begin, bent)
         more = self._pots.sums(self._at, at, time - panel.begin, None)

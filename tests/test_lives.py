@@ -175,14 +175,12 @@ def test_after_long_holds_the_force_is_that_of_discrete_contacts(thermal: Therma
         found = master.solve(contacts, path, 1e-3, time=time)
         assert found.success, found.message
         peaks.append(found.force[2:].max())
-        if hold < 1e5:
+        if hold < 1e5 or thermal.temperature < 0.1:  # or they break too often for an ensemble
             seen = eq_model.simulate(contacts, path, time=time, n_contacts=2000)
             off = np.abs(found.force - seen.force)
             assert (off < found.force_error + 5.0 * seen.force_standard_error).all()
-    assert min(np.diff(peaks)) > 0.0
-    if thermal.temperature == 0.03:
-        # strengthening with the time's logarithm, far from the balance it ends in
-        assert 0.5 < (peaks[2] - peaks[1]) / (peaks[1] - peaks[0]) < 2.0
+    # strengthening with the time's logarithm, until it is in balance
+    assert min(np.diff(peaks)) > (0.05 if thermal.temperature < 0.1 else 0.0)
 
 
 def test_a_hold_without_end_leaves_thresholds_in_balance() -> None:
