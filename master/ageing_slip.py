@@ -3,8 +3,8 @@
 With the paper's reset every slip puts all contacts back to Q_ini, with fresh thresholds of age 0, so that each run up
 to a slip repeats the first: there is stick-slip if and only if -F'(X) reaches the spring K on the way. Slow sliding
 gives the thresholds time to age, which makes the drop steeper; v_c is where its steepest place just reaches K. D_X =
-D/v holds for the slider's own X, as in (Q15); on the drive's clock, X + F/K, more time passes before the drop and v_c
-is larger.
+D/v holds for the slider's own X, as in (Q15). On the drive's clock, X + F/K, more time passes before the drop, and in
+it ever less, so that it is steeper: there v_c is larger, and master.solve with a spring tells.
 """
 
 from dataclasses import dataclass

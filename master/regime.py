@@ -16,6 +16,7 @@ Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 _SILENT = 1.5  # times the longest pause between slips: nothing more is to come
 _STEADY = 1e-3
 _FEWEST = 4
+_PASSED = 1.5  # drives on which the oldest contacts break
 
 
 @dataclass(frozen=True)
@@ -62,11 +63,7 @@ def regime(
     critical = start.critical_spring
     ratio = spring / critical if critical > 0.0 else np.inf
     trend = _trend(drop)
-    slower = critical
-    if contacts.ageing is not None and not drive.size:
-        # before the drop F < X: the slider takes less than 1 + 1/K times as long as its drive, and ages no more
-        slower = propensity(contacts, tolerance, velocity=velocity * spring / (1.0 + spring)).critical_spring
-    verdict, reason = _judge(contacts, spring, rule, drive, trend, path, critical, tolerance, slower)
+    verdict, reason = _judge(contacts, spring, rule, drive, trend, path, critical, tolerance)
     if abs(spring - critical) <= start.critical_spring_error:
         reason += f"; K* is known to {start.critical_spring_error:.1e} only, and K is nearer"
     return Regime(verdict, reason, critical, start.critical_spring_error, ratio, drive.size, trend)
@@ -81,12 +78,16 @@ def _judge(
     path: Array,
     critical: float,
     tolerance: float,
-    slower: float,
 ) -> tuple[Verdict, str]:
     slips = drive.size
     rates = contacts.thermal is not None or contacts.ageing is not None
     if rates and (not slips or rule == "reset"):
-        return _judge_rates(contacts, spring, slips, critical, slower)
+        followed = spring >= critical
+        if contacts.ageing is not None:
+            # a slider that runs ahead gives its contacts no time to age: their drop is steeper than a rigid one's
+            oldest = max(contacts.mean_threshold, contacts.ageing.final.mean())
+            followed = float(np.ptp(np.append(path, 0.0))) > _PASSED * (1.0 + 1.0 / spring) * oldest
+        return _judge_rates(contacts, spring, slips, critical, followed)
     if not slips:
         if spring >= critical:
             return "smooth", f"K = {spring:.6g} is at least K* = {critical:.6g}: the spring never lets go"
@@ -112,12 +113,12 @@ def _judge(
     return "stick-slip", f"{slips} slips up to the end of the path, their drops not fading"
 
 
-def _judge_rates(contacts: Contacts, spring: float, slips: int, critical: float, slower: float) -> tuple[Verdict, str]:
+def _judge_rates(contacts: Contacts, spring: float, slips: int, critical: float, followed: bool) -> tuple[Verdict, str]:
     """Where rates tell, K* is that of a rigid slider as fast as the drive, and a soft one has a speed of its own; what
     slips must be resets."""
     beside = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
     if not slips:
-        verdict: Verdict = "smooth" if spring >= max(critical, slower) else "undecided"
+        verdict: Verdict = "smooth" if followed else "undecided"
         return verdict, f"no slip up to the end of the path, at the slider's own speed; {beside}"
     if slips == 1 and contacts.start.span == (0.0, 0.0) and contacts.reforming is None:
         return "stick-slip", f"one slip, after which contacts stand as they began, and so slip again; {beside}"

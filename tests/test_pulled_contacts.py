@@ -73,3 +73,9 @@ def test_slips_of_ageing_contacts_are_those_of_finer_steps_and_repeat() -> None:
     # a reset leaves relaxed contacts, which the start's were not quite
     first, later = np.diff(slips.drive, prepend=0.0)[:2]
     assert solved.period == pytest.approx(later, rel=1e-12) and later > first + 0.01
+
+
+def test_a_path_that_ends_before_the_drop_decides_nothing() -> None:
+    """At this speed the spring is stiffer than K* of a rigid slider, and yet lets go."""
+    short = master.solve(A06, [0.3], 1e-2, velocity=8.0, spring=3.5)
+    assert not short.slips.drive.size and short.regime.stiffness_ratio > 1.0 and short.regime.verdict == "undecided"
