@@ -27,7 +27,7 @@ _JUMP = 1e-11
 _NARROW = 1e-9
 _CHUNK = 8_000
 _SAME = 1e-14
-_NEGLIGIBLE = 1e-19
+_NEGLIGIBLE, _UNFELT = 1e-19, 1e-5
 
 
 class OriginBreaks(FirstBreaks):
@@ -158,7 +158,7 @@ class OriginBreaks(FirstBreaks):
         row, piece = np.nonzero(left_over)
         origins, weights = gauss(left[row, piece], right[row, piece])
         weights = (weights * start.weight(origins)).ravel()
-        felt = weights > _NEGLIGIBLE
+        felt = weights > max(_NEGLIGIBLE, _UNFELT * self._accuracy)
         row, origins, weights = np.repeat(some[row], origins.shape[1])[felt], origins.ravel()[felt], weights[felt]
         if not known.size:
             return self._total(row, x[row], origins, weights, x.size)

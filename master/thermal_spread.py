@@ -30,7 +30,7 @@ _MOST_PARTS = 16.0  # of a start among whose stretches thresholds lie
 _FREE = 1e-15
 _PAIRS = 1_000
 _LEAST = 3e-15
-_HEAVY = 1e-14
+_FEW = 0.01
 _MOST_PANELS = 96.0
 
 
@@ -79,8 +79,11 @@ class SpreadBreaks:
         self, breaking: ThermalBreaking | PaperBreaking, start: StartSum, law: Law, marks: Array, accuracy: float
     ) -> None:
         self._breaking, self._unit, self._accuracy = breaking, law.unit, max(accuracy, _LEAST)
-        heavy = np.diff(law.cdf(law.edges)) > _HEAVY
-        narrowest = float(np.diff(law.edges)[heavy].min(initial=np.inf))
+        # narrower panels are cut out of sums where they come: such as those beside 0, which few starts pass
+        weight, across = np.diff(law.cdf(law.edges)), np.diff(law.edges)
+        order = across.argsort()
+        enough = int(np.searchsorted(weight[order].cumsum(), _FEW))
+        narrowest = float(across[order][enough]) if enough < across.size else np.inf
         width = max(narrowest, (start.high - start.low) / _MOST_PANELS)
         self.cuts = np.unique(np.concatenate([law.inner_edges(0.99 * width), marks]))
         pieces = np.ceil(np.diff(start.edges) / width).astype(int)
