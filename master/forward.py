@@ -142,7 +142,8 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
     if problem.powers is not None:
         step = max(min(step, problem.powers.widest_step), 64.0 * end / MOST_NODES)
     elif problem.law.jumps.size:
-        step = max(min(step, _step_between_jumps(problem.law, tolerance)), min(step, 64.0 * end / MOST_NODES))
+        wanted = max(_step_between_jumps(problem.law, tolerance), min(step, 64.0 * end / MOST_NODES))
+        step *= 0.5 ** max(np.ceil(np.log2(step / wanted)), 0.0)
     rough = problem.rough
     shrink = 0.5 if rough else _CLOSE
     coarser: tuple[LaterReleased, Array] | None = None

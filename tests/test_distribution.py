@@ -36,7 +36,8 @@ def integrals(q, law, start, at):
     sums = np.add.outer(atoms, atoms).ravel() if atoms.size else np.empty(0)
     sums = np.append(sums, np.add.outer(law.breakpoints, law.breakpoints).ravel())
     begin = np.array([*start.breakpoints, *start.span])
-    births = np.concatenate([np.add.outer(law.breakpoints, -begin).ravel(), sums, np.abs(begin) - begin])
+    twice = np.add.outer(sums, -begin).ravel()  # and those that broke before
+    births = np.concatenate([np.add.outer(law.breakpoints, -begin).ravel(), sums, twice, np.abs(begin) - begin])
     # births begin as x^(1/3) below `at`, survival as 1 - x^(4/3) above 0: panels close in on both, and on the start's
     closing = np.geomspace(1e-13, 0.02, 60)
     places = at - np.append(births, np.abs(begin))
