@@ -74,7 +74,7 @@ class Cycle:
             self.law, self.breaking, self.error = ageing.effective, ageing, ageing.error
             self.unit = self.law.mean()
         elif contacts.thermal is not None:
-            from master.thermal_law import BreakingLaw
+            from master.breaking_law import BreakingLaw
 
             law = BreakingLaw(contacts, velocity)
             self.law, self.breaking, self.unit = law, law.breaking, law.mean()

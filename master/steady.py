@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from master.breaking_law import BreakingLaw
 from master.cycle import LAWS, Cycle
 from master.effective_law import EffectiveLaw
 from master.law import Law
 from master.release import Release
 from master.starting import StartSum
-from master.thermal_law import BreakingLaw
 from origins import Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.errors import positive

@@ -16,18 +16,14 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from master.piecewise import Piecewise, tabulate
-from master.thermal_paper import PaperBreaking
 from master.threshold_panels import ThresholdPanels
-from origins import Contacts, Thresholds
-from origins.quadrature import finite_density, gauss
+from origins import Contacts
+from origins.quadrature import finite_density
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 Function = Callable[[Array], Array]
 
-_ACCURACY = 1e-13
-_TAIL = 1e-20
 # panels around the threshold at which A/v = 1, as ln(A/v): e^(-A/v) falls from 1 to 0 in between
 _AROUND = np.array([3.9, 3.3, 2.7, 2.1, 1.5, 0.9, 0.3, -0.4, -1.2, -2.1, -3.2, -4.6, -6.5, -9.0, -13.0, -20.0, -38.0])
 _LEAST = float(np.exp(_AROUND[-1]))
@@ -35,7 +31,6 @@ _SMOOTH = 0.6  # change of ln(A/v) that eight nodes see through
 _BELOW = 3.2  # 16 times the part of a change that is felt where A/v is about 1; the error goes as the power 16 of it
 MOST_SPENT = 40.0  # exponent: beyond, the round-off of a difference of two is felt
 MOST_GROWTH = 3.0  # of A/v over the starts told by one table
-_CUTS, _CLOSE = 10, 1e-3
 _STEPS = 12
 _CHUNK = 36_000  # so that what is made on the way stays in the cache
 _GONE = 7.0  # e^(-e^7) is nothing
@@ -231,103 +226,6 @@ class ThermalBreaking:
         centre = _falling_root(level, low, high, 0.0)
         further = _falling_root(level, centre, np.maximum(2.0 * centre, high), level(centre) - 1.0)
         return centre, further - centre
-
-
-class BreakingLaw(Thresholds):
-    """The stretches at which contacts born relaxed break, as a law.
-
-    Parameters
-    ----------
-    contacts : Contacts with `thermal`
-    velocity : float
-        v > 0, length per time.
-
-    Attributes
-    ----------
-    stiffness : Piecewise or None
-        The same with the relative stiffness beside each contact, where that depends on the threshold; atoms left out.
-    """
-
-    def __init__(self, contacts: Contacts, velocity: float) -> None:
-        assert contacts.thermal is not None
-        paper = contacts.thermal.closure == "paper"
-        breaking = PaperBreaking(contacts, velocity) if paper else ThermalBreaking(contacts, velocity)
-        self.breaking: ThermalBreaking | PaperBreaking = breaking
-        self._unit = contacts.mean_threshold
-        self.onset_power = 0.0
-        # a threshold of exact value: what has not broken before does there
-        self._atoms = breaking.atoms
-        left = breaking.held(breaking.atoms, breaking.atoms, np.zeros(breaking.atoms.size))
-        self._atom_weights = breaking.atom_weights * left
-        self._end = self._reach()
-        marks = breaking.marks
-        inner = np.append(np.linspace(0.0, self._end, 9), marks[marks < self._end])
-        tables = tabulate(self._rows, np.unique(inner), _ACCURACY)
-        self._breaks, self._held = tables[:2]
-        self.stiffness: Piecewise | None = tables[2] if breaking.linked else None
-
-    def _reach(self) -> float:
-        """Stretch that fewer than 1e-20 pass."""
-        low, high = 0.0, self.breaking.top
-        for _ in range(_CUTS):
-            at = np.linspace(low, high, 34)[1:-1]
-            passed = int((self.breaking.rows(at)[1] > _TAIL).sum())
-            low, high = (at[passed - 1] if passed else low), (at[passed] if passed < at.size else high)
-            if high - low < _CLOSE * low:
-                break
-        # an exact value at the very end is told from what comes before by what comes after
-        return float(high) * 1.001 if high in self._atoms else float(high)
-
-    def _rows(self, x: Array) -> Array:
-        """p, E in units of the mean threshold, and p with stiffnesses where they differ, shape (rows, *x.shape)."""
-        rows = self.breaking.rows(x.ravel())[:3]
-        rows[1] /= self._unit
-        return rows.reshape(-1, *x.shape)
-
-    @property
-    def panels(self) -> Array:
-        """Edges between which p and E are series, each halved."""
-        edges = self._breaks.edges
-        return np.sort(np.append(edges, 0.5 * (edges[1:] + edges[:-1])))
-
-    def support(self) -> tuple[float, float]:
-        return 0.0, self._end
-
-    @property
-    def breakpoints(self) -> Array:
-        marks = self.breaking.marks
-        return np.append(0.0, marks[marks <= self._end])
-
-    @property
-    def atoms(self) -> tuple[Array, Array]:
-        felt = self._atom_weights > _TAIL
-        return self._atoms[felt], self._atom_weights[felt]
-
-    def _pdf(self, x: Array) -> Array:
-        return np.maximum(self._breaks(x), 0.0)
-
-    def _sf(self, x: Array) -> Array:
-        return np.clip(self._held(x) * self._unit, 0.0, 1.0)
-
-    def _cdf(self, x: Array) -> Array:
-        return np.clip(self._breaks.integral(x) + self._atoms_below(x), 0.0, 1.0)
-
-    def _moment(self, n: int) -> float:
-        nodes, weights = gauss(self.panels[:-1], self.panels[1:])
-        return float((weights * self._breaks(nodes) * nodes**n).sum()) + float(self._atom_weights @ self._atoms**n)
-
-    def rough_quantiles(self, below: Array, above: Array) -> tuple[Array, Array]:
-        edges = self.panels
-        x = np.unique(np.concatenate([gauss(edges[:-1], edges[1:])[0].ravel(), edges]))
-        # by tables alone: beside round-off at either end they need not rise or fall
-        found = np.maximum.accumulate(self._cdf(x)), np.maximum.accumulate(-self._sf(x))
-        return np.interp(below, found[0], x), np.interp(-above, found[1], x)
-
-    def _atoms_below(self, x: Array) -> Array:
-        total = np.zeros(x.shape)
-        for atom, weight in zip(*self.atoms, strict=True):
-            total += np.where(x >= atom, weight, 0.0)
-        return total
 
 
 def _falling_root(level: Function, low: Array, high: Array, goal: Array | float) -> Array:
