@@ -30,7 +30,7 @@ class Course:
     """The force and what holds at the panels' beginnings and nodes, lists of arrays (p + 1,).
 
     Panels on which B is not known to `accuracy` are cut up. Raises TooMuch where `work`, what was looked at, gets
-    beyond `most`.
+    beyond `most`. `lacks` is the most that B lacks on a panel.
     """
 
     def __init__(
@@ -38,6 +38,7 @@ class Course:
     ) -> None:
         self.panels: list[Panel] = []
         self._lives, self._breaks = lives, Breaks(panels[-1].end, delay)
+        self.lacks = 0.0
         self.force: list[Array] = []
         self.holding: list[Array] = []
         last = lives.start
@@ -48,10 +49,11 @@ class Course:
                 found, force, holding = self._solve(panel)
                 if lives.work > most:
                     raise TooMuch
-                fine = depth == _DEPTH or panel.count == 1
-                if not fine and self._breaks.lacks(panel, found) > accuracy:
+                lacks = 0.0 if panel.count == 1 else self._breaks.lacks(panel, found)
+                if lacks > accuracy and depth < _DEPTH:
                     left += [(part, depth + 1) for part in reversed(panel.parts())]
                     continue
+                self.lacks = max(self.lacks, lacks)
                 self._breaks.add(panel, found)
                 lives.finish(panel, self._breaks)
                 self.panels.append(panel)

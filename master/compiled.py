@@ -120,23 +120,3 @@ def left(
                 out[i, 0] += share * weights[0, j]
                 out[i, 1] += share * weights[1, j]
     return out
-
-
-@_compiled
-def soft_left(level: Array, first: npt.NDArray[np.intp], barrier: Array, weights: Array, tails: Array) -> Array:
-    """Sums of e^(-A) times the weights over nodes from number first on, shape (n,), with A = e^(level - barrier), the
-    barriers rising; tails are sums of the weights from each node on, (k + 1,)."""
-    n, k = level.size, barrier.size
-    out = np.zeros(n)
-    for i in range(n):
-        total = 0.0
-        j = max(first[i], np.searchsorted(barrier, level[i] - 4.0))  # e^(-e^4) is nothing
-        while j < k:
-            log_cost = level[i] - barrier[j]
-            if log_cost < -42.0:
-                total += tails[j]
-                break
-            total += weights[j] * np.exp(-np.exp(log_cost))
-            j += 1
-        out[i] = total
-    return out

@@ -18,8 +18,8 @@ Array = npt.NDArray[np.float64]
 
 _COARSEST, _FINER = 0.4, 1.3
 _ACCURACY, _FALLS = 3e-4, 0.12
-_OVER = 0.05  # of a panel's accuracy that is reached
-_SUDDEN = 0.05
+_OVER = 0.07  # of what B may lack on a panel
+_SUDDEN, _SURE = 0.08, 1.1
 _LENGTH = 1.5  # widths of the law
 _FIRST = 0.5  # of k_BT/<k x>
 _RATE = 1.0
@@ -87,7 +87,7 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float) -> Found:
         before = answer
         error = np.inf
         if not hopeless:
-            error = max(left(changes), _OVER * accuracy) + rounding + ROUND_OFF * (1.0 + count) + lives.error
+            error = max(left(changes), _OVER * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
         if best is None or error < best.error:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = found.work * _FINER**2
@@ -103,7 +103,7 @@ def left(changes: list[float]) -> float:
     if not changes:
         return np.inf
     # answers on the same panels do not change, though they are not exact
-    return max(changes[-1], _SUDDEN * changes[-2] if len(changes) > 1 else 0.0)
+    return max(_SURE * changes[-1], _SUDDEN * changes[-2] if len(changes) > 1 else 0.0)
 
 
 def _words(found: Found, tolerance: float, needed: float) -> str:

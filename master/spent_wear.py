@@ -28,14 +28,16 @@ _FROM, _WAY, _TIME, _CUT, _FIRST = range(5)  # columns before those of nodes, at
 
 
 class SpentWear:
-    """Soft or stiff contacts, equally stiff or not."""
+    """Soft or stiff contacts, equally stiff or not; `plain`: few of them, for which numpy does as well."""
 
-    def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
-        from master import compiled
-
+    def __init__(self, contacts: Contacts, cut: CutLaw, length: float, plain: bool = False) -> None:
         thermal = contacts.thermal
         assert thermal is not None
-        self._compiled = compiled
+        self._plain = plain
+        if not plain:
+            from master import compiled
+
+            self._compiled = compiled
         self._cut, self._thermal, self._stiffness = cut, thermal, contacts.relative_stiffness
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
         self.error, self.work = error_of(cut), cut.nodes.size + 100
@@ -77,7 +79,10 @@ class SpentWear:
             nodes, _ = self._cut.own(furthest[inside], panel[inside])
             own[inside] = self._beside(worn[inside], nodes, panel[inside], stretch[inside])
         first = np.searchsorted(self._cut.nodes, furthest, side="right")
-        worn[:, _FIRST : self._atoms.start] = self._compiled.spent(*self._legs(worn, stretch, first))
+        if self._plain:
+            worn[:, _FIRST : self._atoms.start] = self.at_nodes(worn, stretch, first)
+        else:
+            worn[:, _FIRST : self._atoms.start] = self._compiled.spent(*self._legs(worn, stretch, first))
         worn[:, self._atoms] = self._at_atoms(worn, stretch, furthest)
         worn[:, self._own] = own
         worn[:, _FROM], worn[:, _WAY], worn[:, _TIME], worn[:, _CUT] = stretch, 0.0, 0.0, furthest
@@ -87,7 +92,10 @@ class SpentWear:
         panel = cut.panel(furthest)
         # the panel that m falls into is summed over nodes of its own
         first = np.minimum(NODES * (panel + 1), cut.nodes.size)
-        held, stiff = self._compiled.left(*self._legs(worn, stretch, first), self._weights, self._tails).T
+        if self._plain:
+            held, stiff = self._weights @ np.exp(-self.at_nodes(worn, stretch, first)).T
+        else:
+            held, stiff = self._compiled.left(*self._legs(worn, stretch, first), self._weights, self._tails).T
         if cut.atoms.size:
             kept = np.exp(-self._at_atoms(worn, stretch, furthest)) * cut.atom_weights
             held, stiff = held + kept.sum(axis=1), stiff + kept @ cut.atom_stiffness

@@ -19,6 +19,7 @@ Array = npt.NDArray[np.float64]
 _GONE = 6.0  # e^(-e^6) is nothing
 _CHANGE = 1.5  # of ln A that eight nodes see through, but for ERROR
 ERROR = 5e-9
+_CHUNK = 40_000
 _STEEPER = 1.75  # a stiff contact's barrier changes so much faster with its threshold, at most
 
 
@@ -49,12 +50,8 @@ class SoftWear:
     width = 1
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
-        from master import compiled
-
         thermal = contacts.thermal
         assert thermal is not None
-        self._compiled = compiled
-        self._tails = np.append(cut.weights[::-1].cumsum()[::-1], 0.0)
         self._contacts, self._cut, self._spring = contacts, cut, 0.5 / thermal.temperature
         self._log_frequency = float(np.log(thermal.attempt_frequency))
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
@@ -96,8 +93,18 @@ class SoftWear:
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
         cut, level = self._cut, worn[:, 0]
         panel = cut.panel(furthest)
-        first = np.minimum(NODES * (panel + 1), self._barrier.size)
-        held = self._compiled.soft_left(level, first, self._barrier, cut.weights, self._tails)
+        held = np.empty(level.size)
+        rows = max(1, _CHUNK // max(self._barrier.size, 1))
+        first = NODES * (panel + 1)
+        order = np.argsort(first, kind="stable")
+        for i in range(0, level.size, rows):
+            some = order[i : i + rows]
+            # panels below all cuts need not be looked at
+            low = int(first[some[0]])
+            share = _kept(level[some, None] - self._barrier[low:])
+            if first[some[-1]] > low:
+                share *= np.arange(low, self._barrier.size) >= first[some, None]
+            held[some] = share @ cut.weights[low:]
         inside = np.flatnonzero((panel >= 0) & (panel < cut.edges.size - 1))
         if inside.size:
             nodes, weights = cut.own(furthest[inside], panel[inside])
@@ -114,7 +121,7 @@ class SoftWear:
         # of contacts of many ages W does not tell enough
         from master.spent_wear import SpentWear
 
-        return SpentWear(self._contacts, self._cut, self.length)
+        return SpentWear(self._contacts, self._cut, self.length, plain=True)
 
     def kept(self, stretch: float, spent: Array) -> Array:
         return self.keeper().kept(stretch, spent)

@@ -1,7 +1,8 @@
 """The promise on force_error: over 1,000 random cases it bounds the true error, and not by much too much.
 
 Contacts that break at their thresholds alone, on 1,000 cases; contacts with temperature, delay, re-forming, linked
-stiffness or ageing on 80, or as many as FORCE_ERROR_CASES says (paths that turn round: tests/test_cohorts.py):
+stiffness or ageing on 80, and but for ageing on 20 paths that turn, change speed and wait, or on as many as
+FORCE_ERROR_CASES says (paths that turn round without laws: tests/test_cohorts.py):
 
     FORCE_ERROR_CASES=1000 python -m pytest tests/test_force_error.py -k laws
 """
@@ -20,6 +21,7 @@ import origins
 
 CASES = 1000
 CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "80"))
+CASES_IN_TIME = int(os.environ.get("FORCE_ERROR_CASES", "20"))
 SEED = 20100902
 ROUND_OFF = 1e-13
 
@@ -33,6 +35,7 @@ class Case:
     tolerance: float
     exact: Callable[[np.ndarray], np.ndarray] | None = None
     velocity: float = 1.0
+    time: np.ndarray | None = None
 
 
 class Draw:
@@ -182,6 +185,43 @@ def ageing(draw: Draw) -> Case:
     return Case(contacts, draw.path(4.0, 1.0), max(draw.tolerance(), 1e-7))
 
 
+def journey(draw: Draw, mean: float) -> tuple[np.ndarray, np.ndarray]:
+    """Turns, changes of speed and holds: positions and times."""
+    place, clock = [0.0], [0.0]
+    for leg in range(draw.whole(2, 5)):
+        goal, lasts = place[-1], draw.log(0.1, 1e5)
+        if leg == 0 or draw.rng.random() < 0.7:
+            goal = draw.even(-1.5, 2.0) * mean
+            lasts = abs(goal - place[-1]) / draw.log(0.1, 5.0)
+        share = np.linspace(0.0, 1.0, draw.whole(3, 12))[1:]
+        place += (place[-1] + (goal - place[-1]) * share).tolist()
+        clock += (clock[-1] + lasts * share).tolist()
+    return np.array(place), np.array(clock)
+
+
+def in_time(draw: Draw, **more: object) -> Case:
+    law = origins.Contacts(LAWS[draw.whole(0, 8)](draw)).thresholds
+    path, time = journey(draw, law.mean())
+    tolerance = float(10.0 ** draw.even(-7.0, -3.0))
+    return Case(origins.Contacts(law, any_start(draw, law), **more), path, tolerance, time=time)
+
+
+def warm_in_time(draw: Draw) -> Case:
+    closure = "exact" if draw.rng.random() < 0.7 else "paper"
+    soft = closure == "paper" or draw.rng.random() < 0.8
+    thermal = origins.Thermal("soft" if soft else "stiff", draw.log(0.03, 1.0), draw.log(0.03, 30.0), closure)
+    wait = origins.Delay(draw.log(0.3, 1.5)) if draw.rng.random() < 0.2 else None
+    return in_time(draw, thermal=thermal, delay=wait)
+
+
+def cold_in_time(draw: Draw) -> Case:
+    kind = draw.whole(0, 3)
+    if kind == 0:
+        return in_time(draw, delay=origins.Delay(draw.log(0.3, 2.0)))
+    return in_time(draw, stiffness="linked") if kind == 1 else in_time(draw, reforming=draw.even(-0.05, 0.05))
+
+
+KINDS_IN_TIME = [warm_in_time, cold_in_time]
 KINDS_OF_LAWS = [warm, delayed, linked, formed_again, all_at_once, ageing]
 KINDS = [narrow_gaussian, phase_type, phase_type, any_law]  # one in four needs a second solution to be judged
 
@@ -191,6 +231,12 @@ def true_error(case: Case, solution: master.Solution) -> float | None:
     mean = case.contacts.mean_threshold
     if case.exact is not None:
         return float(np.abs(solution.force - case.exact(case.path)).max()) / mean
+    if case.time is not None:
+        # on paths in time panels differ with the tolerance
+        tolerance = max(0.1 * solution.force_error, 1e-9)
+        reference = solved(case, case.path, tolerance)
+        error = float(np.abs(solution.force - reference.force).max()) / mean
+        return error if reference.force_error <= 0.3 * max(solution.force_error, error) else None
     # a path a little longer makes lattices that share no nodes with the first
     longer = np.append(case.path, case.path[-1] * 1.0371)
     tolerance = min(1e-3 * case.tolerance, max(0.2 * solution.force_error, 1e-12))
@@ -200,7 +246,7 @@ def true_error(case: Case, solution: master.Solution) -> float | None:
 
 
 def solved(case: Case, path: np.ndarray, tolerance: float) -> master.Solution:
-    return master.solve(case.contacts, path, tolerance, velocity=case.velocity)
+    return master.solve(case.contacts, path, tolerance, velocity=case.velocity, time=case.time)
 
 
 def judge(number: int, kinds: list[Callable[[Draw], Case]]) -> tuple[Case, float, float]:
@@ -216,7 +262,11 @@ def judge(number: int, kinds: list[Callable[[Draw], Case]]) -> tuple[Case, float
     pytest.fail(f"no reference found for case {number}")
 
 
-@pytest.mark.parametrize(("kinds", "cases"), [(KINDS, CASES), (KINDS_OF_LAWS, CASES_OF_LAWS)], ids=["cold", "laws"])
+@pytest.mark.parametrize(
+    ("kinds", "cases"),
+    [(KINDS, CASES), (KINDS_OF_LAWS, CASES_OF_LAWS), (KINDS_IN_TIME, CASES_IN_TIME)],
+    ids=["cold", "laws", "laws in time"],
+)
 def test_force_error_is_the_promise_it_is_said_to_be(kinds: list[Callable[[Draw], Case]], cases: int) -> None:
     judged = [judge(number, kinds)[1:] for number in range(cases)]
     estimate, error = np.array(judged).T
