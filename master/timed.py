@@ -1,4 +1,5 @@
-"""Any path in time: steps halved until the force along it, extrapolated, changes by less than the tolerance."""
+"""Any path in time: collocation on panels (master.on_panels), or for contacts that age steps halved until the force
+along it, extrapolated, changes by less than the tolerance."""
 
 import time as clocks
 from dataclasses import dataclass
@@ -45,7 +46,7 @@ class TimedSolution:
     run_time : float
         Seconds that the solution took, compilation not counted.
     nodes : int
-        Steps of the finest march.
+        Points in time of the finest solution.
     success : bool
         Whether force_error is at or below the tolerance asked for.
     message : str
@@ -66,7 +67,8 @@ class TimedSolution:
 def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolution:
     """Force on a rigid slider that moves as the drive says, for contacts with any laws; arguments checked before.
 
-    Marches of second order in the step, on steps halved again and again; what they tell is extrapolated to step 0.
+    On panels of eight nodes, cut up where breaks change fast; for contacts that age by marches of second order in the
+    step, on steps halved again and again; what they tell is extrapolated to step 0.
     """
     prepare(contacts)
     began = clocks.perf_counter()
@@ -147,7 +149,7 @@ def _refine(
     error, answer, count = best
     here = answer.reshape(2, -1)[:, : asked.size]
     reached = f"error estimate {error:.1e} with {count} steps, above the tolerance {tolerance:.1e}"
-    return here[0] * unit, here[1], error, count, f"{reached}; shorten the path or loosen the tolerance"
+    return here[0] * unit, here[1], error, count, f"{reached}; loosen the tolerance, or end the path sooner"
 
 
 def most_steps(lives: Lives) -> int:
