@@ -1,4 +1,4 @@
-"""The picture and the numbers of docs/sliders.md: python docs/sliders.py"""
+"""The pictures and the numbers of docs/sliders.md: python docs/sliders.py"""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ import master
 import origins
 from master.explicit_loop import explicit_loop
 
-PICTURE = Path(__file__).parent / "pictures" / "sliders.png"
+PICTURES = Path(__file__).parent / "pictures"
 CONTACTS = origins.Contacts(origins.gaussian(1.0, 0.2), origins.gaussian_start(0.0, 0.025))
 SPRING = 0.5
 RULES = [("reset", "#1f4e79", "-"), ("reform-after", "#c0392b", "--"), ("instant", "#2e7d32", ":")]
@@ -26,6 +26,32 @@ def both(amplitude: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     path = loop(amplitude)
     coarse, fine = (explicit_loop(CONTACTS, path, amplitude / n).force for n in (300, 600))
     return path, master.solve(CONTACTS, path, 1e-8).force, 2.0 * fine - coarse
+
+
+def static_force(temperature: float, hold: float, tolerance: float = 1e-6) -> float:
+    """The largest force on the way after two thresholds at speed 1 and a hold, of soft contacts with ω = 1."""
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=origins.Thermal("soft", temperature))
+    after = np.linspace(0.02, 2.0, 100)
+    path, time = np.concatenate([[2.0, 2.0], 2.0 + after]), np.concatenate([[2.0, 2.0 + hold], 2.0 + hold + after])
+    found = master.solve(contacts, path, tolerance, time=time)
+    if not found.success:
+        raise RuntimeError(found.message)
+    return float(found.force[2:].max())
+
+
+def draw_holds() -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6, 3.8), layout="constrained")
+    ax = figure.subplots()
+    holds = np.logspace(0.0, 8.0, 17)
+    for temperature, ink in ((0.03, "#1f4e79"), (0.1, "#2e7d32"), (0.3, "#c0392b")):
+        forces = [static_force(temperature, hold, 1e-5) for hold in holds]
+        ax.semilogx(holds, forces, "o-", color=ink, ms=3, lw=1.4, label=f"$T$ = {temperature}")
+    ax.set(xlabel=r"time of the hold, $1/\omega$", ylabel=r"static force $F/(N_c\langle k\rangle)$")
+    ax.set_title("soft contacts, after a hold")
+    ax.legend(fontsize="small")
+    figure.savefig(PICTURES / "holds.png", dpi=130)
 
 
 def main() -> None:
@@ -48,7 +74,8 @@ def main() -> None:
     title = f"soft slider, K = {SPRING} $N_c\\langle k\\rangle$"
     axes[2].set(title=title, xlabel="drive position $X_T$", ylabel=r"force $F/(N_c\langle k\rangle)$")
     axes[2].legend(loc="lower right", fontsize="small", framealpha=1.0)
-    figure.savefig(PICTURE, dpi=130)
+    figure.savefig(PICTURES / "sliders.png", dpi=130)
+    draw_holds()
 
 
 if __name__ == "__main__":
