@@ -70,9 +70,9 @@ def test_an_unbroken_tail_is_not_cut(step: float) -> None:
 
 
 def test_outliers_are_described_in_seconds() -> None:
-    began = time.perf_counter()
+    began = time.process_time()
     found = describe(origins.Contacts(origins.from_samples(f_s=forces(3, 0.1, OUTLIERS["far"]), stiffness=1.0)))
-    assert time.perf_counter() - began < 15.0
+    assert time.process_time() - began < 15.0
     assert found.numbers["kinetic_force"].value == pytest.approx(5.5, abs=0.2)
     assert found.numbers["kinetic_force"].error < 4.0
 

@@ -150,7 +150,7 @@ def test_arrays_have_units_and_the_scene_goes_with_them(result: Any, tmp_path: P
         assert store["eq/holding"].attrs["units"] == "1"
         arrays: list[Any] = []
         store.visititems(lambda _, item: arrays.append(item) if isinstance(item, h5py.Dataset) else None)
-        assert len(arrays) == 14 and all("units" in array.attrs for array in arrays)
+        assert len(arrays) == 15 and all("units" in array.attrs for array in arrays)
 
 
 def test_lengths_of_a_surface_are_metres(tmp_path: Path) -> None:
