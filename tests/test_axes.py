@@ -1,5 +1,6 @@
 """Axes of pictures: prefixes, powers of ten, logarithmic where decades differ; read back as drawn."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -213,5 +214,8 @@ def test_a_drive_in_time_is_drawn_against_time(tmp_path: Path) -> None:
     assert axes[0].get_title().endswith(r"$\tau_m$ = 0.25")
     assert np.isin(plot_deviation(axes[3], result).get_lines()[0].get_xdata(), times).all()
     assert result.master.holding.min() < 0.9
+    missed = replace(result, master=replace(result.master, success=False))
+    labels = [plot_force(Figure().subplots(), one).get_lines()[0].get_label() for one in (result, missed)]
+    assert "not as asked" not in labels[0] and "not as asked" in labels[1]
     save_picture(result, tmp_path / "picture.png")
     assert (tmp_path / "picture.png").stat().st_size > 10_000

@@ -148,9 +148,10 @@ def test_arrays_have_units_and_the_scene_goes_with_them(result: Any, tmp_path: P
         assert store["master/force"].attrs["units"] == OWN_UNIT
         assert store["thresholds/density"].attrs["units"] == f"1 / {OWN_UNIT}"
         assert store["eq/holding"].attrs["units"] == "1"
+        assert np.array_equal(store["time"], result.time) and np.array_equal(result.time, result.eq.path)
         arrays: list[Any] = []
         store.visititems(lambda _, item: arrays.append(item) if isinstance(item, h5py.Dataset) else None)
-        assert len(arrays) == 15 and all("units" in array.attrs for array in arrays)
+        assert len(arrays) == 16 and all("units" in array.attrs for array in arrays)
 
 
 def test_lengths_of_a_surface_are_metres(tmp_path: Path) -> None:

@@ -269,6 +269,8 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("drive.to", -5.0, "drive.to = -5.0: must be above zero"),
         ("drive.to", "far", "drive.to = 'far': must be a number, such as 1.0"),
         ("drive.to", True, "drive.to = true: must be a number, such as 1.0"),
+        ("drive.turns", [2.0, "a"], "drive.turns[1] = 'a': must be a number, such as 1.0"),
+        ("drive.turns", "far", "drive.turns = 'far': must be a list of numbers, such as [1.0, 2.0]"),
         ("drive.points", None, "drive.points: is missing"),
         ("drive.points", 1, "drive.points = 1: must be a whole number of at least 2"),
         ("drive.points", 10.5, "drive.points = 10.5: must be a whole number"),

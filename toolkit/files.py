@@ -14,7 +14,7 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.folders import write_folder
 from toolkit.interfaces import Number
-from toolkit.results import AgeingRecord, Result, SimulatedRecord, SoftRecord, SolvedRecord, ThresholdCurve
+from toolkit.results import OWN_UNIT, AgeingRecord, Result, SimulatedRecord, SoftRecord, SolvedRecord, ThresholdCurve
 
 if TYPE_CHECKING:
     import h5py
@@ -177,6 +177,8 @@ def _fill(result: Result, store: "h5py.File") -> None:
     )
     unit = result.thresholds.unit
     _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
+    store["time"] = result.time
+    store["time"].attrs["units"] = "time" if unit == OWN_UNIT else "s"
     if result.notes:
         store["notes"] = list(result.notes)
         store["notes"].attrs["units"] = "text"

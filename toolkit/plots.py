@@ -55,7 +55,10 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
     one standard error, under it."""
     if result.master is not None:
         path, force = along(result, result.master), result.master.force
-        axes.plot(path, force, color=_INK["master"], lw=1.4, zorder=3, label="master equation")
+        label, dashes = "master equation", "-"
+        if not result.master.success:
+            label, dashes = f"{label}, error {result.master.force_error:.1e} $\\langle x_s\\rangle$: not as asked", "--"
+        axes.plot(path, force, color=_INK["master"], lw=1.4, ls=dashes, zorder=3, label=label)
         if isinstance(result.master, AgeingRecord) and result.master.outrun < path[-1]:
             axes.axvspan(result.master.outrun, path[-1], color="0.9", lw=0, label="contacts outrun $P_c$ (Q15)")
     if result.eq is not None:

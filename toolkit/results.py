@@ -184,7 +184,7 @@ class ThresholdCurve:
 
 @dataclass(frozen=True)
 class Result:
-    """A run of a scene; lengths are in the unit `thresholds.unit`, times in s.
+    """A run of a scene; lengths are in the unit `thresholds.unit`, run times in s.
 
     Attributes
     ----------
@@ -203,6 +203,8 @@ class Result:
         shape (n,);
         `histograms`, of eq_model.histogram.Histogram, each read when it is asked for; `contacts` followed, `breaks`,
         `breaks_per_rank`, `success`, `message`, `run_time`, `compile_time`. None where not asked for.
+    time : array of shape (n,)
+        When each point of the path is reached, s for a surface, else in the scene's own unit.
     notes : tuple of str
         What to keep in mind of the thresholds: where samples, surface or load strain them.
     interface : dict or None
@@ -224,6 +226,15 @@ class Result:
     def asked(self) -> SceneTable:
         """The scene's tables, defaults filled in."""
         return read_table(tomllib.loads(self.text))
+
+    @property
+    def time(self) -> Array:
+        from toolkit.driving import make_drive
+
+        drive = make_drive(self.asked.drive)
+        if drive.time is not None:
+            return drive.time
+        return np.abs(np.diff(drive.path, prepend=0.0)).cumsum() / drive.velocity
 
     @property
     def success(self) -> bool:

@@ -118,7 +118,8 @@ def _too_hot(contacts: Contacts) -> list[str]:
         return []
     return [
         f"the temperature is {share:.3g} <x_s^2>: barriers are {0.5 / share:.1g} k_BT, so that contacts break as often "
-        "as they attempt, whatever their stretch and threshold"
+        "as they attempt, whatever their stretch and threshold; it is k_BT/<k>, a length squared"
+        + ("" if contacts.interface is None else ": of kelvins write temperature = { kelvin = 300.0 }")
     ]
 
 

@@ -25,6 +25,7 @@ _FURTHEST = 1e6  # mean thresholds
 _SAME_PLACE = 1e-9  # of the furthest point
 _EXPECTED = {
     "object": "a table",
+    "array": "a list of numbers, such as [1.0, 2.0]",
     "float": "a number, such as 1.0",
     "int": "a whole number",
     "str": 'text in quotes, such as "text"',
@@ -234,10 +235,13 @@ def _explain(message: str, tables: Mapping[str, Any]) -> str:
     """msgspec's message, which ends in the place as `$.drive.to`, as one line in house style."""
     rule, _, place = message.partition(" - at ")
     keys = [key for key in place.strip("`").split(".")[1:] if key]
-    value, kind = tables, SceneTable
+    value: Any = tables
+    kind: Any = SceneTable
     for key in keys:
-        value = value[key]
-        kind = _field_type(kind, key)
+        name, *numbers = key.split("[")  # as in turns[1], an item of a list
+        kind, value = _field_type(kind, name), value[name]
+        for number in numbers:
+            value = value[int(number.rstrip("]"))]
     unknown = re.match(r"Object contains unknown field `(.*)`", rule)
     missing = re.match(r"Object missing required field `(.*)`", rule)
     other = re.match(r"Expected `(\w+)", rule)
