@@ -28,6 +28,7 @@ _STALL = 20.0
 _MOST_AROUND = 40  # points of one leg
 _CUBE = 0.375
 _ACCURACY = 1e-13
+_FURTHEST = 1e6  # mean thresholds: round-off of places is felt beyond
 
 
 class Course:
@@ -164,6 +165,11 @@ def solve_cohorts(contacts: Contacts, path: Array, tolerance: float = 1e-8) -> P
     path = np.asarray(path, dtype=float)
     unit = contacts.mean_threshold
     x = path / unit
+    furthest = float(np.abs(x).max(initial=0.0))
+    if furthest > _FURTHEST:
+        at = int(np.abs(x).argmax())
+        rule = f"is {furthest:.1g} mean thresholds; turn round within {_FURTHEST:.0e}, where |F| has long been F_k"
+        refuse(f"path[{at}]", path[at], rule)
     law = Law(contacts, _reach(contacts, x))
     course, error, message = _refine(law, State(0.0, [starting(contacts, law)]), moves(x), x, tolerance)
     success, message = outcome(contacts, error, tolerance, message)

@@ -42,6 +42,9 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: f
     began = time.perf_counter()
     generations = 1.0 + float(path[-1]) / contacts.mean_threshold
     cycle = Cycle(contacts, velocity, _SHARE * tolerance / generations)
+    if not cycle.unit > path[-1] / _FURTHEST and path[-1] <= _FURTHEST * contacts.mean_threshold:
+        share = f"{cycle.unit / contacts.mean_threshold:.1g} of a mean threshold"
+        refuse("velocity", velocity, f"contacts break by themselves within {share}; slide faster")
     x = path / cycle.unit
     if x[-1] > _FURTHEST:
         refuse("path[-1]", path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")

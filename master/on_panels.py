@@ -30,6 +30,7 @@ _MOST_PANELS = 5_000
 _GLANCE = 0.03  # of the most, where even these would not do
 _WIDER = 8.0
 _MOST_LEVELS = 12
+_HARDLY = 2.0  # times what is known of single contacts: steps have nothing to add
 _EPSILON = float(np.finfo(float).eps)
 
 
@@ -91,11 +92,11 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float) -> Found:
         if best is None or error < best.error:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = found.work * _FINER**2
-        if best.error <= tolerance or error < 2.0 * lives.error or hopeless or more > _MOST_WORK:
+        if best.error <= tolerance or error < _HARDLY * lives.error or hopeless or more > _MOST_WORK:
             break
         fine *= _FINER
     assert best is not None
-    return replace(best, message=_words(best, tolerance, needed))
+    return replace(best, message=_words(best, tolerance, needed, lives.error))
 
 
 def left(changes: list[float]) -> float:
@@ -106,13 +107,13 @@ def left(changes: list[float]) -> float:
     return max(_SURE * changes[-1], _SUDDEN * changes[-2] if len(changes) > 1 else 0.0)
 
 
-def _words(found: Found, tolerance: float, needed: float) -> str:
+def _words(found: Found, tolerance: float, needed: float, known: float) -> str:
     if not np.isfinite(found.error):
         return f"what contacts do within the path takes {8 * needed:.0e} steps in time to resolve, and that is too many"
-    return (
-        f"error estimate {found.error:.1e} with {found.nodes} steps in time, above the tolerance {tolerance:.1e}; "
-        "loosen the tolerance, or end the path sooner"
-    )
+    reached = f"error estimate {found.error:.1e} with {found.nodes} steps in time, above the tolerance {tolerance:.1e}"
+    if found.error < _HARDLY * known:
+        return f"{reached}: how much of each threshold is left is known to {known:.1e} only; loosen the tolerance"
+    return f"{reached}; loosen the tolerance, or end the path sooner"
 
 
 def _first(contacts: Contacts, length: float) -> float:

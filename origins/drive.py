@@ -52,7 +52,8 @@ class Drive:
         if slip not in get_args(SlipRule):
             refuse("slip", slip, 'must be "reset", "reform-after" or "instant"')
         self.slip = slip
-        self._back = np.flatnonzero(np.diff(self.path, prepend=0.0) < 0.0)
+        before = np.append(0.0, self.path[:-1])
+        self._back = np.flatnonzero(self.path < before)
         self.forward = not self._back.size
 
     def only_forward(self, solver: str) -> Drive:

@@ -404,3 +404,9 @@ def test_bad_input_is_refused_in_one_line(path, tolerance, words):
     with pytest.raises(origins.InputError, match=words) as caught:
         master.solve(origins.Contacts(origins.gaussian(1.0, 0.1)), path, tolerance)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("far", [1e7, 1e50, 1e160, 1e308])
+def test_turns_too_far_apart_are_refused(far: float) -> None:
+    with pytest.raises(origins.InputError, match=r"path\[0\] = .*turn round within 1e\+06"):
+        master.solve(origins.Contacts(origins.gaussian(1.0, 0.2)), [-far, far], 1e-3)

@@ -8,7 +8,7 @@ import pytest
 import scipy.stats
 
 import master
-from origins import Contacts, Thermal, gaussian, gaussian_start, identical, mixture, rectangular
+from origins import Contacts, InputError, Thermal, gaussian, gaussian_start, identical, mixture, rectangular
 from tests.sampling_contacts import sample
 
 PATH = np.linspace(0.05, 4.0, 21) + 0.013
@@ -220,3 +220,8 @@ def test_thresholds_whose_density_diverges_below_them(law: str, closure: str) ->
     assert abs(found.force - force) <= found.force_error < 5e-8
     if (law, closure) == ("soft", "paper"):  # the force falls without bound right there
         assert master.phase_line(contacts, 0.5).critical_spring == np.inf
+
+
+def test_a_speed_at_which_no_length_is_left_is_refused_by_name() -> None:
+    with pytest.raises(InputError, match=r"velocity = 1e-300: contacts break by themselves"):
+        master.solve(Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1)), [0.0, 1.0], velocity=1e-300)
