@@ -210,11 +210,7 @@ class CohortBreaks(FirstBreaks):
         table = self.density
         if table.edges.size < 2:
             return np.zeros(1), np.zeros(1)
-        # values at a panel's two ends: sums of its Legendre coefficients, with alternating signs at the left one
-        signs = np.where(np.arange(table.coefficients.shape[0]) % 2, -1.0, 1.0)[:, None]
-        begins = (signs * table.coefficients).sum(axis=0)
-        ends = np.append(0.0, table.coefficients.sum(axis=0)[:-1])
-        size = begins - ends
+        size = table.jumps
         known = np.isin(table.edges[:-1], self.seeds) & (np.abs(size) > _JUMP)
         known[0] = True
         return table.edges[:-1][known], size[known]

@@ -30,14 +30,15 @@ class Course:
     """The force and what holds at the panels' beginnings and nodes, lists of arrays (p + 1,).
 
     Panels on which B is not known to `accuracy` are cut up. Raises TooMuch where `work`, what was looked at, gets
-    beyond `most`. `lacks` is the most that B lacks on a panel.
+    beyond `most`. `lacks` is the most that B lacks on a panel; `lives` and `breaks` are the contacts and their number
+    of breaks at the end.
     """
 
     def __init__(
         self, lives: Generations, panels: list[Panel], delay: float, accuracy: float, most: float = np.inf
     ) -> None:
         self.panels: list[Panel] = []
-        self._lives, self._breaks = lives, Breaks(panels[-1].end, delay)
+        self.lives, self.breaks = lives, Breaks(panels[-1].end, delay)
         self.lacks = 0.0
         self.force: list[Array] = []
         self.holding: list[Array] = []
@@ -49,13 +50,13 @@ class Course:
                 found, force, holding = self._solve(panel)
                 if lives.work > most:
                     raise TooMuch
-                lacks = 0.0 if panel.count == 1 else self._breaks.lacks(panel, found)
+                lacks = 0.0 if panel.count == 1 else self.breaks.lacks(panel, found)
                 if lacks > accuracy and depth < _DEPTH:
                     left += [(part, depth + 1) for part in reversed(panel.parts())]
                     continue
                 self.lacks = max(self.lacks, lacks)
-                self._breaks.add(panel, found)
-                lives.finish(panel, self._breaks)
+                self.breaks.add(panel, found)
+                lives.finish(panel, self.breaks)
                 self.panels.append(panel)
                 self.force.append(np.append(last[1], force))
                 self.holding.append(np.append(last[0], holding))
@@ -64,7 +65,7 @@ class Course:
 
     def _solve(self, panel: Panel) -> tuple[Array, Array, Array]:
         """B, force and holding at the nodes."""
-        lives, breaks = self._lives, self._breaks
+        lives, breaks = self.lives, self.breaks
         held, pull = lives.known(panel, breaks)
         births, values = breaks.births(panel)
         young = lives.young(panel)

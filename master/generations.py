@@ -38,10 +38,14 @@ class Generations:
     start, again : pairs of arrays (n,)
         Stretches of the contacts that hold at X = 0, and of births (lengths); with each its weight over S(|r|).
     limits : stretches at which P_c bends or jumps
+
+    Attributes
+    ----------
+    wear, again : as given
     """
 
     def __init__(self, wear: Wear, start: Nodes, again: Nodes, course: list[Piece], limits: Array) -> None:
-        self._wear, self._course, self._again, self._limits = wear, course, again, limits
+        self.wear, self._course, self.again, self._limits = wear, course, again, limits
         self._strands = Strands(wear)
         first = wear.fresh(start[0])
         self._strands.add(-start[0], np.abs(start[0]), first, start[1], -1)
@@ -59,22 +63,22 @@ class Generations:
 
     @property
     def error(self) -> float:
-        return self._wear.error
+        return self.wear.error
 
     def known(self, panel: Panel, breaks: Breaks) -> tuple[Array, Array]:
         """What holds at the panel's nodes of the births before it, and its force."""
         standing = panel.travel == 0.0
         if standing and self._pot is None:
-            self._pot = Pot(self._wear, self._again)
+            self._pot = Pot(self.wear, self.again)
         if not standing and self._pot is not None:
             share, worn = self._pot.merged()
             if share > 0.0:
-                stretch = self._again[0]
-                self._pots.add(self._at - stretch, np.abs(stretch), worn, share * self._again[1], -1)
+                stretch = self.again[0]
+                self._pots.add(self._at - stretch, np.abs(stretch), worn, share * self.again[1], -1)
             self._pot = None
         time = panel.nodes
         at = panel.place(time)
-        self.work += _EACH + (time.size + 1.0) * self._strands.count * self._wear.work
+        self.work += _EACH + (time.size + 1.0) * self._strands.count * self.wear.work
         extra, bent = self._bent(time, at, breaks)
         held, pull = self._strands.sums(self._at, at, time - panel.begin, bent)
         more = self._pots.sums(self._at, at, time - panel.begin, None)
@@ -91,7 +95,7 @@ class Generations:
         times, weights = [], []
         for now, at in zip(ends.tolist(), places.tolist(), strict=True):
             part = Panel(panel.begin, now, panel.before, at, panel.count)
-            time, weight = _between(part, self._splits(part, now, at, at))
+            time, weight = between(part, self._splits(part, now, at, at))
             times.append(time)
             weights.append(weight)
         sizes = [time.size for time in times]
@@ -110,7 +114,7 @@ class Generations:
         self._pots.advance(self._at, panel.after, panel.duration)
         self._at = panel.after
         if self._pot is not None:
-            time, weight = _between(panel, self._splits(panel, panel.end, self._at, self._at))
+            time, weight = between(panel, self._splits(panel, panel.end, self._at, self._at))
             self._pot.add(panel.duration, panel.end - time, weight * breaks.rate(time))
             return
         self._table[:, 2] = np.maximum(self._table[:, 2], self._at)
@@ -124,13 +128,13 @@ class Generations:
 
     def _born(self, panel: Panel, even: Array) -> None:
         """Births at the panel's nodes, now at its end."""
-        stretch, share = self._again
+        stretch, share = self.again
         nodes = stretch.size
         time = panel.nodes
         first, place = np.tile(stretch, time.size), np.repeat(panel.place(time), nodes) - np.tile(stretch, time.size)
-        worn = np.tile(self._wear.fresh(stretch), (time.size, 1))
+        worn = np.tile(self.wear.fresh(stretch), (time.size, 1))
         last = panel.after - place
-        self._wear.advance(worn, first, last, np.abs(first), np.repeat(panel.end - time, nodes))
+        self.wear.advance(worn, first, last, np.abs(first), np.repeat(panel.end - time, nodes))
         furthest = np.maximum(np.abs(first), np.abs(last))
         self._strands.add(place, furthest, worn, np.outer(even, share).ravel(), len(self._panels))
 
@@ -145,7 +149,7 @@ class Generations:
             panel = self._panels[k]
             splits = self._splits(panel, float(time[i]), float(most[i, k]), float(least[i, k]))
             if splits.size:
-                birth, weight = _between(panel, splits)
+                birth, weight = between(panel, splits)
                 bent[i, k] = True
                 parts.append((i, birth, weight, panel.place(birth)))
         if not parts:
@@ -158,8 +162,8 @@ class Generations:
         return out, bent
 
     def _replay(self, birth: Array, place: Array, time: Array, at: Array) -> tuple[Array, Array]:
-        self.work += birth.size * self._again[0].size * self._wear.work
-        return replay(self._wear, self._course, self._again, birth, place, time, at)
+        self.work += birth.size * self.again[0].size * self.wear.work
+        return replay(self.wear, self._course, self.again, birth, place, time, at)
 
     def _suspects(self, time: Array, most: Array, least: Array) -> npt.NDArray[np.bool_]:
         """Which panels may be split, at times with these extremes of X since, shape (p, panels)."""
@@ -169,14 +173,14 @@ class Generations:
             out |= (x > low) & (x < high)
         for k in range(max(low.size - 2, 0), low.size):
             panel = self._panels[k]
-            if panel.count > 1 and panel.duration > self._wear.time:
+            if panel.count > 1 and panel.duration > self.wear.time:
                 out[:, k] |= time - panel.end < panel.duration
         return out & self._alive
 
     def _candidates(self, most: Array, least: Array) -> list[Array]:
         """X of births at which their largest |x| bends, or passes a limit."""
         out = []
-        for r in self._again[0].tolist():
+        for r in self.again[0].tolist():
             out.append(0.5 * (most + least) + r)
             for reach in (abs(r), *self._limits[self._limits > abs(r)].tolist()):
                 if reach > 0.0:
@@ -191,15 +195,7 @@ class Generations:
                 at = (float(x) - panel.before) / panel.travel
                 if _CLOSE < at < 1.0 - _CLOSE:
                     out.append(panel.begin + at * panel.duration)
-        age, fast = now - panel.end, panel.duration / self._wear.time
-        if panel.count > 1 and fast > 1.0 and age < panel.duration:
-            # births break the faster the weaker they are: some at once
-            number = int(np.ceil(np.log(fast) / np.log(_FINER)))
-            if panel.travel != 0.0:
-                number = min(number, _MOST_GRADES)
-            share = _FINER ** -np.arange(1.0, number + 1.0)
-            out += (panel.end - share[share * panel.duration > 0.5 * age] * panel.duration).tolist()
-        return np.unique(out)
+        return np.unique(out + grades(panel, now, self.wear.time))
 
 
 @dataclass(frozen=True)
@@ -273,7 +269,20 @@ class Strands:
             self._worn, self.origin = self._worn[alive], self.origin[alive]
 
 
-def _between(panel: Panel, splits: Array) -> tuple[Array, Array]:
+def grades(panel: Panel, now: float, shortest: float) -> list[float]:
+    """Times in a panel between which what is left at a time `now` changes as little: births break the faster the
+    weaker they are, some at once."""
+    age, fast = now - panel.end, panel.duration / shortest
+    if panel.count == 1 or fast <= 1.0 or age >= panel.duration:
+        return []
+    number = int(np.ceil(np.log(fast) / np.log(_FINER)))
+    if panel.travel != 0.0:
+        number = min(number, _MOST_GRADES)
+    share = _FINER ** -np.arange(1.0, number + 1.0)
+    return (panel.end - share[share * panel.duration > 0.5 * age] * panel.duration).tolist()
+
+
+def between(panel: Panel, splits: Array) -> tuple[Array, Array]:
     """Nodes in time on the parts of a panel, and their weights."""
     edges = np.concatenate([[panel.begin], splits, [panel.end]])
     width = np.diff(edges)[:, None]

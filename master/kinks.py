@@ -138,5 +138,4 @@ class Kinks:
 
     def _felt(self, singular: Singular) -> npt.NDArray[np.bool_]:
         """Those that are felt, and that round-off allows to put right."""
-        size = np.abs(singular.height)
-        return (size > self._tiny) & (size * BEHIND**singular.order < _LARGEST)
+        return (singular.size > self._tiny) & (np.abs(singular.height) * BEHIND**singular.order < _LARGEST)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from master.atomic import AtomicChain
 from master.breaking import CohortBreaks
 from master.cohort import SLACK, Cohort, together
+from master.corners import bends
 from master.law import Law
 from master.listed import ListedLater
 from master.piecewise import Piecewise, tabulate
@@ -26,6 +27,7 @@ _MOST_PANELS = 4096
 _ONSET = 1e-6
 _MOST_CORNERS = 400
 _NOTHING = 1e-15
+_JUMP = 1e-11
 _RESOLVED = 8.0  # steps in a panel of a series, with which a lattice follows it
 _APART, _NO_WEIGHT = 1e-13, 1e-18
 _FEW = 0.1  # of what series are good to: births that need not be looked for
@@ -164,11 +166,11 @@ class Leg:
         """Births over the travel from 0 to `end`, and where they jump."""
         if (self.first.single and self.later is None) or end <= 0.0:
             return Piecewise(np.zeros(1), np.empty((16, 0))), np.empty(0)
-        jumps = self.first.jumps
-        jumps = jumps[(jumps > 0.0) & (jumps < end)]
+        corners = self._corners(end)
         inner = np.linspace(0.0, end, 2 + int(min(end / (_PANEL * self.law.narrowest), _MOST_PANELS)))[1:-1]
         listed = self.later.edges(end) if isinstance(self.later, ListedLater) else np.empty(0)
-        edges = np.unique(np.concatenate([[0.0, end], jumps, self._corners(end), inner, listed]))
+        corners = np.concatenate([corners, listed])
+        edges = np.unique(np.concatenate([[0.0, end], corners, inner]))
         edges = edges[np.append(np.diff(edges) > 1e-13 * end, True)]
         step = self.step
 
@@ -179,7 +181,16 @@ class Leg:
             return self.births(y.ravel()).reshape(1, *y.shape)
 
         (table,) = tabulate(rows, edges, self._accuracy, narrow)
-        return table, np.concatenate([[0.0, end], jumps])
+        return table, np.concatenate([[0.0, end], self._kinked(table, np.unique(corners))])
+
+    def _kinked(self, table: Piecewise, at: Array) -> Array:
+        """Those of the travels at which births jump, or bend where exact thresholds hand bends on to later breaks."""
+        at = at[(at > 0.0) & (at < table.edges[-1]) & np.isin(at, table.edges)]
+        sizes = table.jumps[np.searchsorted(table.edges, at)]
+        jumps = at[np.abs(sizes) > max(_JUMP, self._accuracy)]
+        if not self.law.atoms.size:
+            return jumps
+        return np.union1d(jumps, bends(table, at, self.law.narrowest)[0])
 
     def _corners(self, end: float) -> Array:
         """Where births bend: corners of f, and where thresholds of which many are alike are added, once and twice."""

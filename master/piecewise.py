@@ -51,6 +51,14 @@ class Piecewise:
         self.total = float(self._before[-1])
 
     @cached_property
+    def jumps(self) -> Array:
+        """By how much the function jumps at each edge but the last, being zero before the first."""
+        # values at a panel's two ends: sums of its Legendre coefficients, with alternating signs at the left one
+        ends = self.coefficients.sum(axis=0)
+        begins = (_ALTERNATE[: self.coefficients.shape[0], None] * self.coefficients).sum(axis=0)
+        return np.asarray(begins - np.append(0.0, ends[:-1]))
+
+    @cached_property
     def _values(self) -> Array:
         return _POWERS[:_NODES, :_NODES] @ self.coefficients
 

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.timeline import Piece
-from master.wear import Wear
+from master.wear import Left, Wear
 
 Array = npt.NDArray[np.float64]
 
@@ -17,24 +17,30 @@ def replay(
     stretch, share = again
     nodes = stretch.size
     begun, at, until, goal = (np.repeat(x, nodes) for x in (birth, place, time, end))
-    zero = at - np.tile(stretch, birth.size)
     worn = np.tile(wear.fresh(stretch), (birth.size, 1))
-    furthest = np.tile(np.abs(stretch), birth.size)
+    left, x = lived(wear, course, worn, np.tile(stretch, birth.size), begun, at, until, goal)
+    shape = (-1, nodes)
+    return left.held.reshape(shape) @ share, (left.stiff * x).reshape(shape) @ share
+
+
+def lived(
+    wear: Wear, course: list[Piece], worn: Array, stretch: Array, birth: Array, place: Array, time: Array, end: Array
+) -> tuple[Left, Array]:
+    """What is left of strands, and their stretches, that have `worn` since `birth`, each at a stretch of its own."""
+    at, zero, furthest = place.copy(), place - stretch, np.abs(stretch)
     earliest, latest = float(birth.min(initial=np.inf)), float(time.max(initial=-np.inf))
     for piece in course:
         if piece.end <= earliest or piece.begin >= latest:
             continue
-        rows = (begun < piece.end) & (until > piece.begin)
+        rows = (birth < piece.end) & (time > piece.begin)
         # an index that takes all rows costs a copy
         some = slice(None) if rows.all() else np.flatnonzero(rows)
-        ends = np.where(until[some] > piece.end, piece.after, goal[some])
-        lasts = np.minimum(until[some], piece.end) - np.maximum(begun[some], piece.begin)
+        ends = np.where(time[some] > piece.end, piece.after, end[some])
+        lasts = np.minimum(time[some], piece.end) - np.maximum(birth[some], piece.begin)
         part, first, last = worn[some], (at - zero)[some], ends - zero[some]
         wear.advance(part, first, last, furthest[some], lasts)
         worn[some] = part
         furthest[some] = np.maximum(furthest[some], np.abs(last))
         at[some] = ends
     x = at - zero
-    left = wear.left(worn, x, furthest)
-    shape = (-1, nodes)
-    return left.held.reshape(shape) @ share, (left.stiff * x).reshape(shape) @ share
+    return wear.left(worn, x, furthest), x

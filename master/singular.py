@@ -47,6 +47,12 @@ class Singular:
     def position(self) -> Array:
         return self.shift + self.place
 
+    @property
+    def size(self) -> Array:
+        """How much of each there is: where heights cancel, what the lattice made of them need not."""
+        before = np.arange(self.seen.shape[1]) <= self.place[:, None] + 1.0
+        return np.maximum(np.abs(self.height), np.abs(self.seen * before).max(axis=1, initial=0.0))
+
     def __getitem__(self, which: "Indices | npt.NDArray[np.bool_] | slice") -> "Singular":
         return Singular(self.order, self.shift[which], self.place[which], self.height[which], self.seen[which])
 

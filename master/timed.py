@@ -2,19 +2,22 @@
 along it, extrapolated, changes by less than the tolerance."""
 
 import time as clocks
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
+from master.collocation import Course
 from master.forward import ROUND_OFF, estimate
 from master.lives import Lives
 from master.make_lives import make_lives, prepare
 from master.marching import March, lagrange, march
+from master.moment import MomentDistribution, distribution_at
 from master.on_panels import follow
 from master.outcome import outcome
 from master.timeline import Part, beside, jumps, marks, parts, pieces, times
-from origins import Contacts, Drive
+from origins import Contacts, Drive, InputError
+from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
@@ -62,6 +65,23 @@ class TimedSolution:
     nodes: int
     success: bool
     message: str
+    _contacts: Contacts = field(repr=False)
+    _drive: Drive = field(repr=False)
+    _course: Course | None = field(repr=False)
+
+    def distribution(self, point: int) -> MomentDistribution:
+        """Q(x;X) at one point of the path, told by its index as X may be passed often; X stands still in a hold.
+
+        InputError where there is no such point, for contacts that age, and where they form again at many stretches.
+        """
+        if self._contacts.ageing is not None or self._contacts.grains is not None:
+            raise InputError("contacts.ageing, .grains: Q(x;X) is not known along paths in time yet where contacts age")
+        if isinstance(point, bool) or not isinstance(point, int | np.integer) or not 0 <= point < self.path.size:
+            refuse("point", point, f"must be the index of a point of the path, 0 to {self.path.size - 1}")
+        if self._course is None:
+            raise InputError("path: the slider never moves and no time passes; Q(x;X) is that of the start")
+        time, place = float(self.time[point]), float(self.path[point])
+        return distribution_at(self._contacts, self._course, pieces(self._drive), time, place)
 
 
 def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolution:
@@ -73,9 +93,11 @@ def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolu
     prepare(contacts)
     began = clocks.perf_counter()
     asked = times(drive)
+    path: Course | None = None
     if contacts.ageing is None and contacts.grains is None:
         found = follow(contacts, drive, tolerance)
         force, holding, error, nodes, message = found.force, found.holding, found.error, found.nodes, found.message
+        path = found.course
     else:
         force, holding, error, nodes, message = _refine(contacts, drive, asked, tolerance)
     success, message = outcome(contacts, error, tolerance, message)
@@ -89,6 +111,9 @@ def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolu
         nodes=nodes,
         success=success,
         message=message,
+        _contacts=contacts,
+        _drive=drive,
+        _course=path,
     )
 
 

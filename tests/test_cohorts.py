@@ -286,11 +286,13 @@ def case(number: int) -> tuple[origins.Contacts, np.ndarray, float]:
     return origins.Contacts(law, start), through([0.0, *turns], draw.whole(2, 30)), draw.tolerance()
 
 
-def claimed_and_true(contacts: origins.Contacts, path: np.ndarray, tolerance: float) -> tuple[float, float]:
+def claimed_and_true(
+    contacts: origins.Contacts, path: np.ndarray, tolerance: float, finer: float | None = None
+) -> tuple[float, float]:
     solution = solve_cohorts(contacts, path, tolerance)
     # another end of the last leg makes lattices that share no nodes with the first
     longer = np.append(path, path[-1] + 0.37 * (path[-1] - path[-2]))
-    known = solve_cohorts(contacts, longer, max(1e-3 * tolerance, 1e-11))
+    known = solve_cohorts(contacts, longer, finer or max(1e-3 * tolerance, 1e-11))
     error = np.abs(solution.force - known.force[:-1]).max() / contacts.mean_threshold
     assert error <= solution.force_error + known.force_error
     return solution.force_error, float(error)
@@ -306,6 +308,17 @@ def test_bends_of_what_older_cohorts_break_are_not_smeared():
     contacts = origins.Contacts(origins.gaussian(1.05, 0.52), origins.gaussian_start(0.1, 0.0016))
     claimed, true = claimed_and_true(contacts, through([0.0, 0.63, -1.43], 60), 1e-10)
     assert true <= claimed <= 1e-10
+
+
+def test_jumps_that_exact_values_hand_on_are_followed():
+    """Births jump again one exact value later, on the next leg too; and where two such jumps cancel, what a lattice
+    makes of each does not."""
+    parts = [origins.identical(0.46), origins.identical(1.08), origins.gaussian(1.0, 0.1)]
+    law = origins.mixture(parts, [0.2, 0.3, 0.5])
+    contacts = origins.Contacts(law, scipy.stats.uniform(0.092, 0.139))
+    path = through([0.0, -0.77, -0.1, -0.1006, 1.96, 1.41], 12)
+    claimed, true = claimed_and_true(contacts, path, 1e-6, 1e-8)
+    assert true <= 5e-8 and true <= claimed <= 1e-6
 
 
 def test_births_where_thresholds_diverge_are_kept():
