@@ -22,13 +22,13 @@ _LEAST, _MOST = -32.0, 3.65  # ln e: little is spent below, nothing is left abov
 _OVER = 7.0  # of ln e, where e to -e is 0 and e not yet large
 _EVEN = -1.0  # ln e down to which panels are even
 _WIDTH, _WIDER, _WIDEST = 0.6, 1.3, 4.0
-_CUTS = np.array([1.0, 0.72, 0.42, 0.0])  # of the cube root of ln A below its last: a stiff contact's x has a power 2/3
+_CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])  # of the cube root of ln A below a stiff contact's last: x has a power 2/3
 _RUNG = 1.5  # in k_BT
 _UNTRIED, _TRIED = 1e-2, 1.0  # attempts on the way to a threshold, and the logarithm from one to the next edge
 _ACCURACY, _TAIL = 1e-12, 1e-80
 _COMMON, _SLIGHT, _BEYOND = 1e-20, 1e-3, 2.0  # shares of thresholds; of what a panel may miss; of what lies beyond
 _GOOD, _DEPTH = 1e-11, 40  # of the whole, at which a panel is not halved
-_INVERSE = 1e-12  # relative error of the sums over ln A, and of a short stretch found from its amount
+_INVERSE = 2e-12  # relative error of the sums over ln A, and of a short stretch found from its amount
 # width times the Legendre coefficients of a panel, from its nodes' shares of the sum
 _LEGENDRE = (2.0 * np.arange(NODES)[:, None] + 1.0) * legvander(2.0 * GAUSS_NODES - 1.0, NODES - 1).T
 _FALL = (2 * NODES - (NODES - 1.5)) / (NODES - 1.5)  # the sum misses the coefficient 2 NODES; the last two are known
