@@ -78,6 +78,5 @@ def _fall(near: Array, far: Array, threshold: Array) -> Array:
 
 def _stretch(u: Array, gone: Array, threshold: Array) -> Array:
     """x from u and from gone = 1 - u, whichever is the smaller."""
-    power = 2.0 / 3.0
-    near_zero = -np.expm1(power * np.log1p(-np.minimum(gone, 0.75)))
-    return threshold * np.where(u < 0.5, 1.0 - u**power, near_zero)
+    near_zero = -np.expm1(2.0 / 3.0 * np.log1p(-np.minimum(gone, 0.75)))
+    return threshold * np.where(u < 0.5, 1.0 - np.square(np.cbrt(u)), near_zero)
