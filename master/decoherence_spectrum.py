@@ -26,7 +26,7 @@ from master.problem import Problem
 from master.steady import steady_state
 from origins import Contacts
 from origins.contacts import check_contacts
-from origins.errors import InputError, positive, whole
+from origins.errors import InputError, positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
 
@@ -37,6 +37,7 @@ _LITTLE = 1e-2
 _ACCURACY = 1e-8
 _ROUND_OFF = 1e-15
 _HIGH = 10.0
+_LONGEST = 400.0  # wait in mean travels: |p^| is nearly 1 at so many frequencies that to count roots takes minutes
 
 
 @dataclass(frozen=True)
@@ -132,8 +133,8 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     values infinitely many roots crowd about one rate.
 
     Raises InputError for thresholds of exact values alone, or nearly so, whose roots come as near to Re s = 0 as one
-    likes; for the paper's closure of ageing, where contacts do not break by a law of their own; and as `steady_state`
-    does.
+    likes; for contacts that wait for more than 400 times as long as they hold; for the paper's closure of ageing, where
+    contacts do not break by a law of their own; and as `steady_state` does.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS)
@@ -141,7 +142,14 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     steady = steady_state(contacts, velocity=velocity)
     problem = _problem(contacts, velocity)
     noise = survival_error(problem.cycle)
-    law = problem.law
+    law, wait = problem.law, problem.release.delay
+    if contacts.delay is not None and wait > _LONGEST:
+        refuse(
+            "delay",
+            contacts.delay.time,
+            f"contacts wait for {wait:.3g} times as long as they hold, and roots are counted up to {_LONGEST:g} times; "
+            "use a shorter one, or master.propensity, which gives X* at any delay",
+        )
     if law.atomic:
         raise InputError(
             "thresholds: are exact values alone: their roots come as near to Re s = 0 as one likes and none is the "

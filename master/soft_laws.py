@@ -129,7 +129,9 @@ def _refine(
         watched[: 2 * asked.size] = np.tile(~near, 2)
         watched[-2 * slips.shape[1] :] = slips.shape[1] == 0
         error, answer = table.add(everything, watched)
-        error += ROUND_OFF * (1.0 + pull.steps) * (1.0 + spring) + lives.error
+        # what rounding leaves of the balance moves a slider by 1/K of it: only one that slips is on a slope as steep
+        steep = spring if pull.slips else min(spring, 1.0)
+        error += ROUND_OFF * (1.0 + pull.steps) * (1.0 + steep) + lives.error
         error = max(error, pull.unresolved / unit)
         if error < best[0] or not level:
             f, h = answer[: asked.size] * unit, answer[asked.size : 2 * asked.size]

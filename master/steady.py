@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from master.break_sums import summable, summed
 from master.breaking_law import BreakingLaw
 from master.cycle import LAWS, Cycle
 from master.effective_law import EffectiveLaw
@@ -140,8 +141,6 @@ def _summed(
 ) -> tuple[float, float, float, float]:
     """Force, C and their errors (lengths) by sums over contacts, where those apply and are better than what is `known`:
     tables of cold stretches at which contacts break are narrower than x is known."""
-    from master.kinetic import summable, summed
-
     if not summable(contacts):
         return known
     force, off, length, length_off = (float(row[0]) for row in summed(contacts, np.array([cycle.velocity])))

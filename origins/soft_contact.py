@@ -44,8 +44,17 @@ def log_between(near: Array, far: Array, threshold: Array, spring: Array) -> Arr
 def advance(log_amount: Array, near: Array, threshold: Array, spring: Array) -> Array:
     """Stretch up to which the integral of h/ω from `near` is the amount; the threshold where it stays below."""
     root = np.sqrt(spring)
-    level = np.logaddexp(log_amount + np.log(root) + spring * threshold * threshold, log_growth(root * near))
+    level = np.logaddexp(_level(log_amount, threshold, spring), log_growth(root * near))
     return np.clip(inverse_log_growth(level) / root, near, threshold)
+
+
+def from_rest(log_amount: Array, threshold: Array, spring: Array) -> Array:
+    """The same from 0 on, of arrays that broadcast."""
+    return np.minimum(inverse_log_growth(_level(log_amount, threshold, spring)) / np.sqrt(spring), threshold)
+
+
+def _level(log_amount: Array, threshold: Array, spring: Array) -> Array:
+    return log_amount + (0.5 * np.log(spring) + spring * threshold * threshold)
 
 
 def retreat(log_share: Array, far: Array, threshold: Array, spring: Array) -> Array:

@@ -48,6 +48,15 @@ def advance(log_amount: Array, near: Array, threshold: Array, spring: Array) -> 
     return np.clip(x, near, threshold)
 
 
+def from_rest(log_amount: Array, threshold: Array, spring: Array) -> Array:
+    """The same from 0 on, of arrays that broadcast."""
+    c = spring * threshold * threshold
+    log_part = log_amount + np.log(1.5 * c / threshold)
+    more = np.log1p(np.exp(-np.abs(log_part + c)))
+    left, gone = -np.maximum(log_part, -c) - more, np.maximum(log_part + c, 0.0) + more
+    return np.clip(_stretch(np.maximum(left, 0.0) / c, gone / c, threshold), 0.0, threshold)
+
+
 def retreat(log_share: Array, far: Array, threshold: Array, spring: Array) -> Array:
     """Stretch down to which the integral of h/ω from `far` is a share <= 1 of the one down to 0."""
     c, whole = spring * threshold * threshold, _fall(np.zeros_like(far), far, threshold)
@@ -69,6 +78,5 @@ def _fall(near: Array, far: Array, threshold: Array) -> Array:
 
 def _stretch(u: Array, gone: Array, threshold: Array) -> Array:
     """x from u and from gone = 1 - u, whichever is the smaller."""
-    power = 2.0 / 3.0
-    near_zero = -np.expm1(power * np.log1p(-np.minimum(gone, 0.75)))
-    return threshold * np.where(u < 0.5, 1.0 - u**power, near_zero)
+    near_zero = -np.expm1(2.0 / 3.0 * np.log1p(-np.minimum(gone, 0.75)))
+    return threshold * np.where(u < 0.5, 1.0 - np.square(np.cbrt(u)), near_zero)

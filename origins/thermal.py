@@ -153,6 +153,12 @@ class Thermal:
                 out[back] = _from_behind(law, log_amount[back], -begin[back], limit[back], spring[back])
         return out.reshape(shape)[()]
 
+    def inverse_from_rest(self, log_amount: Array, threshold: Array, stiffness: Array) -> Array:
+        """The same from x = 0 at ln A, for sums over many contacts: not checked; arrays that broadcast."""
+        with np.errstate(divide="ignore", over="ignore", under="ignore"):
+            goal, spring = log_amount - np.log(self.attempt_frequency), stiffness / (2.0 * self.temperature)
+            return np.asarray(_LAWS[self.law].from_rest(goal, threshold, spring))
+
     def _prepare(
         self, threshold: npt.ArrayLike, stiffness: npt.ArrayLike, **more: npt.ArrayLike
     ) -> tuple[tuple[int, ...], list[Array]]:

@@ -194,3 +194,5 @@ def test_what_has_no_spectrum_is_said() -> None:
         master.decoherence_spectrum(aged)
     with pytest.raises(InputError, match="n_roots"):
         master.decoherence_spectrum(Contacts(WIDE), n_roots=0)
+    with pytest.raises(InputError, match=r"delay = 500\.0: contacts wait for 500 times as long as they hold"):
+        master.decoherence_spectrum(Contacts(gaussian(1.0, 0.05), delay=Delay(500.0)))

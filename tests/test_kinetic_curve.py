@@ -151,3 +151,66 @@ def test_fast_attempts_on_low_thresholds(law: object, thermal: Thermal) -> None:
     curve, tables = master.kinetic_curve(contacts, [0.5, 1.0]), master.steady_state(contacts)
     off = abs(curve.force[1] - tables.force)
     assert off <= (curve.force_error[1] + tables.force_error) * contacts.mean_threshold < 2e-8 * tables.force
+
+
+def by_stretches(contacts: Contacts, speed: float) -> float:
+    """F_k by another road: <x_b> and <k x_b^2> as integrals of what still holds over x, then over thresholds."""
+    thermal, law = contacts.thermal, contacts.thresholds
+    assert thermal is not None
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
+    # far into the tail, which tells where all but the strongest break at once
+    edges = np.concatenate([np.geomspace(1e-16, 0.02, 50), np.linspace(0.0, 1.0, 41)[1:] * float(law.isf(1e-70))])
+    edges = np.unique(edges)
+    width = np.diff(edges)[:, None]
+    thresholds = (edges[:-1, None] + width * nodes).ravel()
+    shares = (width * weights).ravel() * law.pdf(thresholds)
+    stiffness = contacts.relative_stiffness(thresholds)[:, None]
+    amounts = speed * np.exp(np.append(np.arange(-40.0, -4.0, 3.0), np.arange(-4.0, 4.6, 0.5)))
+    cuts = np.sort(
+        np.hstack(
+            [
+                np.zeros((thresholds.size, 1)),
+                thermal.inverse(amounts, thresholds[:, None], stiffness=stiffness),
+                thresholds[:, None] * (1.0 - np.append(0.2 ** np.arange(1.0, 10.0), 0.0)),
+            ]
+        )
+    )
+    length, square = 0.0, 0.0
+    for begin, end in zip(cuts.T[:-1], cuts.T[1:], strict=True):
+        x = np.minimum(begin[:, None] + (end - begin)[:, None] * nodes, thresholds[:, None])
+        spent = thermal.log_per_length(x, thresholds[:, None], np.zeros_like(x), stiffness, speed)
+        held = np.exp(-np.exp(np.minimum(spent, 7.0))) * weights * (end - begin)[:, None]
+        length += float(shares @ held.sum(axis=1))
+        square += 2.0 * float((shares * stiffness[:, 0]) @ (x * held).sum(axis=1))
+    return 0.5 * square / length
+
+
+@pytest.mark.parametrize(
+    ("thermal", "speed", "stiffness"),
+    [
+        (Thermal("soft", 0.00776, 390.0), 1.0, "linked"),
+        (Thermal("soft", 3.0, 4200.0), 0.0041, "linked"),
+        (Thermal("soft", 0.3, 1e-3), 1.0, "independent"),
+        # the strongest 1e-24 of all contacts carry the force
+        (Thermal("stiff", 2.0619038449984872, 9863759.88), 1.5167e-5, "independent"),
+        (Thermal("stiff", 18.0376, 1813.58), 3.7447e-6, "linked"),
+    ],
+)
+def test_wide_laws_by_integrals_over_stretches(thermal: Thermal, speed: float, stiffness: str) -> None:
+    contacts = Contacts(gaussian(1.0, 1.0), thermal=thermal, stiffness=stiffness)
+    curve = master.kinetic_curve(contacts, [speed, 3.0 * speed])
+    unit = contacts.mean_threshold
+    known = by_stretches(contacts, speed) / unit
+    assert abs(curve.force[0] / unit - known) <= curve.force_error[0] + 1e-12 * known
+    assert curve.force_error[0] <= 1e-10 * known
+
+
+def test_temperatures_share_the_panels_of_their_law() -> None:
+    for law in ("soft", "stiff"):
+        contacts = Contacts(gaussian(1.0, 0.3), thermal=Thermal(law, 1.0), stiffness="linked")  # type: ignore[arg-type]
+        heat = np.geomspace(1e-3, 10.0, 5)
+        together = master.kinetic_curve(contacts, 0.1, temperature=heat)
+        single = [master.kinetic_curve(contacts, 0.1, temperature=float(t)).force for t in heat]
+        np.testing.assert_array_equal(together.force, single)
+        assert (together.force_error < 1e-10).all()

@@ -109,3 +109,11 @@ def test_one_reset_is_judged_alike_whatever_the_rates(laws: dict[str, Any]) -> N
     for start, verdict in ((None, "stick-slip"), (0.1, "undecided")):
         found = regime(Contacts(gaussian(1.0, 0.1), start, **laws), 0.5, "reset", once, 0.6 * once, path, 1e-4)
         assert found.verdict == verdict and found.reason.startswith("one slip")
+
+
+def test_a_spring_as_stiff_as_one_likes_loses_no_digits() -> None:
+    contacts, path = Contacts(WIDE, thermal=SOFT), np.linspace(0.1, 1.0, 7)
+    pulled = master.solve(contacts, path, 1e-4, spring=1e10)
+    rigid = master.solve(contacts, path, 1e-9)
+    assert pulled.success and pulled.force_error <= 1e-4
+    assert np.abs(pulled.force - rigid.force).max() <= pulled.force_error + 1e-9
