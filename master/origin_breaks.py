@@ -92,9 +92,7 @@ class OriginBreaks(FirstBreaks):
     def _find_corners(self, seeds: Array, law: Law) -> None:
         """Jumps of b_0 between panels, and bends where the law has atoms."""
         table = self.density
-        signs = np.where(np.arange(table.coefficients.shape[0]) % 2, -1.0, 1.0)[:, None]
-        begins = (signs * table.coefficients).sum(axis=0)
-        size = begins - np.append(0.0, table.coefficients.sum(axis=0)[:-1])
+        size = table.jumps
         known = np.isin(table.edges[:-1], seeds) & (np.abs(size) > _JUMP)
         known[0] = True
         self.jumps, self.jump_sizes = table.edges[:-1][known], size[known]
