@@ -10,7 +10,7 @@ from heapq import heappop, heappush
 import numpy as np
 import numpy.typing as npt
 
-from master.timeline import Piece, where
+from master.timeline import Piece, ways, where
 
 Array = npt.NDArray[np.float64]
 
@@ -72,18 +72,13 @@ def _passings(course: list[Piece], since: float, place: float, furthest: float, 
     """When contacts born at a time and place come back to their largest |x|, or first pass one of the limits."""
     out: list[float] = []
     began = True
-    for piece in course:
-        if piece.end <= since or piece.travel == 0.0:
-            continue
-        begin = max(piece.begin, since)
-        speed = piece.travel / piece.duration
-        first, last = piece.before + speed * (begin - piece.begin) - place, piece.after - place
+    for begin, end, first, last, speed in ways(course, since, place):
         goals = [furthest, *limits[limits > furthest * (1.0 + _CLOSE)].tolist()]
         for goal in goals:
             reached = goal * np.sign(speed)
             share = (reached - first) / (last - first)
             if (0.0 if began else -_CLOSE) < share < 1.0:
-                out.append(begin + share * (piece.end - begin))
+                out.append(begin + share * (end - begin))
         furthest = max(furthest, abs(first), abs(last))
         began = False
     return out

@@ -4,13 +4,12 @@ All that is compiled stands in this one file, because numba's cache on disk noti
 only.
 """
 
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 from scipy.special import dawsn
+
+from master.compiling import compiled
 
 Array = npt.NDArray[np.float64]
 
@@ -23,15 +22,7 @@ _AT = np.arange(int(_TOP * _PER) + 2) / _PER
 DAWSON = np.stack([dawsn(_AT), 1.0 - 2.0 * _AT * dawsn(_AT)])
 
 
-def _compiled(function: Callable[..., Any]) -> Any:
-    """`function` compiled when first called and kept on disk; in memory only where no folder can be written."""
-    try:
-        return njit(cache=True)(function)
-    except RuntimeError:  # numba found no folder for its cache
-        return njit(function)
-
-
-@_compiled
+@compiled
 def _dawson(y: float, table: Array) -> float:
     """Dawson's integral for y >= 0, by Hermite's cubics."""
     if y >= 30.0:
@@ -45,7 +36,7 @@ def _dawson(y: float, table: Array) -> float:
     return value + t * s * (table[1, k] * s - table[1, k + 1] * t) / 1024.0
 
 
-@_compiled
+@compiled
 def _cost(
     stiff: bool, near: float, far: float, way: float, across: bool, threshold: float, b: float, table: Array
 ) -> float:
@@ -67,7 +58,7 @@ def _cost(
     return np.exp(-barrier) * total / (root * way)
 
 
-@_compiled
+@compiled
 def _spent(i: int, j: int, stiff: bool, legs: Array, kept: Array, nodes: Array, springs: Array, table: Array) -> float:
     """A of strand i at node j; legs are rows (near, far, way, time times ω, across)."""
     if kept[i, j] >= _MOST:
@@ -78,7 +69,7 @@ def _spent(i: int, j: int, stiff: bool, legs: Array, kept: Array, nodes: Array, 
     return min(kept[i, j] + max(mean, 0.0) * legs[i, 3], _MOST)
 
 
-@_compiled
+@compiled
 def spent(
     stiff: bool, legs: Array, kept: Array, first: npt.NDArray[np.intp], nodes: Array, springs: Array, table: Array
 ) -> Array:
@@ -91,7 +82,7 @@ def spent(
     return out
 
 
-@_compiled
+@compiled
 def left(
     stiff: bool,
     legs: Array,

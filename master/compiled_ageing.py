@@ -4,25 +4,16 @@ All that is compiled for it stands in this one file, because numba's cache on di
 file only.
 """
 
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from master.compiling import compiled
 
 Array = npt.NDArray[np.float64]
 
 
-def _compiled(function: Callable[..., Any]) -> Any:
-    """`function` compiled when first called and kept on disk; in memory only where no folder can be written."""
-    try:
-        return njit(cache=True)(function)
-    except RuntimeError:  # numba found no folder for its cache
-        return njit(function)
-
-
-@_compiled
+@compiled
 def _solve(band: Array, found: Array) -> None:
     """In place, the solution of a system; band[i, 5 + j] stands in row i and column i + j, |j| <= 5."""
     n = found.size
@@ -41,7 +32,7 @@ def _solve(band: Array, found: Array) -> None:
         found[i] = value / band[i, 5]
 
 
-@_compiled
+@compiled
 def step(
     weights: Array,
     cells: npt.NDArray[np.intp],

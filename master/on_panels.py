@@ -11,7 +11,7 @@ from master.collocation import Course, TooMuch
 from master.forward import ROUND_OFF
 from master.make_lives import make_generations
 from master.panels import Panel, Scales, panels, radau
-from master.timeline import Piece, jumps, pieces, times
+from master.timeline import Piece, jumps, pieces, times, where
 from origins import Contacts, Drive
 
 Array = npt.NDArray[np.float64]
@@ -62,7 +62,7 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float) -> Found:
     if needed > _MOST_PANELS:
         scales = scales.wider(needed / (_GLANCE * _MOST_PANELS))
     watch = np.concatenate([_watched(a, b) for a, b in pairwise(edges.tolist())])
-    place = np.append(drive.path, [_where(course, time) for time in watch])
+    place = np.append(drive.path, [where(course, time) for time in watch])
     everywhere = np.append(asked, watch)
     speed = max(abs(piece.travel) / piece.duration for piece in course)
     rounding = _EPSILON * speed * float(asked[-1]) / unit
@@ -142,11 +142,6 @@ def _needed(course: list[Piece], scales: Scales) -> float:
 
 def _watched(begin: float, end: float) -> Array:
     return begin + (end - begin) * np.arange(1, _WATCH) / _WATCH
-
-
-def _where(course: list[Piece], time: float) -> float:
-    piece = next((piece for piece in course if time <= piece.end), course[-1])
-    return piece.before + piece.travel * (time - piece.begin) / piece.duration
 
 
 def read(course: Course, time: Array, place: Array, rows: list[Array]) -> Array:

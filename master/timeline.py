@@ -7,6 +7,7 @@ the delay brings the same again.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -171,12 +172,7 @@ def jumps(course: list[Piece], lone: list[float], again: float, atoms: Array, de
         if len(known) > _MOST_JUMPS:
             return None
         furthest = abs(again) if since > 0.0 else abs(place)
-        for piece in course:
-            if piece.end <= since or piece.travel == 0.0:
-                continue
-            begin = max(piece.begin, since)
-            speed = piece.travel / piece.duration
-            first, last = piece.before + speed * (begin - piece.begin) - place, piece.after - place
+        for begin, _, first, last, speed in ways(course, since, place):
             for atom in atoms[(atoms > furthest * (1.0 + _CLOSE)) & (atoms <= abs(last) * (1.0 + _CLOSE))]:
                 reached = float(np.copysign(atom, last))
                 at = begin + (reached - first) / speed
@@ -186,6 +182,17 @@ def jumps(course: list[Piece], lone: list[float], again: float, atoms: Array, de
                     pending.append((born, where(course, born) - again))
             furthest = max(furthest, abs(first), abs(last))
     return sorted(at for at in found if at <= end)
+
+
+def ways(course: list[Piece], since: float, place: float) -> Iterator[tuple[float, float, float, float, float]]:
+    """Each motion of a contact that has formed at a time, unstretched where the slider is at `place`: begin and end in
+    time, first and last stretch, speed."""
+    for piece in course:
+        if piece.end <= since or piece.travel == 0.0:
+            continue
+        begin = max(piece.begin, since)
+        speed = piece.travel / piece.duration
+        yield begin, piece.end, piece.before + speed * (begin - piece.begin) - place, piece.after - place, speed
 
 
 def beside(marks: Array, times: list[float], end: float) -> Array:
