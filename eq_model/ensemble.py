@@ -280,7 +280,8 @@ def simulate(
     Parameters
     ----------
     contacts : origins.Contacts
-        With temperature and ageing (closure "exact"), delay, re-forming and linked stiffness, each where it is there.
+        With temperature and ageing (closure "exact"), delay, re-forming, linked stiffness and thresholds that grow with
+        their age, each where it is there.
     path : array of shape (n,)
         Positions X (lengths, in the unit of the thresholds), from X = 0 on; it may turn round. See origins.Drive.
     velocity : float

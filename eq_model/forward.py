@@ -22,8 +22,9 @@ Array = npt.NDArray[np.float64]
 
 def takes(contacts: Contacts, drive: Drive) -> bool:
     """Whether contacts on a drive are such."""
-    always = contacts.delay is None and contacts.ageing is None and contacts.reforming is None
-    return always and contacts.stiffness == "independent" and drive.forward and drive.time is None
+    laws = contacts.grains, contacts.delay, contacts.ageing, contacts.reforming
+    alike = all(law is None for law in laws) and contacts.stiffness == "independent"
+    return alike and drive.forward and drive.time is None
 
 
 class Forward:

@@ -12,6 +12,7 @@ Lengths are in units of the lattice; thermal laws are those of thermal_kernel.py
 import numpy as np
 
 from eq_model.compiling import compiled
+from eq_model.grain_kernel import age_at, hazard, hold, never_holds, quantile
 from eq_model.kernel import LANES, ROW, _draw, _exact, _find, _more, _values, philox
 from eq_model.kernel import _bin as _find_bin
 from eq_model.thermal_kernel import MISSING, SOFT, between, hermite, inward, outward, rate
@@ -198,12 +199,12 @@ def _first_meeting(above, below, spread, normal, uniform):  # type: ignore[no-un
 
 @compiled
 def _look(at, birth, threshold, watch, counts):  # type: ignore[no-untyped-def]
-    """Count a contact that holds at one of the watched moments: its stretch and its threshold (whole)."""
+    """Count a contact that holds at one of the watched moments: its stretch (whole) and its threshold."""
     _, places, per, _ = watch
     bins = counts.shape[2]
     x = np.int64(np.floor(np.float64(places[at] - birth) * (0.5 * per) + 0.5 * bins))
     counts[at, 0, min(max(x, 0), bins - 1)] += 1
-    counts[at, 1, min(max(np.int64(np.float64(threshold) * per), 0), bins - 1)] += 1
+    counts[at, 1, min(max(np.int64(threshold * per), 0), bins - 1)] += 1
 
 
 @compiled
@@ -370,7 +371,7 @@ def run(  # type: ignore[no-untyped-def]
     unit of thresholds, and the largest threshold. sums : shape (columns * bins,), increased by the events of each bin;
     counts : shape (moments, 2, bins), by the contacts that hold then, by stretch of either sign and by threshold.
     """
-    law, tables, delay, stiff, mean, ageing, longest, reform, single = physics
+    law, tables, delay, stiff, mean, ageing, longest, grains, reform, single = physics
     hot, hot_shift, pieces, factor, sides, fine, edges, cubics = table
     (k0, k1), many, end = key, _U(many), lattice[2]
     second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
@@ -425,6 +426,20 @@ def run(  # type: ignore[no-untyped-def]
                 if threshold <= abs(born):
                     more = philox(_U(block[i]), tail, contact[i] & _MASK, contact[i] >> _HALF, k0, k1)[3]
                     threshold = _conditional(abs(born), words[i + 3 * ROW], more, table)
+            goal, age = 0.0, 0.0
+            if grains[0]:
+                if fresh:
+                    goal = _bearing(words[i], _more(words[i], 0, block[i], tail, contact[i], k0, k1))
+                    if never_holds(goal, clock[i], leg, course, grains):
+                        clock[left], legs[left] = _later(clock[i], leg, delay, course)
+                        if clock[left] <= end:
+                            second[left], contact[left], block[left] = second[i], contact[i], block[i] + np.uint32(1)
+                            drawn[left], ahead[left] = drawn[i], ahead[i]
+                            left += 1
+                        continue
+                else:
+                    age = grains[3]
+                    goal = hazard(np.float64(threshold), age, grains[2])
             stiffness = threshold / mean if stiff else 1.0
             birth = _place(clock[i], leg, course) - born
             _event(1, stiff, stiffness, birth, clock[i], lattice, reference, sums)
@@ -460,10 +475,18 @@ def run(  # type: ignore[no-untyped-def]
                 drawn[i] += np.uint32(done)
                 steps += done
             else:
-                then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course)
+                begun = leg
+                if grains[0]:
+                    then, _, leg = hold(clock[i], leg, born, age, goal, course, grains)
+                else:
+                    then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course)
                 while ahead[i] < moments.size and moments[ahead[i]] < then:
                     if moments[ahead[i]] >= clock[i]:
-                        _look(ahead[i], birth, threshold, watch, counts)
+                        own = np.float64(threshold)
+                        if grains[0]:
+                            older = age_at(moments[ahead[i]], clock[i], begun, age, course, grains)
+                            own = quantile(goal, older, grains[2])
+                        _look(ahead[i], birth, own, watch, counts)
                     ahead[i] += 1
             if then > end:
                 continue

@@ -13,11 +13,11 @@ from eq_model.course import Course, make_course
 from eq_model.histogram import BINS, Histogram, Made, histogram
 from eq_model.lattice import Whole, joined, split
 from eq_model.thermal_tables import growth_tables, law_for_kernel
-from origins import Ageing, Contacts, Drive
+from origins import Ageing, Contacts, Drive, GrainContact
 
 Array = npt.NDArray[np.float64]
 
-LAWS = ("thermal", "ageing", "delay", "reforming", "stiffness")
+LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 _STEP_ELSE = 0.004
 # contacts followed besides in steps COARSER times longer, whose force tells the error of the steps: the first of each
@@ -27,11 +27,20 @@ _FIRST, _EACH = 512, 4096
 
 
 def physics(contacts: Contacts, unit: float) -> tuple[Any, ...]:
-    """Laws as the kernel takes them: thermal, tables for it, delay, whether stiffness is linked, mean threshold."""
+    """Laws as the kernel takes them: thermal, tables for it, wait, whether stiffness is linked, mean threshold,
+    ageing and its steps, growth."""
     law = law_for_kernel(contacts.thermal, unit)
-    wait = 0.0 if contacts.delay is None else contacts.delay.time
     linked, mean = contacts.stiffness == "linked", contacts.mean_threshold / unit
-    return law, growth_tables(), wait, linked, mean, *_ageing(contacts.ageing, unit)
+    ageing = _ageing(contacts.ageing, unit)
+    return law, growth_tables(), contacts.waiting_time, linked, mean, *ageing, _growth(contacts.grains, unit)
+
+
+def _growth(grains: GrainContact | None, unit: float) -> tuple[int, float, float, float]:
+    """How thresholds grow: whether, tau_m, B^(1/2) and the age since pinning at X = 0 in units of tau_m."""
+    if grains is None or grains.age is None:
+        return 0, 1.0, 0.0, 0.0
+    first = grains.growth.first_pinning_time
+    return 1, first, float(np.sqrt(grains.growth.B)) * unit, (grains.age - first) / first
 
 
 def _ageing(ageing: Ageing | None, unit: float) -> tuple[tuple[Any, ...], tuple[float, float]]:
@@ -51,6 +60,13 @@ def _ageing(ageing: Ageing | None, unit: float) -> tuple[tuple[Any, ...], tuple[
     drift = CubicSpline(x, ageing.final.logpdf(x)).derivative()
     settings = (2, 0.0, 0.0, 0.0, diffusion, low / unit, step / unit, drift(x) * unit, drift(x, 1) * unit**2)
     return settings, (_STEP_ELSE * width**2 / diffusion, 1.0)
+
+
+def _grown(grains: GrainContact, drive: Drive) -> float:
+    """The largest threshold (a length) there is in the end, when no contact is older than those at X = 0."""
+    assert grains.age is not None
+    lasts = np.abs(np.diff(drive.path, prepend=0.0)).sum() / drive.velocity if drive.time is None else drive.time[-1]
+    return float(grains.quantile(1.0, grains.age + lasts))
 
 
 def coarse(part: range) -> list[range]:
@@ -124,6 +140,8 @@ class Lives:
         stiffest = max(longest / contacts.mean_threshold, 1.0) if self.linked else 1.0
         path = np.append(0.0, drive.path)
         span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
+        if contacts.grains is not None:
+            longest = max(longest, _grown(contacts.grains, drive))
         self._reached = np.minimum(span + furthest, longest) * stiffest
         # a bin holds births as well as breaks
         exact = contacts.thresholds.atoms[0].size > 0

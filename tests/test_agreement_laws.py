@@ -19,6 +19,7 @@ SEEDS = 100
 GAUSSIAN = origins.gaussian(1.0, 0.2)
 SOFT, STIFF = Thermal("soft", 0.05), Thermal("stiff", 0.05)
 START = origins.gaussian_start(-0.1, 0.2)
+GRAINS = origins.growing_grains(alpha=1.0, B=1.0, age=4.0)
 AGEING = Ageing(origins.gaussian(0.8, 0.05), 1e-2)
 FORWARD = np.linspace(0.35, 4.5, 14)
 LOOP = np.concatenate([np.linspace(0.4, 1.4, 6), np.linspace(1.0, -1.2, 7), np.linspace(-0.8, 0.6, 4)])
@@ -47,6 +48,8 @@ CASES = {
     "ageing, soft, delay": Case(
         Contacts(origins.gaussian(0.5, 0.1), 0.1, SOFT, AGEING, Delay(0.2)), tolerance=1e-4, number=300
     ),
+    "growing grains, delay": Case(Contacts(GRAINS, 0.1, delay=Delay(0.2)), tolerance=1e-5),
+    "growing grains, loop": Case(Contacts(GRAINS), LOOP, tolerance=1e-4),
     "loop": Case(Contacts(GAUSSIAN, START), LOOP),
     "loop, soft": Case(Contacts(GAUSSIAN, thermal=SOFT), LOOP, tolerance=1e-5),
     "loop, delay": Case(Contacts(GAUSSIAN, delay=Delay(0.3)), LOOP, tolerance=1e-5),

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+import eq_model
 import master
 import origins
-from origins import Contacts, Delay, GrainContact, GrainGrowth, InputError, Thermal, growing_grains
+from eq_model import grain_kernel
+from eq_model.course import make_course
+from origins import Contacts, Delay, Drive, GrainContact, GrainGrowth, InputError, Thermal, growing_grains
 
 ALPHA, B = 1.0, 1.0
 GRAINS = growing_grains(ALPHA, B, age=4.0)
@@ -87,6 +90,51 @@ def test_hazard_is_that_of_the_law_at_each_age() -> None:
         np.testing.assert_allclose(np.exp(-GRAINS.hazard(x, age)), GRAINS.growth.thresholds(age).sf(x), atol=1e-13)
     assert GRAINS.hazard([0.0, 0.1], FIRST).tolist() == [0.0, np.inf]
     assert GRAINS.hazard(1e-7, FIRST + 1e-7) == pytest.approx(GRAINS.lost_hazard(1.0), rel=1e-5)
+
+
+def test_hazard_and_quantile_of_the_compiled_kernel() -> None:
+    root, since = np.sqrt(GRAINS.growth.B), np.geomspace(1e-6, 1e6, 25)
+    for u in (1e-9, 1e-3, 0.3, 0.9, 1.0 - 1e-9):
+        stretch = GRAINS.quantile(u, FIRST * (1.0 + since))
+        goal = -np.log1p(-u)
+        found = [grain_kernel.quantile(goal, age, root) for age in since]
+        np.testing.assert_allclose(found, stretch, rtol=1e-9)
+        # a threshold near the largest has lost what tells its hazard
+        told = [grain_kernel.hazard(x, age, root) for x, age in zip(stretch, since, strict=True)]
+        np.testing.assert_allclose(told, GRAINS.hazard(stretch, FIRST * (1.0 + since)), rtol=1e-6)
+
+
+def test_a_contact_followed_breaks_where_its_hazard_is_met() -> None:
+    """Pulled steadily from the first, after a rest, and turning round after it was pulled faster than it now is."""
+    path, time = np.array([0.0, 0.5, 0.5, 6.0]), np.array([2.0, 2.1, 2.3, 13.3])
+    course = make_course(Drive(path, time=time), 1.0, 8.0, exact=False)
+    unit, generator = course.lattice.unit, np.random.default_rng(4)
+    grains = 1, FIRST, unit, 4.0 / FIRST - 1.0
+    broken = 0
+    for _ in range(50):
+        x, goal = generator.uniform(-0.4, 0.4), generator.exponential()
+        age, goal = grains[3], goal + float(GRAINS.hazard(abs(x), 4.0))
+        then, there, leg = grain_kernel.hold(0, 0, round(x / unit), age, goal, course.for_kernel, grains)
+        clock = np.append(0.0, np.cumsum(course.paces * np.diff(course.begins)))
+        at = 13.3 if then > course.begins[-1] else clock[leg] + (then - course.begins[leg]) * course.paces[leg]
+        sample = np.linspace(0.0, at, 4001)[:-1]
+        stretch = np.abs(x + np.interp(sample, np.append(0.0, time), np.append(0.0, path)))
+        assert (GRAINS.hazard(stretch, 4.0 + sample) < goal * (1.0 + 1e-9)).all()
+        if then <= course.begins[-1]:
+            assert GRAINS.hazard(abs(there) * unit, 4.0 + at) == pytest.approx(goal, rel=1e-8)
+            broken += 1
+    assert broken > 20
+
+
+def test_thresholds_seen_in_the_ensemble_are_those_of_their_age() -> None:
+    """At rest from pinning on nothing breaks: the histogram is that of the law at the age it has come to."""
+    path, time, n = np.array([0.0, 0.0]), np.array([1.0, 5.0]), 100_000
+    found = eq_model.simulate(Contacts(GRAINS), path, time=time, n_contacts=n, histograms=[0, 1])
+    for point, age in enumerate((5.0, 9.0)):
+        seen = found.histograms[point]
+        share = np.cumsum(seen.thresholds * np.diff(seen.threshold_edges))
+        assert np.abs(share - GRAINS.growth.thresholds(age).cdf(seen.threshold_edges[1:])).max() < 1.95 / np.sqrt(n)
+    assert found.breaks == 0
 
 
 def test_refusals() -> None:
