@@ -1,4 +1,4 @@
-"""Speed of the ensemble: nanoseconds per break, against the paper's own algorithm. Run: python tests/bench/bench_eq.py
+"""Speed of the ensemble: nanoseconds per break. Run: python tests/bench/bench_eq.py
 
 Run times are wall clock, tables included, compilation not; the best of three, so run it on an idle machine.
 """
@@ -7,15 +7,12 @@ import resource
 import shutil
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 
 import eq_model
 import origins
-from eq_model.closest import closest, draw_start
 
 ORIGINS = {
     "gaussian, std 0.05": origins.gaussian(mean=1.0, std=0.05),
@@ -26,13 +23,12 @@ ORIGINS = {
         [origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.3, 0.7]
     ),
 }
-CONTACTS = 10_000  # of the paper's algorithm
 SHARED = """
 from mpi4py import MPI
 import numpy as np, eq_model, origins
-contacts = origins.Contacts(origins.gaussian(mean=1.0, std=0.05))
-run = [eq_model.simulate(contacts, np.linspace(0.0, 100.0, 501), n_contacts=2_000_000, comm=MPI.COMM_WORLD)
-       for _ in range(3)]
+fresh, soft = origins.gaussian(mean=1.0, std=0.05), origins.Thermal("soft", 0.05)
+contacts, n = {shared}
+run = [eq_model.simulate(contacts, np.linspace(0.0, 100.0, 501), n_contacts=n, comm=MPI.COMM_WORLD) for _ in range(3)]
 if MPI.COMM_WORLD.Get_rank() == 0:
     print(min(r.run_time for r in run))
 """
@@ -46,43 +42,7 @@ def per_break(thresholds: origins.Thresholds, length: float, n_contacts: int, st
     return min(run.run_time for run in runs) / runs[0].breaks * 1e9
 
 
-@njit
-def paper_algorithm(x, gap, fresh):  # type: ignore[no-untyped-def]
-    """The paper's algorithm compiled: one break for each fresh threshold; the mean stretch at the end."""
-    for threshold in fresh:
-        closest_one, step = 0, gap[0]
-        for i in range(gap.size):
-            if gap[i] < step:
-                closest_one, step = i, gap[i]
-        for i in range(gap.size):
-            x[i] += step
-            gap[i] -= step
-        x[closest_one], gap[closest_one] = 0.0, threshold
-    return x.mean()
-
-
-def paper_compiled(thresholds: origins.Thresholds, breaks: int = 20_000) -> float:
-    """Nanoseconds per break of the paper's algorithm compiled with numba."""
-    generator = np.random.default_rng(0)
-    best = np.inf
-    for count in (10, breaks, breaks):
-        x, gap = draw_start(origins.Contacts(thresholds), CONTACTS, generator)
-        fresh = thresholds.rvs(count, generator)
-        started = time.perf_counter()
-        paper_algorithm(x, gap, fresh)
-        if count > 10:
-            best = min(best, time.perf_counter() - started)
-    return best / breaks * 1e9
-
-
-def paper_numpy(thresholds: origins.Thresholds) -> float:
-    """Nanoseconds per break of the plain twin, eq_model.closest."""
-    started = time.perf_counter()
-    _, breaks = closest(origins.Contacts(thresholds), 0.98, n_contacts=CONTACTS)
-    return (time.perf_counter() - started) / breaks * 1e9
-
-
-def two_ranks() -> float | None:
+def two_ranks(shared: str) -> float | None:
     """Throughput of two ranks over that of one, or None where there is no mpiexec."""
     beside = Path(sys.executable).with_name("mpiexec")
     launcher = str(beside) if beside.exists() else shutil.which("mpiexec")
@@ -90,7 +50,7 @@ def two_ranks() -> float | None:
         return None
     times = []
     for ranks in (1, 2):
-        command = [launcher, "-n", str(ranks), sys.executable, "-c", SHARED]
+        command = [launcher, "-n", str(ranks), sys.executable, "-c", SHARED.format(shared=shared)]
         times.append(float(subprocess.run(command, capture_output=True, text=True, check=True).stdout))
     return times[0] / times[1]
 
@@ -108,6 +68,7 @@ def laws() -> None:
         ("delay", origins.Contacts(fresh, delay=origins.Delay(0.2)), path, 300_000),
         ("linked, soft, re-forming", origins.Contacts(fresh, None, soft, None, None, 0.1, "linked"), path, 100_000),
         ("turning, soft", origins.Contacts(fresh, thermal=soft), turning, 100_000),
+        ("growing grains", origins.Contacts(origins.growing_grains(1.0, 1.0, age=4.0)), path, 3_000),
         ("ageing", origins.Contacts(fresh, ageing=ageing), path, 10_000),
     ):
         best, steps = np.inf, 0.0
@@ -132,15 +93,19 @@ def main() -> None:
     print(f"worst at X = 100: {max(hundred):.2f}")
     laws()
     law = ORIGINS["gaussian, std 0.05"]
-    compiled, plain = paper_compiled(law), paper_numpy(law)
-    print(f"\nthe paper's algorithm, {CONTACTS} contacts, Gaussian: compiled {compiled:.0f} ns per break, ", end="")
-    print(f"{compiled / hundred[0]:.0f} times the ensemble; numpy {plain:.0f}, {plain / hundred[0]:.0f} times")
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     run = eq_model.simulate(origins.Contacts(law), np.linspace(0.0, 100.0, 501), n_contacts=10_100_000)
     grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
     print(f"{run.breaks:.3g} breaks in one call: {run.run_time:.2f} s, peak memory grown by {grown / 1024:.1f} MB")
-    speedup = two_ranks()
-    print("two ranks: no mpiexec here" if speedup is None else f"two ranks: {speedup:.2f} times the throughput of one")
+    for name, shared in (
+        ("gaussian", "origins.Contacts(fresh), 2_000_000"),
+        ("soft", "origins.Contacts(fresh, thermal=soft), 600_000"),
+        ("linked, soft, re-forming", 'origins.Contacts(fresh, None, soft, None, None, 0.1, "linked"), 40_000'),
+        ("ageing", "origins.Contacts(fresh, ageing=origins.Ageing(origins.gaussian(1.2, 0.05), 1e-3)), 10_000"),
+    ):
+        speedup = two_ranks(shared)
+        told = "no mpiexec here" if speedup is None else f"{speedup:.2f} times the throughput of one"
+        print(f"two ranks, {name}: {told}")
 
 
 if __name__ == "__main__":
