@@ -56,6 +56,8 @@ class SoftSolution:
     ----------
     path : array of shape (n,)
         Positions X_T of the drive (lengths).
+    balance : float
+        X_T = F(0)/K, where the drive stands at t = 0 (a length).
     position : array of shape (n,)
         Positions X of the slider (lengths); at a slip, after it.
     force : array of shape (n,)
@@ -79,6 +81,7 @@ class SoftSolution:
     """
 
     path: Array
+    balance: float
     position: Array
     force: Array
     force_error: float
@@ -111,6 +114,7 @@ def solve_soft(
     slips = Slips(*(unit * table.T))
     return SoftSolution(
         path=path,
+        balance=contacts.start.mean() / spring,
         position=unit * ride.position,
         force=unit * ride.force,
         force_error=error,

@@ -53,6 +53,7 @@ def solve_soft_laws(contacts: Contacts, drive: Drive, tolerance: float) -> SoftS
     speed = drive.velocity if drive.time is None else _speed(drive, balance)
     return SoftSolution(
         path=drive.path,
+        balance=balance,
         position=drive.path - force / spring,
         force=force,
         force_error=error,

@@ -69,7 +69,7 @@ class Drive:
 
 def _check_time(time: npt.ArrayLike, path: npt.NDArray[np.float64], velocity: float) -> npt.NDArray[np.float64]:
     if velocity != 1.0:
-        raise InputError(f"velocity = {velocity!r}: time says when each point is reached; give one of the two")
+        raise InputError(f"velocity = {velocity!r}: the times of the points say how fast; give one of the two")
     times = finite_array("time", time)
     if times.shape != path.shape:
         refuse("time", times, f"must have the shape of the path, {path.shape}")

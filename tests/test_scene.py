@@ -277,7 +277,8 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         (
             "drive.turn",
             3.0,
-            "drive.turn = 3.0: unknown key; known here: points, to, turns, times, velocity, spring, slip",
+            "drive.turn = 3.0: unknown key; known here: points, to, from, turns, times, hold_scale, velocity, "
+            "spring, slip",
         ),
         ("drive", None, "drive: is missing"),
         ("master.tolerance", 0.0, "master.tolerance = 0.0: must be above zero"),

@@ -97,9 +97,10 @@ class SolvedRecord:
 class SoftRecord(SolvedRecord):
     """A soft slider's: `path` is the drive's, `position` (n,) the slider's, and its slips, arrays of shape (m,).
 
-    All lengths; `period` is nan for fewer than two slips.
+    All lengths; `balance` is where the drive stands at t = 0, and `period` nan for fewer than two slips.
     """
 
+    balance: float
     position: Array
     slip_drive: Array
     slip_before: Array
@@ -133,6 +134,7 @@ def soft_record(solution: "SoftSolution") -> SoftRecord:
     slips, regime = solution.slips, solution.regime
     return SoftRecord(
         **{field.name: getattr(solution, field.name) for field in fields(SolvedRecord)},
+        balance=solution.balance,
         position=solution.position,
         slip_drive=slips.drive,
         slip_before=slips.before,
@@ -234,7 +236,8 @@ class Result:
         drive = make_drive(self.asked.drive)
         if drive.time is not None:
             return drive.time
-        return np.abs(np.diff(drive.path, prepend=0.0)).cumsum() / drive.velocity
+        begin = self.master.balance if isinstance(self.master, SoftRecord) else 0.0
+        return np.abs(np.diff(drive.path, prepend=begin)).cumsum() / drive.velocity
 
     @property
     def success(self) -> bool:

@@ -49,8 +49,10 @@ class ContactsTable(Table, frozen=True):
 class DriveTable(Table, frozen=True):
     points: int
     to: float | None = None
+    begin: float | None = msgspec.field(default=None, name="from")
     turns: list[float] | None = None
     times: list[float] | None = None
+    hold_scale: float | None = None
     velocity: float = 1.0
     spring: float | None = None
     slip: Literal["reset", "reform-after", "instant"] | None = None
@@ -121,7 +123,7 @@ class Scene:
         if self.drive.spring is not None:
             refuse("drive.spring", self.drive.spring, rule)
         if not self.drive.forward:
-            raise InputError(f"drive.turns: {rule}")
+            raise InputError(f"drive.{'from' if self.drive.path[0] != 0.0 else 'turns'}: {rule}")
         return self
 
 
@@ -204,6 +206,8 @@ def _check_reach(scene: Scene, table: DriveTable) -> None:
         unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
         rule = f"is {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}"
         key, value = ("to", table.to) if table.turns is None else ("turns", table.turns)
+        if abs(table.begin or 0.0) == reach:
+            key, value = "from", table.begin
         refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most")
 
 
@@ -247,7 +251,7 @@ def _explain(message: str, tables: Mapping[str, Any]) -> str:
     other = re.match(r"Expected `(\w+)", rule)
     if unknown:
         key = unknown[1]
-        known = ", ".join(kind.__struct_fields__)
+        known = ", ".join(kind.__struct_encode_fields__)
         return f"{'.'.join([*keys, key])} = {shown(value[key])}: unknown key; known here: {known}"
     if missing:
         return f"{'.'.join([*keys, missing[1]])}: is missing"
@@ -271,5 +275,5 @@ def _choices(kind: Any) -> list[str]:
 
 def _field_type(kind: Any, key: str) -> Any:
     """The table, or the type, that `key` of table `kind` holds; of `Table | None` the table."""
-    types = {field.name: field.type for field in msgspec.structs.fields(kind)}
+    types = {field.encode_name: field.type for field in msgspec.structs.fields(kind)}
     return next((one for one in get_args(types[key]) if isinstance(one, type) and issubclass(one, Table)), types[key])
