@@ -22,6 +22,8 @@ STRUCTS = {
     "[drive]": scene.DriveTable,
     "[master]": scene.MasterTable,
     "[eq]": scene.EqTable,
+    "[sweep]": scene.SweepTable,
+    "[sweep.velocity]": scene.RangeTable,
 }
 KINDS = {
     "[contacts.start]": laws.START,

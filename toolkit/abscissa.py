@@ -24,7 +24,7 @@ def curves(result: Result) -> list[Curve]:
 def clock(result: Result) -> Array | None:
     """When each point of the path is reached, where the scene says so; else None."""
     asked = result.asked.drive
-    return None if asked.times is None else make_drive(asked).time
+    return None if asked is None or asked.times is None else make_drive(asked).time
 
 
 def along(result: Result, curve: Curve) -> Array:
@@ -36,7 +36,7 @@ def along(result: Result, curve: Curve) -> Array:
 def write_along(axes: "Axes", result: Result) -> None:
     """The axis of that."""
     reach = max((float(np.abs(along(result, curve)).max()) for curve in curves(result)), default=0.0)
-    if result.asked.drive.times is not None:
+    if clock(result) is not None:
         Lengths.of(reach, False).write(axes.xaxis, "time $t$")
         return
     place = "drive position $X_T$" if isinstance(result.master, SoftRecord) else "slider position $X$"
@@ -56,6 +56,6 @@ def conditions(result: Result) -> str:
         said.append(rf"$\tau_m$ = {contacts.delay['time']:.3g}")
     if contacts.ageing is not None:
         said.append(f"$D$ = {contacts.ageing['rate']:.3g}")
-    if said and asked.drive.times is None:
+    if said and asked.drive is not None and asked.drive.times is None:
         said.append(f"$v$ = {asked.drive.velocity:.3g}")
     return ", ".join(said)

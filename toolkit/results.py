@@ -15,6 +15,7 @@ from origins.quadrature import panel_edges
 from origins.thresholds import Thresholds
 from toolkit.interfaces import Number
 from toolkit.scene import SceneTable, read_table
+from toolkit.sweeping import SweepRecord
 
 if TYPE_CHECKING:
     from eq_model.histogram import Histogram
@@ -206,7 +207,10 @@ class Result:
         `histograms`, of eq_model.histogram.Histogram, each read when it is asked for; `contacts` followed, `breaks`,
         `breaks_per_rank`, `success`, `message`, `run_time`, `compile_time`. None where not asked for.
     time : array of shape (n,)
-        When each point of the path is reached, s for a surface, else in the scene's own unit.
+        When each point of the path is reached, s for a surface, else in the scene's own unit; empty without a path.
+    sweep : SweepRecord or None
+        F_k, what holds and K* along speeds, temperatures, rates of ageing or delays: toolkit.sweeping.SweepRecord. None
+        where not asked for.
     notes : tuple of str
         What to keep in mind of the thresholds: where samples, surface or load strain them.
     interface : dict or None
@@ -223,6 +227,7 @@ class Result:
     eq: Simulated | None
     notes: tuple[str, ...] = ()
     interface: dict[str, Number] | None = None
+    sweep: SweepRecord | None = None
 
     @property
     def asked(self) -> SceneTable:
@@ -233,6 +238,8 @@ class Result:
     def time(self) -> Array:
         from toolkit.driving import make_drive
 
+        if self.asked.drive is None:
+            return np.empty(0)
         drive = make_drive(self.asked.drive)
         if drive.time is not None:
             return drive.time
@@ -242,7 +249,7 @@ class Result:
     @property
     def success(self) -> bool:
         """Whether every solver reached what was asked of it."""
-        return all(answer is None or answer.success for answer in (self.master, self.eq))
+        return all(answer is None or answer.success for answer in (self.master, self.eq, self.sweep))
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:

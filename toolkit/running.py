@@ -12,6 +12,7 @@ from toolkit.interfaces import of_interface, remarks
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated, Solved, ageing_record, sample_curve, soft_record
 from toolkit.scene import EqTable, MasterTable, Scene, load_scene
+from toolkit.sweeping import solve_sweep
 
 if TYPE_CHECKING:
     from eq_model import Ensemble
@@ -86,6 +87,7 @@ def solve(
     """Solve what the scene asks for, and whether nothing is left to go on with."""
     interface = scene.contacts.interface
     master = None if scene.master is None else _solve(scene, scene.master)
+    sweep = None if scene.sweep is None else solve_sweep(scene.contacts, scene.sweep)
     eq, finished = None, True
     if scene.eq is not None:
         eq, finished = _simulate(scene, scene.eq, comm, progress, kept)
@@ -100,6 +102,7 @@ def solve(
         eq=eq,
         notes=tuple(remarks(scene.contacts.thresholds) + _beside(scene)),
         interface=None if interface is None else of_interface(interface),
+        sweep=sweep,
     )
     return result, finished
 

@@ -76,6 +76,13 @@ def report(result: Any) -> list[str]:
                 f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
                 f"{solved.positivity_defect.max():.1e}; " + _outrun(solved.outrun)
             )
+    if result.sweep is not None:
+        sweep = result.sweep
+        springs = "" if sweep.critical_spring_error is None else f", K* error {sweep.critical_spring_error.max():.1e}"
+        lines.append(
+            f"sweep   error {sweep.force_error.max():.1e} of <x_s>{springs}  run time {sweep.run_time:.4f} s  "
+            f"{sweep.force.size} points along {' and '.join(sweep.along)}"
+        )
     if result.eq is not None:
         eq = result.eq
         error = eq.force_standard_error.max() / result.mean_threshold
