@@ -204,7 +204,7 @@ def _checked(
 ) -> Scene:
     table = read_table(tables)
     if solved and table.master is None and table.eq is None and table.sweep is None:
-        raise InputError("scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one of them")
+        raise InputError("scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one")
     if table.master is not None:
         positive("master.tolerance", table.master.tolerance)
     if table.eq is not None:
