@@ -66,6 +66,22 @@ def test_points_of_a_hold_may_be_even_in_its_logarithm() -> None:
     np.testing.assert_allclose(np.diff(np.log1p(held / 1e-2)), np.log1p(1e8) / 9.0, rtol=1e-6)
 
 
+def test_a_picture_shows_the_decades_of_a_hold() -> None:
+    from matplotlib.figure import Figure
+
+    from toolkit.abscissa import write_along
+
+    drive = {"turns": [1.0, 1.0, 2.0], "times": [1.0, 1.0 + 1e6, 2.0 + 1e6], "points": 91, "hold_scale": 1e-2}
+    axes = Figure().subplots()
+    result = toolkit.run(scene(drive))
+    write_along(axes, result)
+    axes.figure.canvas.draw()
+    assert [text.get_text() for text in axes.get_xticklabels()][:3] == ["0", "1", "+$10^{0}$"]
+    # points are even, and ticks apart
+    at = axes.transAxes.inverted().transform(axes.transData.transform([(time, 0.0) for time in result.time]))[:, 0]
+    np.testing.assert_allclose(np.diff(at), 1.0 / 90.0, rtol=1e-6)
+
+
 def test_a_loop_is_solved_and_comes_back_from_its_folder(tmp_path: Path) -> None:
     asked = scene({"turns": [2.0, -2.0, 2.0], "points": 101})
     result = toolkit.run(asked)

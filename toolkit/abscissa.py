@@ -1,6 +1,7 @@
 """What the curves of a run are drawn against: positions, or times where the scene gives them; and its conditions."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,11 @@ from toolkit.results import OWN_UNIT, Curve, Result, SoftRecord
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from toolkit.scene import DriveTable
+
 Array = npt.NDArray[np.float64]
+
+_TICK = 0.06  # of an axis, which a tick's label takes
 
 
 def curves(result: Result) -> list[Curve]:
@@ -36,11 +41,48 @@ def along(result: Result, curve: Curve) -> Array:
 def write_along(axes: "Axes", result: Result) -> None:
     """The axis of that."""
     reach = max((float(np.abs(along(result, curve)).max()) for curve in curves(result)), default=0.0)
-    if clock(result) is not None:
+    times = clock(result)
+    if times is not None and result.asked.drive is not None and result.asked.drive.hold_scale is not None:
+        _write_stretched(axes, times, result.asked.drive)
+        return
+    if times is not None:
         Lengths.of(reach, False).write(axes.xaxis, "time $t$")
         return
     place = "drive position $X_T$" if isinstance(result.master, SoftRecord) else "slider position $X$"
     Lengths.of(reach, result.thresholds.unit != OWN_UNIT).write(axes.xaxis, place)
+
+
+def _write_stretched(axes: "Axes", times: Array, asked: "DriveTable") -> None:
+    """An axis of times on which points are even, so that the decades of a hold can be told; ticks where it turns, and
+    at powers of ten in holds, counted from where they begin."""
+    from matplotlib.ticker import FixedFormatter, FixedLocator
+
+    number = np.arange(times.size, dtype=float)
+
+    def places(time: Array | float) -> Array:
+        return np.interp(time, times, number)
+
+    def back(place: Array) -> Array:
+        return np.interp(place, number, times)
+
+    axes.set_xscale("function", functions=(places, back))
+    axes.set_xlim(times[0], times[-1])
+    ends = np.append(times[0], np.asarray(asked.times))
+    ticks = [(float(end), f"{end:.7g}") for end in ends]
+    path = make_drive(asked).path
+    for begin, end in pairwise(ends):
+        if np.ptp(path[(times >= begin) & (times <= end)]) == 0.0:
+            first, last = np.log10([asked.hold_scale or 1.0, end - begin])
+            powers = np.arange(np.ceil(first), np.floor(last) + 1.0)
+            ticks += [(float(begin + 10.0**power), f"+$10^{{{power:.0f}}}$") for power in powers]
+    kept: list[tuple[float, str]] = []
+    for at, text in ticks:
+        if all(abs(places(at) - places(other)) > _TICK * times.size for other, _ in kept):
+            kept.append((at, text))
+    kept.sort()
+    axes.xaxis.set_major_locator(FixedLocator([at for at, _ in kept]))
+    axes.xaxis.set_major_formatter(FixedFormatter([text for _, text in kept]))
+    axes.set_xlabel("time $t$, in holds since they began")
 
 
 def conditions(result: Result) -> str:
