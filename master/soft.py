@@ -10,7 +10,7 @@ from master.cohort import starting
 from master.forward import MOST_NODES, ROUND_OFF, estimate
 from master.law import Law
 from master.leg import State
-from master.outcome import outcome
+from master.outcome import Progress, outcome, unheard
 from master.regime import Regime, regime
 from master.ride import Ride
 from origins import Contacts
@@ -96,7 +96,12 @@ class SoftSolution:
 
 
 def solve_soft(
-    contacts: Contacts, path: Array, spring: float, slip: SlipRule = "reset", tolerance: float = 1e-8
+    contacts: Contacts,
+    path: Array,
+    spring: float,
+    slip: SlipRule = "reset",
+    tolerance: float = 1e-8,
+    progress: Progress = unheard,
 ) -> SoftSolution:
     """Force as the drive X_T moves along `path` and pulls the slider by a spring K/(N_c <k>), at T = 0 (paper Sec.
     III D); slips as said in master.ride; arguments checked before.
@@ -108,7 +113,7 @@ def solve_soft(
     unit = contacts.mean_threshold
     x = path / unit
     law, begin = _start(contacts, x, spring)
-    ride, error, message = _refine(law, begin, spring, slip, x, tolerance)
+    ride, error, message = _refine(law, begin, spring, slip, x, tolerance, progress)
     success, message = outcome(contacts, error, tolerance, message)
     table = np.array([[s.drive, s.before, s.after, s.force_before, s.force_after] for s in ride.slips]).reshape(-1, 5)
     slips = Slips(*(unit * table.T))
@@ -139,7 +144,7 @@ def _start(contacts: Contacts, x: Array, spring: float) -> tuple[Law, State]:
 
 
 def _refine(
-    law: Law, begin: State, spring: float, rule: SlipRule, x: Array, tolerance: float
+    law: Law, begin: State, spring: float, rule: SlipRule, x: Array, tolerance: float, progress: Progress
 ) -> tuple[Ride, float, str]:
     """A ride on lattices fine enough, its error estimate and the reason for stopping short."""
     travel = float(np.abs(np.diff(x, prepend=0.0)).sum())
@@ -155,6 +160,7 @@ def _refine(
             stiff = spring if ride.slips else min(spring, max(spring - ride.least_slope, 1.0))
             floor = ROUND_OFF * (1.0 + travel) * (1.0 + stiff)
             error = estimate(difference, before, ride.least_share, law.diverges) + floor + ride.error
+            progress(error)
             if np.isfinite(before):
                 if best is None or error < best[1]:
                     best = ride, error

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import time
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,8 +20,9 @@ from origins.errors import InputError
 from toolkit.files import summary
 from toolkit.folders import check_folder, write_folder
 from toolkit.plots import plot_density
-from toolkit.progress import Progress
+from toolkit.progress import Progress, Refinement
 from toolkit.results import OWN_UNIT, sample_curve
+from toolkit.running import solve_master
 from toolkit.scene import SHIPPED, shipped_scenes
 
 SURFACE = {"kind": "self-affine", "shape": [64, 64], "pixel_size": 1e-8, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
@@ -110,6 +112,23 @@ def test_bar_is_for_long_runs_only(capsys: pytest.CaptureFixture[str], monkeypat
     told = capsys.readouterr().err
     # how far, how fast, how long still
     assert "50%" in told and re.search(r"<[\d:?]+, .*contacts/s\]", told)
+
+
+def test_the_bar_of_the_master_equation_tells_its_error(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("toolkit.progress._LOG_PATIENCE", 0.01)
+    bar = Refinement(1e-8)
+    for error in (1e-2, 1e-5, 3e-5):
+        bar(error)
+    time.sleep(0.3)
+    bar.close()
+    told = capsys.readouterr().err
+    assert "master equation:" in told and "error 1.0e-05 of 1.0e-08 asked" in told
+    errors: list[float] = []
+    scene = toolkit.load_scene("friction-loop")
+    solved = solve_master(scene, 1e-8, errors.append)
+    assert len(errors) >= 2 and errors[-1] == solved.force_error < errors[0]
 
 
 def test_only_named_solvers_run() -> None:

@@ -1,6 +1,7 @@
 """Run a scene: each solver it names, and no other."""
 
 from collections.abc import Callable, Mapping
+from contextlib import closing, nullcontext
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -11,12 +12,13 @@ from toolkit.folders import check_folder
 from toolkit.interfaces import of_interface, remarks
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated, Solved, ageing_record, sample_curve, soft_record
-from toolkit.scene import EqTable, MasterTable, Scene, load_scene
+from toolkit.scene import EqTable, Scene, load_scene
 from toolkit.sweeping import solve_sweep
 
 if TYPE_CHECKING:
     from eq_model import Ensemble
     from toolkit.checkpoint import Checkpoint
+    from toolkit.progress import Refinement
 
 _HOT = 100.0  # k_BT/<k> in <x_s^2>
 _EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}
@@ -82,11 +84,19 @@ def write(result: Result, folder: str | PathLike[str], comm: Any, done_with: "Ch
 
 
 def solve(
-    scene: Scene, comm: Any, progress: Callable[[int, int], None] | None = None, kept: "Checkpoint | None" = None
+    scene: Scene,
+    comm: Any,
+    progress: Callable[[int, int], None] | None = None,
+    kept: "Checkpoint | None" = None,
+    refining: "Callable[[float], Refinement] | None" = None,
 ) -> tuple[Result, bool]:
-    """Solve what the scene asks for, and whether nothing is left to go on with."""
+    """Solve what the scene asks for, and whether nothing is left to go on with; `refining` makes of the master
+    equation's tolerance what shows its error after each refinement."""
     interface = scene.contacts.interface
-    master = None if scene.master is None else _solve(scene, scene.master)
+    master = None
+    if scene.master is not None:
+        with closing(refining(scene.master.tolerance)) if refining is not None else nullcontext() as refined:
+            master = solve_master(scene, scene.master.tolerance, refined)
     sweep = None if scene.sweep is None else solve_sweep(scene.contacts, scene.sweep)
     eq, finished = None, True
     if scene.eq is not None:
@@ -134,11 +144,14 @@ def _left_out(contacts: Contacts) -> list[str]:
     return [f"F_k/load and the stress of the surface are those of its thresholds alone, without {', '.join(there)}"]
 
 
-def _solve(scene: Scene, asked: MasterTable) -> Solved:
+def solve_master(scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None) -> Solved:
+    """The master equation's answer along the scene's drive."""
     import master
 
-    drive, contacts, path, tolerance = scene.drive, scene.contacts, scene.path, asked.tolerance
+    drive, contacts, path = scene.drive, scene.contacts, scene.path
     paced: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
+    if refined is not None:
+        paced["progress"] = refined
     with laws.inside("master", {"tolerance": "tolerance"}):
         if drive.spring is None:
             solved: Any = master.solve(contacts, path, tolerance, **paced)
