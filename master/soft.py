@@ -34,6 +34,9 @@ class Slips:
         X at the beginning and at the end (lengths).
     force_before, force_after : array
         F/(N_c <k>) (lengths).
+    drive_error : float
+        Bound on the error of `drive` (a length), from the solution's own: force_error over K. X where a slip begins,
+        where F + K X is flat, is not known as well.
     """
 
     drive: Array
@@ -41,11 +44,17 @@ class Slips:
     after: Array
     force_before: Array
     force_after: Array
+    drive_error: float
 
     @property
     def drop(self) -> Array:
         """How far the force falls (lengths), which is K times the slip."""
         return self.force_before - self.force_after
+
+    @property
+    def period(self) -> float | None:
+        """X_T from the last slip but one to the last (a length), to twice `drive_error`; None for fewer than two."""
+        return abs(float(self.drive[-1] - self.drive[-2])) if self.drive.size > 1 else None
 
 
 @dataclass(frozen=True)
@@ -69,7 +78,7 @@ class SoftSolution:
         Fraction of contacts that hold: 1, as slips take no time.
     slips : Slips
     period : float or None
-        X_T from the last slip but one to the last (a length); None for fewer than two.
+        That of the slips: X_T from the last but one to the last (a length); None for fewer than two.
     regime : Regime
     run_time : float
         Seconds.
@@ -116,7 +125,8 @@ def solve_soft(
     ride, error, message = _refine(law, begin, spring, slip, x, tolerance, progress)
     success, message = outcome(contacts, error, tolerance, message)
     table = np.array([[s.drive, s.before, s.after, s.force_before, s.force_after] for s in ride.slips]).reshape(-1, 5)
-    slips = Slips(*(unit * table.T))
+    drives, before, after, above, below = unit * table.T
+    slips = Slips(drives, before, after, above, below, error * unit / spring)
     return SoftSolution(
         path=path,
         balance=contacts.start.mean() / spring,
@@ -125,7 +135,7 @@ def solve_soft(
         force_error=error,
         holding=np.ones(x.size),
         slips=slips,
-        period=abs(float(slips.drive[-1] - slips.drive[-2])) if len(ride.slips) > 1 else None,
+        period=slips.period,
         regime=regime(contacts, spring, slip, slips.drive, slips.drop, path, tolerance),
         run_time=time.perf_counter() - began,
         nodes=ride.nodes,

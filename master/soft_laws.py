@@ -51,7 +51,8 @@ def solve_soft_laws(
     found = _refine(contacts, drive, balance, asked, tolerance, progress)
     table, force, holding, error, steps, message = found
     success, message = outcome(contacts, error, tolerance, message)
-    slips = Slips(*table)
+    drives, before, after, above, below = table
+    slips = Slips(drives, before, after, above, below, error * unit / spring)
     speed = drive.velocity if drive.time is None else _speed(drive, balance)
     return SoftSolution(
         path=drive.path,
@@ -61,7 +62,7 @@ def solve_soft_laws(
         force_error=error,
         holding=holding,
         slips=slips,
-        period=abs(float(slips.drive[-1] - slips.drive[-2])) if slips.drive.size > 1 else None,
+        period=slips.period,
         regime=regime(contacts, spring, drive.slip, slips.drive, slips.drop, drive.path, tolerance, speed),
         run_time=clocks.perf_counter() - began,
         nodes=steps,

@@ -27,7 +27,7 @@ class Drive:
     spring : float, optional
         K/(N_c <k>); None: the slider is rigid.
     slip : "reset", "reform-after" or "instant"
-        What a slip of a soft slider does.
+        What a slip of a soft slider does; left as it is for a rigid one.
 
     Attributes
     ----------
@@ -51,6 +51,8 @@ class Drive:
         self.spring = None if spring is None else positive("spring", spring)
         if slip not in get_args(SlipRule):
             refuse("slip", slip, 'must be "reset", "reform-after" or "instant"')
+        if self.spring is None and slip != "reset":
+            refuse("slip", slip, "is what a slip of a soft slider does, and without spring the slider is rigid")
         self.slip = slip
         before = np.append(0.0, self.path[:-1])
         self._back = np.flatnonzero(self.path < before)

@@ -94,7 +94,8 @@ def test_a_loop_is_solved_and_comes_back_from_its_folder(tmp_path: Path) -> None
 
 
 def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
-    result = toolkit.run(scene({"to": 6.0, "points": 61, "spring": 0.8, "slip": "reform-after"}))
+    asked = scene({"to": 6.0, "points": 61, "spring": 0.8, "slip": "reform-after"})
+    result = toolkit.run(asked)
     soft = result.master
     assert isinstance(soft, SoftRecord) and soft.slip_drive.size >= 2 and result.success
     assert soft.period == pytest.approx(soft.slip_drive[-1] - soft.slip_drive[-2])
@@ -104,7 +105,16 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
     again = toolkit.load(tmp_path / "out").master
     assert isinstance(again, SoftRecord)
     np.testing.assert_array_equal(again.slip_after, soft.slip_after)
+    # what is read back has the names of what is solved
+    checked = toolkit.load_scene(asked)
+    solved = master.solve(checked.contacts, checked.path, 1e-7, spring=0.8, slip="reform-after")
+    np.testing.assert_array_equal(again.slips.drive, solved.slips.drive)
+    np.testing.assert_array_equal(again.slips.drop, solved.slips.drop)
+    assert again.slips.drive_error == solved.slips.drive_error > 0.0 and again.regime == solved.regime
+    finer = master.solve(checked.contacts, checked.path, 1e-10, spring=0.8, slip="reform-after")
+    assert np.abs(finer.slips.drive - solved.slips.drive).max() <= solved.slips.drive_error + finer.slips.drive_error
     told = json.loads((tmp_path / "out" / "summary.json").read_text())["master"]
+    assert told["period_error"] == 2.0 * soft.slip_drive_error
     assert told["slips"] == soft.slip_drive.size and told["verdict"] == soft.verdict == again.verdict
 
 

@@ -298,6 +298,34 @@ def test_a_temperature_at_which_contacts_hold_nothing_is_noted() -> None:
     assert note.startswith("the temperature is 500 <x_s^2>: barriers are 0.001 k_BT")
 
 
+def test_births_beyond_nearly_all_thresholds_are_noted() -> None:
+    def notes(mean: float) -> tuple[str, ...]:
+        again = {"kind": "gaussian", "mean": mean, "std": 0.05}
+        contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}, "reforming": again}
+        drive = {"to": 1.0, "points": 3}
+        return toolkit.run({"contacts": contacts, "drive": drive, "master": {"tolerance": 1e-4}}).notes
+
+    assert notes(0.5) == ()
+    (note,) = notes(2.0)
+    assert note.startswith("contacts form again about x = 2, and only 8e-24 of all thresholds are beyond that")
+
+
+def test_pictures_name_ages_rates_and_units() -> None:
+    from matplotlib.figure import Figure
+
+    law = {"kind": "growing-grains", "alpha": 1.0, "B": 4.0, "age": 4.0}
+    drive = {"to": 0.5, "points": 3, "velocity": 0.5}
+    axes = Figure().subplots(1, 2)
+    toolkit.plot(toolkit.run({"contacts": {"thresholds": law}, "drive": drive, "master": {"tolerance": 1e-2}}), axes)
+    assert axes[0].get_title().endswith("$\\alpha$ = 1, $v$ = 0.5")
+    assert axes[1].get_title() == "thresholds at $X$ = 0, age 4"
+    rough = tomllib.loads((SHIPPED / "rough-gw-amontons.toml").read_text())
+    late = {"contacts": rough["contacts"] | {"delay": {"time": 0.01}}, "master": {"tolerance": 1e-2}}
+    result = toolkit.run(late | {"drive": {"to": 1e-7, "times": [0.1], "points": 3}})
+    toolkit.plot(result, axes)
+    assert axes[0].get_xlabel() == "time $t$ (s)" and axes[0].get_title().endswith("$\\tau_m$ = 0.01 s")
+
+
 @pytest.mark.parametrize(
     "law",
     [{"kind": "identical", "value": 1.0}, {"kind": "rectangular", "lower": 0.5, "upper": 1.5}],

@@ -313,7 +313,8 @@ def test_a_tolerance_beyond_reach_is_said():
         ({"velocity": 0.0}, "velocity = 0.0: must be above zero"),
         ({"slip": "relax"}, 'slip = \'relax\': must be "reset"'),
         ({"path": [0.0, np.inf]}, r"path\[1\]"),
-        ({"tolerance": -1.0}, "tolerance = -1.0"),
+        ({"tolerance": -1.0}, "tolerance = -1.0: must be above zero, such as 1e-8"),
+        ({"spring": None, "slip": "instant"}, "slip = 'instant': is what a slip of a soft slider does, and without"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(change, words):

@@ -44,9 +44,10 @@ def write_along(axes: "Axes", result: Result) -> None:
     times = clock(result)
     if times is not None and result.asked.drive is not None and result.asked.drive.hold_scale is not None:
         _write_stretched(axes, times, result.asked.drive)
+        axes.set_xlabel(f"time $t${units(result, 's')}, in holds since they began")
         return
     if times is not None:
-        Lengths.of(reach, False).write(axes.xaxis, "time $t$")
+        Lengths.of(reach, False).write(axes.xaxis, "time $t$" + units(result, "s"))
         return
     place = "drive position $X_T$" if isinstance(result.master, SoftRecord) else "slider position $X$"
     Lengths.of(reach, result.thresholds.unit != OWN_UNIT).write(axes.xaxis, place)
@@ -82,22 +83,38 @@ def _write_stretched(axes: "Axes", times: Array, asked: "DriveTable") -> None:
     kept.sort()
     axes.xaxis.set_major_locator(FixedLocator([at for at, _ in kept]))
     axes.xaxis.set_major_formatter(FixedFormatter([text for _, text in kept]))
-    axes.set_xlabel("time $t$, in holds since they began")
+
+
+def units(result: Result, unit: str) -> str:
+    """An SI unit in brackets, as an axis has it, where lengths are in metres; else nothing."""
+    return f" ({unit})" if result.thresholds.unit != OWN_UNIT else ""
+
+
+def grows(result: Result) -> bool:
+    """Whether thresholds grow with the age of each contact."""
+    return result.asked.contacts.thresholds.get("kind") == "growing-grains"
 
 
 def conditions(result: Result) -> str:
-    """Temperature, delay, rate of ageing and speed as a picture tells them; empty where contacts have no such law."""
+    """Temperature, delay, rates of ageing and growth and speed as a picture tells them; empty where contacts have no
+    such law."""
+
+    def told(symbol: str, value: float, unit: str) -> str:
+        return f"${symbol}$ = {value:.3g}" + (f" {unit}" if result.thresholds.unit != OWN_UNIT else "")
+
     asked = result.asked
     contacts = asked.contacts
     said = []
     if contacts.thermal is not None:
         temperature = contacts.thermal["temperature"]
         kelvin = isinstance(temperature, Mapping)
-        said.append(f"$T$ = {temperature['kelvin']:.4g} K" if kelvin else f"$T$ = {temperature:.3g}")
+        said.append(f"$T$ = {temperature['kelvin']:.4g} K" if kelvin else told("T", temperature, "m²"))
     if contacts.delay is not None:
-        said.append(rf"$\tau_m$ = {contacts.delay['time']:.3g}")
+        said.append(told(r"\tau_m", contacts.delay["time"], "s"))
     if contacts.ageing is not None:
-        said.append(f"$D$ = {contacts.ageing['rate']:.3g}")
+        said.append(told("D", contacts.ageing["rate"], "m²/s"))
+    if grows(result):
+        said.append(rf"$\alpha$ = {contacts.thresholds['alpha']:.3g}")
     if said and asked.drive is not None and asked.drive.times is None:
-        said.append(f"$v$ = {asked.drive.velocity:.3g}")
+        said.append(told("v", asked.drive.velocity, "m/s"))
     return ", ".join(said)

@@ -113,7 +113,9 @@ def summary(result: Result) -> dict[str, Any]:
                 "verdict": soft.verdict,
                 "reason": soft.reason,
                 "slips": int(soft.slip_drive.size),
+                "slip_drive_error": soft.slip_drive_error,
                 "period": soft.period,
+                "period_error": 2.0 * soft.slip_drive_error,
                 "critical_spring": soft.critical_spring,
                 "critical_spring_error": soft.critical_spring_error,
             }

@@ -9,7 +9,7 @@ import numpy as np
 
 from origins.samples import Sampled
 from origins.thresholds import Thresholds
-from toolkit.abscissa import along, clock, conditions, curves, write_along
+from toolkit.abscissa import along, clock, conditions, curves, grows, write_along
 from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.deviation import deviation, telling, why_not_compared
 from toolkit.results import OWN_UNIT, AgeingRecord, Result, SoftRecord, ThresholdCurve
@@ -52,6 +52,8 @@ def plot(result: Result, axes: Any = None) -> Any:
     else:
         plot_sweep(axes[0], result)
     plot_density(axes[1], result.thresholds)
+    if grows(result):
+        axes[1].set_title(f"thresholds at $X$ = 0, age {result.asked.contacts.thresholds['age']:.3g}")
     return axes
 
 

@@ -20,7 +20,8 @@ from toolkit.sweeping import SweepRecord
 if TYPE_CHECKING:
     from eq_model.histogram import Histogram
     from master.ageing_transient import AgeingTransient
-    from master.soft import SoftSolution
+    from master.regime import Regime, Verdict
+    from master.soft import Slips, SoftSolution
 
 Array = npt.NDArray[np.float64]
 
@@ -98,7 +99,8 @@ class SolvedRecord:
 class SoftRecord(SolvedRecord):
     """A soft slider's: `path` is the drive's, `position` (n,) the slider's, and its slips, arrays of shape (m,).
 
-    All lengths; `balance` is where the drive stands at t = 0, and `period` nan for fewer than two slips.
+    All lengths; `balance` is where the drive stands at t = 0, and `period` nan for fewer than two slips. `slips` and
+    `regime` are those of master.solve's own answer.
     """
 
     balance: float
@@ -108,11 +110,27 @@ class SoftRecord(SolvedRecord):
     slip_after: Array
     slip_force_before: Array
     slip_force_after: Array
+    slip_drive_error: float
     period: float
-    verdict: str
+    verdict: "Verdict"
     reason: str
     critical_spring: float
     critical_spring_error: float
+    stiffness_ratio: float
+    trend: float
+
+    @property
+    def slips(self) -> "Slips":
+        from master.soft import Slips
+
+        return Slips(**{field.name: getattr(self, f"slip_{field.name}") for field in fields(Slips)})
+
+    @property
+    def regime(self) -> "Regime":
+        from master.regime import Regime
+
+        own = {"slips": int(self.slip_drive.size), "trend": None if np.isnan(self.trend) else self.trend}
+        return Regime(**{field.name: own.get(field.name, getattr(self, field.name)) for field in fields(Regime)})
 
 
 @dataclass(frozen=True)
@@ -137,16 +155,14 @@ def soft_record(solution: "SoftSolution") -> SoftRecord:
         **{field.name: getattr(solution, field.name) for field in fields(SolvedRecord)},
         balance=solution.balance,
         position=solution.position,
-        slip_drive=slips.drive,
-        slip_before=slips.before,
-        slip_after=slips.after,
-        slip_force_before=slips.force_before,
-        slip_force_after=slips.force_after,
+        **{f"slip_{field.name}": getattr(slips, field.name) for field in fields(slips)},
         period=np.nan if solution.period is None else solution.period,
         verdict=regime.verdict,
         reason=regime.reason,
         critical_spring=regime.critical_spring,
         critical_spring_error=regime.critical_spring_error,
+        stiffness_ratio=regime.stiffness_ratio,
+        trend=np.nan if regime.trend is None else regime.trend,
     )
 
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from toolkit.progress import Refinement
 
 _HOT = 100.0  # k_BT/<k> in <x_s^2>
+_FEW = 1e-6  # of the thresholds
 _EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}
 
 
@@ -118,9 +119,10 @@ def solve(
 
 
 def _beside(scene: Scene) -> list[str]:
-    """Temperatures at which contacts hold nothing, and what the numbers of the surface leave out of the contacts."""
+    """Temperatures at which contacts hold nothing, stretches beyond nearly all thresholds, and what the numbers of the
+    surface leave out of the contacts."""
     contacts = scene.contacts
-    return _too_hot(contacts) + _left_out(contacts)
+    return _too_hot(contacts) + _too_far(contacts) + _left_out(contacts)
 
 
 def _too_hot(contacts: Contacts) -> list[str]:
@@ -134,6 +136,21 @@ def _too_hot(contacts: Contacts) -> list[str]:
         "as they attempt, whatever their stretch and threshold; it is k_BT/<k>, a length squared"
         + ("" if contacts.interface is None else ": of kelvins write temperature = { kelvin = 300.0 }")
     ]
+
+
+def _too_far(contacts: Contacts) -> list[str]:
+    """Starts and re-forming where hardly any contact can hold."""
+    said = []
+    again = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
+    for law, they in [(contacts.start, "start"), *again]:
+        middle = law.mean() if law.is_single else float(law.ppf(0.5))
+        exceed = float(contacts.thresholds.sf(abs(middle)))
+        if exceed < _FEW:
+            said.append(
+                f"contacts {they} about x = {middle:.3g}, and only {exceed:.0e} of all thresholds are beyond that: "
+                "they have the thresholds of that tail, and break at once"
+            )
+    return said
 
 
 def _left_out(contacts: Contacts) -> list[str]:

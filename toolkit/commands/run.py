@@ -76,7 +76,8 @@ def report(result: Any) -> list[str]:
         )
         if isinstance(solved, SoftRecord):
             slips = f"{solved.slip_drive.size} slips"
-            period = f", period {solved.period:.6g}" if solved.slip_drive.size > 1 else ""
+            period = f", period {solved.period:.9g} ± {2.0 * solved.slip_drive_error:.0e}"
+            period = period if solved.slip_drive.size > 1 else ""
             lines.append(f"regime  {solved.verdict}, {slips}{period}: {solved.reason}")
         if isinstance(solved, AgeingRecord):
             lines.append(
