@@ -124,7 +124,7 @@ class Ensemble:
             self._engine = Forward(self.drive, beginning)
         else:
             self._engine = Lives(self.drive, beginning, points)
-        self._tolerance = None if tolerance is None else positive("tolerance", tolerance)
+        self._tolerance = None if tolerance is None else positive("tolerance", tolerance, "such as 1e-4")
         self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
         ready = clock.perf_counter() - started
         started = clock.perf_counter()

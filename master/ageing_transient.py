@@ -16,6 +16,7 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master.ageing_stepper import Keep, PaperStepper, check_closure, enough_cells, enough_parts
+from master.outcome import Progress, unheard
 from origins import Contacts, Drive
 from origins.errors import positive, refuse, whole
 
@@ -169,7 +170,9 @@ def paper_transient(
     )
 
 
-def solve_paper(contacts: Contacts, drive: Drive, tolerance: float) -> AgeingTransient:
+def solve_paper(
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
+) -> AgeingTransient:
     """(Q15) along drive.path with steps halved until the force, extrapolated in h², changes little enough."""
     began = time.perf_counter()
     check_closure(contacts)
@@ -191,6 +194,7 @@ def solve_paper(contacts: Contacts, drive: Drive, tolerance: float) -> AgeingTra
             # where contacts outran P_c finer steps need not help
             stuck = finest.outrun < end and change > 0.5 * error
             error = change
+            progress(error)
         before, work = force, 4.0 * work
     message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
     if error > tolerance:

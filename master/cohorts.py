@@ -16,7 +16,7 @@ from master.forward import MOST_NODES, ROUND_OFF, around, estimate, first_step, 
 from master.law import Law
 from master.leg import Leg, State
 from master.moves import Move, moves
-from master.outcome import outcome
+from master.outcome import Progress, outcome, unheard
 from master.stretches import CohortDistribution, stretches
 from origins import Contacts
 from origins.errors import finite, refuse
@@ -154,7 +154,9 @@ class PathSolution:
         return stretches(self._course.law, state.cohorts, state.at)
 
 
-def solve_cohorts(contacts: Contacts, path: Array, tolerance: float = 1e-8) -> PathSolution:
+def solve_cohorts(
+    contacts: Contacts, path: Array, tolerance: float = 1e-8, progress: Progress = unheard
+) -> PathSolution:
     """Force along a path that may turn round, for a rigid slider that starts at X = 0, at T = 0 (paper App. C);
     arguments checked before.
 
@@ -171,7 +173,7 @@ def solve_cohorts(contacts: Contacts, path: Array, tolerance: float = 1e-8) -> P
         rule = f"is {furthest:.1g} mean thresholds; turn round within {_FURTHEST:.0e}, where |F| has long been F_k"
         refuse(f"path[{at}]", path[at], rule)
     law = Law(contacts, _reach(contacts, x))
-    course, error, message = _refine(law, State(0.0, [starting(contacts, law)]), moves(x), x, tolerance)
+    course, error, message = _refine(law, State(0.0, [starting(contacts, law)]), moves(x), x, tolerance, progress)
     success, message = outcome(contacts, error, tolerance, message)
     return PathSolution(
         path=path,
@@ -193,7 +195,9 @@ def _reach(contacts: Contacts, x: Array) -> float:
     return _BEYOND * max(span, 1e-300) + max(-low, high, 0.0) / contacts.mean_threshold
 
 
-def _refine(law: Law, begin: State, path: list[Move], x: Array, tolerance: float) -> tuple[Course, float, str]:
+def _refine(
+    law: Law, begin: State, path: list[Move], x: Array, tolerance: float, progress: Progress
+) -> tuple[Course, float, str]:
     """All legs on lattices fine enough, the error estimate and the reason for stopping short."""
     travel = sum(move.travel for move in path)
     longest = max(move.travel for move in path)
@@ -212,6 +216,7 @@ def _refine(law: Law, begin: State, path: list[Move], x: Array, tolerance: float
             least = max(_least_share(leg) for leg in course.legs)
             error = estimate(difference, before, least, law.diverges)
             error += floor + course.table_error
+            progress(error)
             if np.isfinite(before):
                 if best is None or error < best[1]:
                     best = course, error

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from master.cycle import Cycle
 from master.law import Law
-from master.outcome import outcome
+from master.outcome import Progress, outcome, unheard
 from master.problem import Problem
 from master.renewal import LaterReleased, bound
 from master.solution import Solution
@@ -37,7 +37,9 @@ _BEFORE, _FURTHER = 0.7, 1.5
 _FURTHEST = 1e100  # mean thresholds: its square is still a number
 
 
-def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: float = 1.0) -> Solution:
+def solve_forward(
+    contacts: Contacts, path: Array, tolerance: float, velocity: float = 1.0, progress: Progress = unheard
+) -> Solution:
     """Force F(X) on a rigid slider that moves forward from X = 0 (paper Eqs. Q5a-Q6), arguments checked before."""
     began = time.perf_counter()
     generations = 1.0 + float(path[-1]) / contacts.mean_threshold
@@ -50,11 +52,11 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: f
         refuse("path[-1]", path[-1], f"is {x[-1]:.1g} mean thresholds; follow at most {_FURTHEST:.0e} of them")
     end, own = float(x[-1]), tolerance * contacts.mean_threshold / cycle.unit
     if _is_far(end, own):
-        settled = _solve_far(contacts, path, tolerance, cycle, began)
+        settled = _solve_far(contacts, path, tolerance, cycle, began, progress)
         if settled is not None:
             return settled
     problem = Problem(contacts, max(end, 1e-300), own, cycle)
-    return solve_problem(problem, path, tolerance, began)
+    return solve_problem(problem, path, tolerance, began, progress)
 
 
 def _is_far(end: float, tolerance: float) -> bool:
@@ -63,7 +65,7 @@ def _is_far(end: float, tolerance: float) -> bool:
 
 
 def _solve_far(
-    contacts: Contacts, path: Array, tolerance: float, cycle: Cycle, began: float
+    contacts: Contacts, path: Array, tolerance: float, cycle: Cycle, began: float, progress: Progress
 ) -> Solution | None:
     """The same along a path to beyond where contacts have forgotten their start; None where it ends before that."""
     from master.settled import forgotten, left_to_settle
@@ -73,7 +75,7 @@ def _solve_far(
     while at < _BEFORE * end:
         problem = Problem(contacts, at, tolerance / share, cycle)
         early = x <= at
-        solved = solve_problem(problem, np.append(path[early], at * cycle.unit), tolerance, began)
+        solved = solve_problem(problem, np.append(path[early], at * cycle.unit), tolerance, began, progress)
         steady = steady_of(contacts, cycle)
         left = left_to_settle(problem, solved._later, steady, at, tolerance / share)
         error = max(solved.force_error, left * share + steady.force_error)
@@ -94,13 +96,15 @@ def _solve_far(
     return None
 
 
-def solve_problem(problem: Problem, path: Array, tolerance: float, began: float) -> Solution:
+def solve_problem(
+    problem: Problem, path: Array, tolerance: float, began: float, progress: Progress = unheard
+) -> Solution:
     """The same of a problem stated before, since the time `began`; tolerance in mean thresholds of its contacts."""
     contacts, x = problem.contacts, path / problem.unit
     # errors are stated in mean thresholds, of which a cycle at a temperature is but a part
     share = problem.unit / contacts.mean_threshold
     force = problem.known(x)
-    released, error, later, message = _refine(problem, x, tolerance / share)
+    released, error, later, message = _refine(problem, x, tolerance / share, progress)
     force, error = (force - released) * problem.unit, error * share
     success, message = outcome(contacts, error, tolerance, message)
     return Solution(
@@ -130,7 +134,9 @@ def _holding(problem: Problem, later: LaterReleased | None, x: Array) -> Array:
     return 1.0 - (broken(x) - broken(np.maximum(x - delay, -1e-300)))
 
 
-def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float, LaterReleased | None, str]:
+def _refine(
+    problem: Problem, x: Array, tolerance: float, progress: Progress
+) -> tuple[Array, float, LaterReleased | None, str]:
     """J_1 at x, its error estimate, what it was read from and the reason for stopping short."""
     end = float(x[-1])
     floor = round_off(problem)
@@ -175,6 +181,7 @@ def _refine(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 # two lattices that do not resolve the law may be closer to each other than to the truth
                 left = difference if step < _RESOLVED * problem.law.narrowest else 4.0 * difference
             error = max(left, handed_over) + later.left_out + later.drift + floor
+            progress(error * share)
             if not rough or np.isfinite(before):
                 if best is None or error < best[1]:
                     best = answer, error, later

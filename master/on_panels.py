@@ -10,6 +10,7 @@ from master.bends import bends, beside
 from master.collocation import Course, TooMuch
 from master.forward import ROUND_OFF
 from master.make_lives import make_generations
+from master.outcome import Progress, unheard
 from master.panels import Panel, Scales, panels, radau
 from master.timeline import Piece, jumps, pieces, times, where
 from origins import Contacts, Drive
@@ -47,7 +48,7 @@ class Found:
     message: str
 
 
-def follow(contacts: Contacts, drive: Drive, tolerance: float) -> Found:
+def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard) -> Found:
     """Force on a rigid slider that moves as the drive says, for contacts with any laws but ageing."""
     unit, delay = contacts.mean_threshold, 0.0 if contacts.delay is None else contacts.delay.time
     asked, course = times(drive), pieces(drive)
@@ -89,6 +90,7 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float) -> Found:
         error = np.inf
         if not hopeless:
             error = max(left(changes), _OVER * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
+        progress(error)
         if best is None or error < best.error:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = found.work * _FINER**2

@@ -1,6 +1,15 @@
-"""Whether a solution is as good as was asked, in words."""
+"""Whether a solution is as good as was asked, in words; and who hears of its error on the way."""
+
+from collections.abc import Callable
 
 from origins import Contacts
+
+Progress = Callable[[float], None]
+"""Called with the error estimate, in mean thresholds, that a solution has after each refinement."""
+
+
+def unheard(error: float) -> None:
+    """Nobody is told."""
 
 
 def outcome(contacts: Contacts, error: float, tolerance: float, reason: str) -> tuple[bool, str]:

@@ -13,7 +13,7 @@ from master.points import Points, changed
 from master.propensity import extremes
 from origins import Contacts
 from origins.contacts import check_contacts
-from origins.errors import positive
+from origins.errors import TOLERANCE, positive
 
 Array = npt.NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def phase_line(
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.phase_line", LAWS)
-    tolerance = positive("tolerance", tolerance)
+    tolerance = positive("tolerance", tolerance, TOLERANCE)
     points = Points(contacts, velocity, temperature, rate, delay)
     speeds, *others = points.rows
     # without rates, ageing and delay the speed does not tell

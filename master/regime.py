@@ -93,13 +93,13 @@ def _judge(
             return "smooth", f"K = {spring:.6g} is at least K* = {critical:.6g}: the spring never lets go"
         return "undecided", f"K = {spring:.6g} is below K* = {critical:.6g}, but the path ends before the first slip"
     if rule == "reset":
-        again = critical
+        again, left = critical, "of relaxed contacts, left by a slip"
         if contacts.start.span != (0.0, 0.0):
             again = propensity(Contacts(contacts.thresholds), tolerance).critical_spring
+            left += f"; from the start, up to the first slip, K* = {critical:.6g}"
         if spring < again:
-            return "stick-slip", f"K = {spring:.6g} is below K* = {again:.6g} of relaxed contacts, left by a slip"
-        why = f"K = {spring:.6g} is at least K* = {again:.6g} of relaxed contacts, left by a slip"
-        return "decaying transient", why
+            return "stick-slip", f"K = {spring:.6g} is below K* = {again:.6g} {left}"
+        return "decaying transient", f"K = {spring:.6g} is at least K* = {again:.6g} {left}"
     pauses = np.abs(np.diff(drive))
     travelled = np.abs(np.diff(path, prepend=path[0])).cumsum()
     since = float(travelled[-1] - travelled[np.abs(path - drive[-1]).argmin()])

@@ -10,7 +10,7 @@ from master.cohort import starting
 from master.forward import MOST_NODES, ROUND_OFF, estimate
 from master.law import Law
 from master.leg import State
-from master.outcome import outcome
+from master.outcome import Progress, outcome, unheard
 from master.regime import Regime, regime
 from master.ride import Ride
 from origins import Contacts
@@ -34,6 +34,9 @@ class Slips:
         X at the beginning and at the end (lengths).
     force_before, force_after : array
         F/(N_c <k>) (lengths).
+    drive_error : float
+        Bound on the error of `drive` (a length), from the solution's own: force_error over K. X where a slip begins,
+        where F + K X is flat, is not known as well.
     """
 
     drive: Array
@@ -41,11 +44,17 @@ class Slips:
     after: Array
     force_before: Array
     force_after: Array
+    drive_error: float
 
     @property
     def drop(self) -> Array:
         """How far the force falls (lengths), which is K times the slip."""
         return self.force_before - self.force_after
+
+    @property
+    def period(self) -> float | None:
+        """X_T from the last slip but one to the last (a length), to twice `drive_error`; None for fewer than two."""
+        return abs(float(self.drive[-1] - self.drive[-2])) if self.drive.size > 1 else None
 
 
 @dataclass(frozen=True)
@@ -56,6 +65,8 @@ class SoftSolution:
     ----------
     path : array of shape (n,)
         Positions X_T of the drive (lengths).
+    balance : float
+        X_T = F(0)/K, where the drive stands at t = 0 (a length).
     position : array of shape (n,)
         Positions X of the slider (lengths); at a slip, after it.
     force : array of shape (n,)
@@ -67,7 +78,7 @@ class SoftSolution:
         Fraction of contacts that hold: 1, as slips take no time.
     slips : Slips
     period : float or None
-        X_T from the last slip but one to the last (a length); None for fewer than two.
+        That of the slips: X_T from the last but one to the last (a length); None for fewer than two.
     regime : Regime
     run_time : float
         Seconds.
@@ -79,6 +90,7 @@ class SoftSolution:
     """
 
     path: Array
+    balance: float
     position: Array
     force: Array
     force_error: float
@@ -93,7 +105,12 @@ class SoftSolution:
 
 
 def solve_soft(
-    contacts: Contacts, path: Array, spring: float, slip: SlipRule = "reset", tolerance: float = 1e-8
+    contacts: Contacts,
+    path: Array,
+    spring: float,
+    slip: SlipRule = "reset",
+    tolerance: float = 1e-8,
+    progress: Progress = unheard,
 ) -> SoftSolution:
     """Force as the drive X_T moves along `path` and pulls the slider by a spring K/(N_c <k>), at T = 0 (paper Sec.
     III D); slips as said in master.ride; arguments checked before.
@@ -105,18 +122,20 @@ def solve_soft(
     unit = contacts.mean_threshold
     x = path / unit
     law, begin = _start(contacts, x, spring)
-    ride, error, message = _refine(law, begin, spring, slip, x, tolerance)
+    ride, error, message = _refine(law, begin, spring, slip, x, tolerance, progress)
     success, message = outcome(contacts, error, tolerance, message)
     table = np.array([[s.drive, s.before, s.after, s.force_before, s.force_after] for s in ride.slips]).reshape(-1, 5)
-    slips = Slips(*(unit * table.T))
+    drives, before, after, above, below = unit * table.T
+    slips = Slips(drives, before, after, above, below, error * unit / spring)
     return SoftSolution(
         path=path,
+        balance=contacts.start.mean() / spring,
         position=unit * ride.position,
         force=unit * ride.force,
         force_error=error,
         holding=np.ones(x.size),
         slips=slips,
-        period=abs(float(slips.drive[-1] - slips.drive[-2])) if len(ride.slips) > 1 else None,
+        period=slips.period,
         regime=regime(contacts, spring, slip, slips.drive, slips.drop, path, tolerance),
         run_time=time.perf_counter() - began,
         nodes=ride.nodes,
@@ -135,7 +154,7 @@ def _start(contacts: Contacts, x: Array, spring: float) -> tuple[Law, State]:
 
 
 def _refine(
-    law: Law, begin: State, spring: float, rule: SlipRule, x: Array, tolerance: float
+    law: Law, begin: State, spring: float, rule: SlipRule, x: Array, tolerance: float, progress: Progress
 ) -> tuple[Ride, float, str]:
     """A ride on lattices fine enough, its error estimate and the reason for stopping short."""
     travel = float(np.abs(np.diff(x, prepend=0.0)).sum())
@@ -151,6 +170,7 @@ def _refine(
             stiff = spring if ride.slips else min(spring, max(spring - ride.least_slope, 1.0))
             floor = ROUND_OFF * (1.0 + travel) * (1.0 + stiff)
             error = estimate(difference, before, ride.least_share, law.diverges) + floor + ride.error
+            progress(error)
             if np.isfinite(before):
                 if best is None or error < best[1]:
                     best = ride, error

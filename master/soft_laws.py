@@ -10,7 +10,7 @@ import numpy.typing as npt
 from master.forward import ROUND_OFF
 from master.make_lives import make_lives, prepare
 from master.marching import lagrange
-from master.outcome import outcome
+from master.outcome import Progress, outcome, unheard
 from master.pulled import COARSEST, Pull
 from master.regime import regime
 from master.soft import Slips, SoftSolution
@@ -27,7 +27,9 @@ _BISECTIONS = 60
 _SAME = 1e-12
 
 
-def solve_soft_laws(contacts: Contacts, drive: Drive, tolerance: float) -> SoftSolution:
+def solve_soft_laws(
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
+) -> SoftSolution:
     """Force as the drive moves and pulls the slider, for contacts with any laws; rates, delay and holds run on the
     drive's clock; arguments checked before.
 
@@ -46,19 +48,21 @@ def solve_soft_laws(contacts: Contacts, drive: Drive, tolerance: float) -> SoftS
     if drive.time is not None and drive.time[0] == 0.0 and abs(drive.path[0] - balance) > 1e-12 * unit:
         refuse("path[0]", drive.path[0], f"at time 0 the drive stands where it balances the start, {balance:.9g}")
     asked = times(drive, balance)
-    found = _refine(contacts, drive, balance, asked, tolerance)
+    found = _refine(contacts, drive, balance, asked, tolerance, progress)
     table, force, holding, error, steps, message = found
     success, message = outcome(contacts, error, tolerance, message)
-    slips = Slips(*table)
+    drives, before, after, above, below = table
+    slips = Slips(drives, before, after, above, below, error * unit / spring)
     speed = drive.velocity if drive.time is None else _speed(drive, balance)
     return SoftSolution(
         path=drive.path,
+        balance=balance,
         position=drive.path - force / spring,
         force=force,
         force_error=error,
         holding=holding,
         slips=slips,
-        period=abs(float(slips.drive[-1] - slips.drive[-2])) if slips.drive.size > 1 else None,
+        period=slips.period,
         regime=regime(contacts, spring, drive.slip, slips.drive, slips.drop, drive.path, tolerance, speed),
         run_time=clocks.perf_counter() - began,
         nodes=steps,
@@ -76,7 +80,7 @@ def _speed(drive: Drive, balance: float) -> float:
 
 
 def _refine(
-    contacts: Contacts, drive: Drive, balance: float, asked: Array, tolerance: float
+    contacts: Contacts, drive: Drive, balance: float, asked: Array, tolerance: float, progress: Progress
 ) -> tuple[Array, Array, Array, float, int, str]:
     """Slips (5, m), force and holding at the times asked for, error estimate, steps and reason for stopping short."""
     unit, delay = contacts.mean_threshold, 0.0 if contacts.delay is None else contacts.delay.time
@@ -133,6 +137,7 @@ def _refine(
         steep = spring if pull.slips else min(spring, 1.0)
         error += ROUND_OFF * (1.0 + pull.steps) * (1.0 + steep) + lives.error
         error = max(error, pull.unresolved / unit)
+        progress(error)
         if error < best[0] or not level:
             f, h = answer[: asked.size] * unit, answer[asked.size : 2 * asked.size]
             f, h = np.where(near, force, f), np.where(near, holding, h)

@@ -8,11 +8,12 @@ import numpy.typing as npt
 
 from master.cycle import LAWS
 from master.forward import solve_forward
+from master.outcome import Progress, unheard
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.contacts import check_contacts
 from origins.drive import SlipRule
-from origins.errors import positive
+from origins.errors import TOLERANCE, positive
 
 if TYPE_CHECKING:
     from master.ageing_transient import AgeingTransient
@@ -31,6 +32,7 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: None = None,
     slip: SlipRule = "reset",
+    progress: Progress = unheard,
 ) -> Solution | PathSolution | TimedSolution | AgeingTransient: ...
 
 
@@ -44,6 +46,7 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: float,
     slip: SlipRule = "reset",
+    progress: Progress = unheard,
 ) -> SoftSolution: ...
 
 
@@ -56,6 +59,7 @@ def solve(
     time: npt.ArrayLike | None = None,
     spring: float | None = None,
     slip: SlipRule = "reset",
+    progress: Progress = unheard,
 ) -> Solution | PathSolution | TimedSolution | SoftSolution | AgeingTransient:
     """Force on a slider from X = 0 along a path (paper Eqs. Q5a-Q6, Secs. IV and V, App. C, Sec. III D).
 
@@ -80,6 +84,9 @@ def solve(
         "reset": all contacts are drawn anew, relaxed, and X jumps to where K (X_T - X) = F (the paper's);
         "reform-after": broken contacts stay out until the slip ends, those that hold stretch and may break;
         "instant": contacts re-form at once, and X goes to the first X' with F(X') + K X' = K X_T.
+    progress : callable, optional
+        Called as progress(error), in mean thresholds, with the estimate after each refinement but the coarsest; not
+        where nothing is refined.
 
     Returns
     -------
@@ -93,7 +100,7 @@ def solve(
         For a path that is not finite, for keywords that are not as said above, and for laws of the contacts that are
         not taken on that path yet.
     """
-    tolerance = positive("tolerance", tolerance)
+    tolerance = positive("tolerance", tolerance, TOLERANCE)
     drive = Drive(path, velocity, time, spring, slip)
     if isinstance(contacts, Contacts) and contacts.ageing is not None and contacts.ageing.closure == "paper":
         from master.ageing_transient import solve_paper
@@ -101,28 +108,28 @@ def solve(
         drive.only_forward("the paper's closure of ageing")
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
-        return solve_paper(contacts, drive, tolerance)
+        return solve_paper(contacts, drive, tolerance, progress)
     check_contacts(contacts, "master.solve", LAWS if drive.spring is not None else (*LAWS, "grains"))
     if contacts.grains is not None:
         from master.timed import solve_timed
 
-        return solve_timed(contacts, drive, tolerance)
+        return solve_timed(contacts, drive, tolerance, progress)
     laws = (contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
     plain = laws == (None, None, None, None) and contacts.stiffness == "independent"
     if drive.spring is not None and not plain:
         from master.soft_laws import solve_soft_laws
 
-        return solve_soft_laws(contacts, drive, tolerance)
+        return solve_soft_laws(contacts, drive, tolerance, progress)
     if drive.spring is not None:
         from master.soft import solve_soft
 
-        return solve_soft(contacts, drive.path, drive.spring, drive.slip, tolerance)
+        return solve_soft(contacts, drive.path, drive.spring, drive.slip, tolerance, progress)
     if drive.forward and (drive.time is None or plain):
-        return solve_forward(contacts, drive.path, tolerance, drive.velocity)
+        return solve_forward(contacts, drive.path, tolerance, drive.velocity, progress)
     if not plain:
         from master.timed import solve_timed
 
-        return solve_timed(contacts, drive, tolerance)
+        return solve_timed(contacts, drive, tolerance, progress)
     from master.cohorts import solve_cohorts
 
-    return solve_cohorts(contacts, drive.path, tolerance)
+    return solve_cohorts(contacts, drive.path, tolerance, progress)

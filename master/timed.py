@@ -14,7 +14,7 @@ from master.make_lives import make_lives, prepare
 from master.marching import March, lagrange, march
 from master.moment import MomentDistribution, distribution_at
 from master.on_panels import follow
-from master.outcome import outcome
+from master.outcome import Progress, outcome, unheard
 from master.timeline import Part, beside, jumps, marks, parts, pieces, times
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
@@ -84,7 +84,9 @@ class TimedSolution:
         return distribution_at(self._contacts, self._course, pieces(self._drive), time, place)
 
 
-def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolution:
+def solve_timed(
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
+) -> TimedSolution:
     """Force on a rigid slider that moves as the drive says, for contacts with any laws; arguments checked before.
 
     On panels of eight nodes, cut up where breaks change fast; for contacts that age by marches of second order in the
@@ -95,11 +97,11 @@ def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolu
     asked = times(drive)
     path: Course | None = None
     if contacts.ageing is None and contacts.grains is None:
-        found = follow(contacts, drive, tolerance)
+        found = follow(contacts, drive, tolerance, progress)
         force, holding, error, nodes, message = found.force, found.holding, found.error, found.nodes, found.message
         path = found.course
     else:
-        force, holding, error, nodes, message = _refine(contacts, drive, asked, tolerance)
+        force, holding, error, nodes, message = _refine(contacts, drive, asked, tolerance, progress)
     success, message = outcome(contacts, error, tolerance, message)
     return TimedSolution(
         path=drive.path,
@@ -118,7 +120,7 @@ def solve_timed(contacts: Contacts, drive: Drive, tolerance: float) -> TimedSolu
 
 
 def _refine(
-    contacts: Contacts, drive: Drive, asked: Array, tolerance: float
+    contacts: Contacts, drive: Drive, asked: Array, tolerance: float, progress: Progress
 ) -> tuple[Array, Array, float, int, str]:
     unit, delay = contacts.mean_threshold, contacts.waiting_time
     course = pieces(drive)
@@ -162,6 +164,7 @@ def _refine(
         error = max(error, unknown)
         if sharp is None:
             error = np.inf
+        progress(error)
         if error < best[0] or not level:
             best = error, answer, count
         if needed > most:

@@ -27,7 +27,7 @@ class Drive:
     spring : float, optional
         K/(N_c <k>); None: the slider is rigid.
     slip : "reset", "reform-after" or "instant"
-        What a slip of a soft slider does.
+        What a slip of a soft slider does; left as it is for a rigid one.
 
     Attributes
     ----------
@@ -51,6 +51,8 @@ class Drive:
         self.spring = None if spring is None else positive("spring", spring)
         if slip not in get_args(SlipRule):
             refuse("slip", slip, 'must be "reset", "reform-after" or "instant"')
+        if self.spring is None and slip != "reset":
+            refuse("slip", slip, "is what a slip of a soft slider does, and without spring the slider is rigid")
         self.slip = slip
         before = np.append(0.0, self.path[:-1])
         self._back = np.flatnonzero(self.path < before)
@@ -69,7 +71,7 @@ class Drive:
 
 def _check_time(time: npt.ArrayLike, path: npt.NDArray[np.float64], velocity: float) -> npt.NDArray[np.float64]:
     if velocity != 1.0:
-        raise InputError(f"velocity = {velocity!r}: time says when each point is reached; give one of the two")
+        raise InputError(f"velocity = {velocity!r}: the times of the points say how fast; give one of the two")
     times = finite_array("time", time)
     if times.shape != path.shape:
         refuse("time", times, f"must have the shape of the path, {path.shape}")

@@ -5,6 +5,9 @@ from typing import NoReturn
 
 import numpy as np
 
+TEMPERATURE = "k_BT/<k>, a length squared in the unit of the thresholds; for T = 0 leave the law out"
+TOLERANCE = "such as 1e-8"  # in mean thresholds, whatever their unit
+
 
 class InputError(ValueError):
     """A value that cannot be used: which one, what it was, what holds, what to write instead."""
@@ -26,24 +29,26 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def finite(name: str, value: object) -> float:
-    """`value` as a finite float."""
+def finite(name: str, value: object, instead: str = "such as 1.0") -> float:
+    """`value` as a finite float; else the message ends in what to write `instead`."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
-        refuse(name, value, "must be a number, such as 1.0")
+        refuse(name, value, f"must be a number, {instead}")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        refuse(name, value, "must be finite, such as 1.0")
+        refuse(name, value, f"must be finite, {instead}")
     return number
 
 
-def positive(name: str, value: object) -> float:
-    """`value` as a finite float above zero."""
-    number = finite(name, value)
+def positive(name: str, value: object, instead: str = "") -> float:
+    """`value` as a finite float above zero; else, as where it is no number, the message ends in what to write
+    `instead`, such as "such as 1e-8"."""
+    ending = f", {instead}" if instead else ""
+    number = finite(name, value, instead or "such as 1.0")
     if number <= 0.0:
-        refuse(name, value, "must be above zero, such as 1.0")
+        refuse(name, value, f"must be above zero{ending}")
     return number
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from origins.errors import positive
+from origins.errors import TEMPERATURE, positive
 from origins.start import Start, gaussian_start
 
 
@@ -13,4 +13,4 @@ def boltzmann_reforming(temperature: float) -> Start:
     is drawn before its threshold, on which its own k_i depends.
     Raises InputError unless it is finite and above zero.
     """
-    return gaussian_start(0.0, float(np.sqrt(positive("temperature", temperature))))
+    return gaussian_start(0.0, float(np.sqrt(positive("temperature", temperature, TEMPERATURE))))

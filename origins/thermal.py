@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import soft_contact, stiff_contact
-from origins.errors import InputError, positive, refuse
+from origins.errors import TEMPERATURE, InputError, positive, refuse
 
 Array = npt.NDArray[np.float64]
 
@@ -57,7 +57,7 @@ class Thermal:
             refuse("law", self.law, 'must be "soft" or "stiff"')
         if self.closure not in ("exact", "paper"):
             refuse("closure", self.closure, 'must be "exact" or "paper"')
-        positive("temperature", self.temperature)
+        positive("temperature", self.temperature, TEMPERATURE)
         positive("attempt_frequency", self.attempt_frequency)
 
     def rate(self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0) -> Array:

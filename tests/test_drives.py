@@ -30,6 +30,58 @@ def test_every_turning_point_is_a_point_of_the_path(turns: list[float], points: 
         np.testing.assert_allclose(path[first : last + 1], np.linspace(begin, end, last - first + 1), atol=1e-15)
 
 
+def test_points_begin_where_the_scene_says() -> None:
+    made = toolkit.load_scene(scene({"from": 1.0, "turns": [2.0, -1.0], "points": 5})).drive
+    assert made.path.tolist() == [1.0, 2.0, 1.0, 0.0, -1.0] and made.time is None
+    asked = {"from": 0.5, "turns": [2.0, 2.0], "times": [1.0, 2.0, 4.0], "points": 5}
+    made = toolkit.load_scene(scene(asked)).drive
+    assert made.path.tolist() == [0.5, 1.25, 2.0, 2.0, 2.0] and made.time.tolist() == [1.0, 1.5, 2.0, 3.0, 4.0]
+    # a rigid slider has come from X = 0: the force there is that of the whole way
+    whole, part = (toolkit.run(scene({"to": 3.0, **more})) for more in ({"points": 31}, {"from": 1.0, "points": 21}))
+    assert whole.master is not None and part.master is not None
+    np.testing.assert_allclose(part.master.force, whole.master.force[10:], atol=2e-7)
+    np.testing.assert_allclose(part.time, whole.time[10:])
+
+
+def test_a_soft_slider_begins_in_balance_where_the_scene_says() -> None:
+    stretched = {
+        "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1},
+        "start": {"kind": "identical", "value": 0.2},
+    }
+    drive = {"from": 0.4, "to": 1.0, "points": 4, "spring": 0.5, "velocity": 0.1}
+    result = toolkit.run(scene(drive) | {"contacts": stretched})
+    soft = result.master
+    assert isinstance(soft, SoftRecord) and soft.position[0] == pytest.approx(0.0, abs=1e-12) and soft.balance == 0.4
+    # no contact breaks before X = 0.4: K (X_T - X) = 0.2 + X
+    np.testing.assert_allclose(soft.force, 0.2 + (0.5 * soft.path - 0.2) / 1.5, atol=1e-6)
+    np.testing.assert_allclose(result.time, [0.0, 2.0, 4.0, 6.0])
+
+
+def test_points_of_a_hold_may_be_even_in_its_logarithm() -> None:
+    drive = {"turns": [1.0, 1.0, 2.0], "times": [1.0, 1.0 + 1e6, 2.0 + 1e6], "points": 28, "hold_scale": 1e-2}
+    made = toolkit.load_scene(scene(drive)).drive
+    assert made.time is not None and made.time[[0, 9, 18, 27]].tolist() == [0.0, 1.0, 1.0 + 1e6, 2.0 + 1e6]
+    held = made.time[9:19] - 1.0
+    assert (made.path[9:19] == 1.0).all()
+    np.testing.assert_allclose(np.diff(np.log1p(held / 1e-2)), np.log1p(1e8) / 9.0, rtol=1e-6)
+
+
+def test_a_picture_shows_the_decades_of_a_hold() -> None:
+    from matplotlib.figure import Figure
+
+    from toolkit.abscissa import write_along
+
+    drive = {"turns": [1.0, 1.0, 2.0], "times": [1.0, 1.0 + 1e6, 2.0 + 1e6], "points": 91, "hold_scale": 1e-2}
+    axes = Figure().subplots()
+    result = toolkit.run(scene(drive))
+    write_along(axes, result)
+    axes.figure.canvas.draw()
+    assert [text.get_text() for text in axes.get_xticklabels()][:3] == ["0", "1", "+$10^{0}$"]
+    # points are even, and ticks apart
+    at = axes.transAxes.inverted().transform(axes.transData.transform([(time, 0.0) for time in result.time]))[:, 0]
+    np.testing.assert_allclose(np.diff(at), 1.0 / 90.0, rtol=1e-6)
+
+
 def test_a_loop_is_solved_and_comes_back_from_its_folder(tmp_path: Path) -> None:
     asked = scene({"turns": [2.0, -2.0, 2.0], "points": 101})
     result = toolkit.run(asked)
@@ -42,7 +94,8 @@ def test_a_loop_is_solved_and_comes_back_from_its_folder(tmp_path: Path) -> None
 
 
 def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
-    result = toolkit.run(scene({"to": 6.0, "points": 61, "spring": 0.8, "slip": "reform-after"}))
+    asked = scene({"to": 6.0, "points": 61, "spring": 0.8, "slip": "reform-after"})
+    result = toolkit.run(asked)
     soft = result.master
     assert isinstance(soft, SoftRecord) and soft.slip_drive.size >= 2 and result.success
     assert soft.period == pytest.approx(soft.slip_drive[-1] - soft.slip_drive[-2])
@@ -52,7 +105,16 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
     again = toolkit.load(tmp_path / "out").master
     assert isinstance(again, SoftRecord)
     np.testing.assert_array_equal(again.slip_after, soft.slip_after)
+    # what is read back has the names of what is solved
+    checked = toolkit.load_scene(asked)
+    solved = master.solve(checked.contacts, checked.path, 1e-7, spring=0.8, slip="reform-after")
+    np.testing.assert_array_equal(again.slips.drive, solved.slips.drive)
+    np.testing.assert_array_equal(again.slips.drop, solved.slips.drop)
+    assert again.slips.drive_error == solved.slips.drive_error > 0.0 and again.regime == solved.regime
+    finer = master.solve(checked.contacts, checked.path, 1e-10, spring=0.8, slip="reform-after")
+    assert np.abs(finer.slips.drive - solved.slips.drive).max() <= solved.slips.drive_error + finer.slips.drive_error
     told = json.loads((tmp_path / "out" / "summary.json").read_text())["master"]
+    assert told["period_error"] == 2.0 * soft.slip_drive_error
     assert told["slips"] == soft.slip_drive.size and told["verdict"] == soft.verdict == again.verdict
 
 
@@ -66,6 +128,16 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
         ({"points": 11, "turns": [1.0, 1.0]}, {}, "drive.turns[1] = 1.0: is where the path already stands"),
         ({"points": 11, "turns": [0.0, 1.0]}, {}, "drive.turns[0] = 0.0: is where the path already stands"),
         ({"points": 11, "turns": [1.0, 1e9]}, {}, "is 1e+09 mean thresholds"),
+        ({"points": 11, "to": 1.0, "from": 1.0}, {}, "drive.from = 1.0: is where the path ends or turns first"),
+        ({"points": 11, "to": 1.0, "from": -1e9}, {}, "drive.from = -1000000000.0: is 1e+09 mean thresholds"),
+        ({"points": 11, "to": 1.0, "from": "a"}, {}, "drive.from = 'a': must be a number"),
+        ({"points": 11, "to": 1.0, "from": 0.5, "times": [1.0]}, {}, "for drive.from and each of drive.turns, 2"),
+        ({"points": 11, "to": 1.0, "from": 0.5, "times": [1.0, 1.0]}, {}, "drive.times[1] = 1.0: must be later"),
+        ({"points": 11, "to": 1.0, "from": 0.5, "times": [0.0, 1.0]}, {}, "drive.times[0] = 0.0: leaves no time"),
+        ({"points": 11, "to": 1.0, "times": [1.0], "velocity": 2.0}, {}, "drive.velocity = 2.0: the times of"),
+        ({"points": 11, "to": 1.0, "hold_scale": 1.0}, {}, "drive.hold_scale = 1.0: is of holds, and without"),
+        ({"points": 11, "to": 1.0, "times": [1.0], "hold_scale": 1.0}, {}, "drive.hold_scale = 1.0: is of holds, a"),
+        ({"points": 11, "turns": [1.0, 1.0], "times": [1.0, 2.0], "hold_scale": 1e-99}, {}, "1e-99: is lost beside"),
         ({"points": 11, "to": 1.0, "spring": 0.0}, {}, "drive.spring = 0.0: must be above zero"),
         ({"points": 11, "to": 1.0, "velocity": -1.0}, {}, "drive.velocity = -1.0: must be above zero"),
         ({"points": 11, "to": 1.0, "slip": "none"}, {}, "slip"),

@@ -11,7 +11,7 @@ import pytest
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
-from toolkit.forecast import Estimate, forecast, lines
+from toolkit.forecast import Estimate, Pilot, forecast, lines, pilot, pilot_lines
 
 SCENE: dict[str, Any] = {
     "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}},
@@ -70,11 +70,24 @@ def test_the_command_tells_and_writes_nothing(
     monkeypatch.chdir(tmp_path)
     assert main(["run", "gaussian", "--dry-run"]) == 0
     told = capsys.readouterr().out.splitlines()
-    words = ["Gaussian", "contacts", "breaks", "run", "memory", "standard", "from"]
+    words = ["Gaussian", "master", "contacts", "breaks", "run", "memory", "standard", "from"]
     assert [line.split()[0].rstrip(",") for line in told] == words
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(InputError, match="has no \\[eq\\]"):
         forecast(toolkit.load_scene({key: SCENE[key] for key in ("contacts", "drive")} | {"master": {}}))
+
+
+def test_the_master_equation_is_tried_at_looser_tolerances(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = toolkit.load_scene({key: SCENE[key] for key in ("contacts", "drive")} | {"master": {"tolerance": 1e-9}})
+    told = pilot(scene)
+    assert told.tolerance == 1e-9 and told.error <= 1e-9
+    assert ", within the 1e-09 asked for" in pilot_lines(told)[0]
+    monkeypatch.setattr("toolkit.forecast._ENOUGH", 0.0)
+    told = pilot(scene)
+    assert told.tolerance == 1e-2 and 0.0 < told.error <= 1e-2 and told.run_time > 0.0
+    if told.error > 1e-9:
+        assert "1e-09, as asked, takes longer, how much is not foreseen" in pilot_lines(told)[0]
+    assert "no more is reached" in pilot_lines(Pilot(1e-2, 0.3, 4.0, 1e-4))[0]
 
 
 def test_ranks_foretell_together(mpirun: Callable[..., Any], tmp_path: Any) -> None:

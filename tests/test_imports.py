@@ -30,7 +30,8 @@ told = {}
 for name in shipped_scenes():
     tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
     tables.pop("eq", None)
-    told[name] = float(toolkit.run(tables).master.force.max()), sorted(sys.modules)
+    result = toolkit.run(tables)
+    told[name] = float((result.master or result.sweep).force.max()), sorted(sys.modules)
 print(json.dumps(told))
 """
     words = [sys.executable, "-c", code]

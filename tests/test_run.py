@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import time
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,8 +20,9 @@ from origins.errors import InputError
 from toolkit.files import summary
 from toolkit.folders import check_folder, write_folder
 from toolkit.plots import plot_density
-from toolkit.progress import Progress
+from toolkit.progress import Progress, Refinement
 from toolkit.results import OWN_UNIT, sample_curve
+from toolkit.running import solve_master
 from toolkit.scene import SHIPPED, shipped_scenes
 
 SURFACE = {"kind": "self-affine", "shape": [64, 64], "pixel_size": 1e-8, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
@@ -55,7 +57,9 @@ SIMULATED = [name for name in shipped_scenes() if "eq" in tomllib.loads((SHIPPED
 @pytest.mark.parametrize("name", [name for name in shipped_scenes() if name not in SIMULATED])
 def test_shipped_scene_of_the_master_equation_alone_runs(name: str) -> None:
     done = toolkit.run(name)
-    assert done.success and done.eq is None and np.ptp(done.master.force) > 0.1 * done.mean_threshold  # type: ignore[union-attr]
+    found = done.master or done.sweep
+    assert found is not None and done.eq is None
+    assert done.success and np.ptp(found.force) > 0.1 * done.mean_threshold
 
 
 @pytest.mark.parametrize("name", SIMULATED)
@@ -108,6 +112,23 @@ def test_bar_is_for_long_runs_only(capsys: pytest.CaptureFixture[str], monkeypat
     told = capsys.readouterr().err
     # how far, how fast, how long still
     assert "50%" in told and re.search(r"<[\d:?]+, .*contacts/s\]", told)
+
+
+def test_the_bar_of_the_master_equation_tells_its_error(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("toolkit.progress._LOG_PATIENCE", 0.01)
+    bar = Refinement(1e-8)
+    for error in (1e-2, 1e-5, 3e-5):
+        bar(error)
+    time.sleep(0.3)
+    bar.close()
+    told = capsys.readouterr().err
+    assert "master equation:" in told and "error 1.0e-05 of 1.0e-08 asked" in told
+    errors: list[float] = []
+    scene = toolkit.load_scene("friction-loop")
+    solved = solve_master(scene, 1e-8, errors.append)
+    assert len(errors) >= 2 and errors[-1] == solved.force_error < errors[0]
 
 
 def test_only_named_solvers_run() -> None:
@@ -275,6 +296,34 @@ def test_a_temperature_at_which_contacts_hold_nothing_is_noted() -> None:
     assert notes(90.0) == ()
     (note,) = notes(505.0)
     assert note.startswith("the temperature is 500 <x_s^2>: barriers are 0.001 k_BT")
+
+
+def test_births_beyond_nearly_all_thresholds_are_noted() -> None:
+    def notes(mean: float) -> tuple[str, ...]:
+        again = {"kind": "gaussian", "mean": mean, "std": 0.05}
+        contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}, "reforming": again}
+        drive = {"to": 1.0, "points": 3}
+        return toolkit.run({"contacts": contacts, "drive": drive, "master": {"tolerance": 1e-4}}).notes
+
+    assert notes(0.5) == ()
+    (note,) = notes(2.0)
+    assert note.startswith("contacts form again about x = 2, and only 8e-24 of all thresholds are beyond that")
+
+
+def test_pictures_name_ages_rates_and_units() -> None:
+    from matplotlib.figure import Figure
+
+    law = {"kind": "growing-grains", "alpha": 1.0, "B": 4.0, "age": 4.0}
+    drive = {"to": 0.5, "points": 3, "velocity": 0.5}
+    axes = Figure().subplots(1, 2)
+    toolkit.plot(toolkit.run({"contacts": {"thresholds": law}, "drive": drive, "master": {"tolerance": 1e-2}}), axes)
+    assert axes[0].get_title().endswith("$\\alpha$ = 1, $v$ = 0.5")
+    assert axes[1].get_title() == "thresholds at $X$ = 0, age 4"
+    rough = tomllib.loads((SHIPPED / "rough-gw-amontons.toml").read_text())
+    late = {"contacts": rough["contacts"] | {"delay": {"time": 0.01}}, "master": {"tolerance": 1e-2}}
+    result = toolkit.run(late | {"drive": {"to": 1e-7, "times": [0.1], "points": 3}})
+    toolkit.plot(result, axes)
+    assert axes[0].get_xlabel() == "time $t$ (s)" and axes[0].get_title().endswith("$\\tau_m$ = 0.01 s")
 
 
 @pytest.mark.parametrize(

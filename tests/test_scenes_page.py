@@ -22,6 +22,8 @@ STRUCTS = {
     "[drive]": scene.DriveTable,
     "[master]": scene.MasterTable,
     "[eq]": scene.EqTable,
+    "[sweep]": scene.SweepTable,
+    "[sweep.velocity]": scene.RangeTable,
 }
 KINDS = {
     "[contacts.start]": laws.START,
@@ -72,7 +74,7 @@ def test_page_has_a_section_for_every_table() -> None:
 @pytest.mark.parametrize("heading", STRUCTS)
 def test_table_of_fixed_keys(heading: str) -> None:
     fields = msgspec.structs.fields(STRUCTS[heading])
-    code = {field.name: inspect.Parameter.empty if field.required else field.default for field in fields}
+    code = {field.encode_name: inspect.Parameter.empty if field.required else field.default for field in fields}
     assert dict(map(told, sections()[heading])) == code
 
 

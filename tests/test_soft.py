@@ -309,11 +309,12 @@ def test_a_tolerance_beyond_reach_is_said():
         ({"time": [0.0, 1.0, 2.0]}, "time = array of shape"),
         ({"time": [0.0, 0.0]}, r"time\[1\] = 0.0: leaves no time"),
         ({"time": [1.0, 0.5]}, r"time\[1\] = 0.5: is before time\[0\]"),
-        ({"time": [0.0, 1.0], "velocity": 2.0}, "velocity = 2.0: time says when"),
+        ({"time": [0.0, 1.0], "velocity": 2.0}, "velocity = 2.0: the times of the points"),
         ({"velocity": 0.0}, "velocity = 0.0: must be above zero"),
         ({"slip": "relax"}, 'slip = \'relax\': must be "reset"'),
         ({"path": [0.0, np.inf]}, r"path\[1\]"),
-        ({"tolerance": -1.0}, "tolerance = -1.0"),
+        ({"tolerance": -1.0}, "tolerance = -1.0: must be above zero, such as 1e-8"),
+        ({"spring": None, "slip": "instant"}, "slip = 'instant': is what a slip of a soft slider does, and without"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(change, words):

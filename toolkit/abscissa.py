@@ -1,6 +1,7 @@
 """What the curves of a run are drawn against: positions, or times where the scene gives them; and its conditions."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,11 @@ from toolkit.results import OWN_UNIT, Curve, Result, SoftRecord
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from toolkit.scene import DriveTable
+
 Array = npt.NDArray[np.float64]
+
+_TICK = 0.06  # of an axis, which a tick's label takes
 
 
 def curves(result: Result) -> list[Curve]:
@@ -24,7 +29,7 @@ def curves(result: Result) -> list[Curve]:
 def clock(result: Result) -> Array | None:
     """When each point of the path is reached, where the scene says so; else None."""
     asked = result.asked.drive
-    return None if asked.times is None else make_drive(asked).time
+    return None if asked is None or asked.times is None else make_drive(asked).time
 
 
 def along(result: Result, curve: Curve) -> Array:
@@ -36,26 +41,80 @@ def along(result: Result, curve: Curve) -> Array:
 def write_along(axes: "Axes", result: Result) -> None:
     """The axis of that."""
     reach = max((float(np.abs(along(result, curve)).max()) for curve in curves(result)), default=0.0)
-    if result.asked.drive.times is not None:
-        Lengths.of(reach, False).write(axes.xaxis, "time $t$")
+    times = clock(result)
+    if times is not None and result.asked.drive is not None and result.asked.drive.hold_scale is not None:
+        _write_stretched(axes, times, result.asked.drive)
+        axes.set_xlabel(f"time $t${units(result, 's')}, in holds since they began")
+        return
+    if times is not None:
+        Lengths.of(reach, False).write(axes.xaxis, "time $t$" + units(result, "s"))
         return
     place = "drive position $X_T$" if isinstance(result.master, SoftRecord) else "slider position $X$"
     Lengths.of(reach, result.thresholds.unit != OWN_UNIT).write(axes.xaxis, place)
 
 
+def _write_stretched(axes: "Axes", times: Array, asked: "DriveTable") -> None:
+    """An axis of times on which points are even, so that the decades of a hold can be told; ticks where it turns, and
+    at powers of ten in holds, counted from where they begin."""
+    from matplotlib.ticker import FixedFormatter, FixedLocator
+
+    number = np.arange(times.size, dtype=float)
+
+    def places(time: Array | float) -> Array:
+        return np.interp(time, times, number)
+
+    def back(place: Array) -> Array:
+        return np.interp(place, number, times)
+
+    axes.set_xscale("function", functions=(places, back))
+    axes.set_xlim(times[0], times[-1])
+    ends = np.append(times[0], np.asarray(asked.times))
+    ticks = [(float(end), f"{end:.7g}") for end in ends]
+    path = make_drive(asked).path
+    for begin, end in pairwise(ends):
+        if np.ptp(path[(times >= begin) & (times <= end)]) == 0.0:
+            first, last = np.log10([asked.hold_scale or 1.0, end - begin])
+            powers = np.arange(np.ceil(first), np.floor(last) + 1.0)
+            ticks += [(float(begin + 10.0**power), f"+$10^{{{power:.0f}}}$") for power in powers]
+    kept: list[tuple[float, str]] = []
+    for at, text in ticks:
+        if all(abs(places(at) - places(other)) > _TICK * times.size for other, _ in kept):
+            kept.append((at, text))
+    kept.sort()
+    axes.xaxis.set_major_locator(FixedLocator([at for at, _ in kept]))
+    axes.xaxis.set_major_formatter(FixedFormatter([text for _, text in kept]))
+
+
+def units(result: Result, unit: str) -> str:
+    """An SI unit in brackets, as an axis has it, where lengths are in metres; else nothing."""
+    return f" ({unit})" if result.thresholds.unit != OWN_UNIT else ""
+
+
+def grows(result: Result) -> bool:
+    """Whether thresholds grow with the age of each contact."""
+    return result.asked.contacts.thresholds.get("kind") == "growing-grains"
+
+
 def conditions(result: Result) -> str:
-    """Temperature, delay, rate of ageing and speed as a picture tells them; empty where contacts have no such law."""
+    """Temperature, delay, rates of ageing and growth and speed as a picture tells them; empty where contacts have no
+    such law."""
+
+    def told(symbol: str, value: float, unit: str) -> str:
+        return f"${symbol}$ = {value:.3g}" + (f" {unit}" if result.thresholds.unit != OWN_UNIT else "")
+
     asked = result.asked
     contacts = asked.contacts
     said = []
     if contacts.thermal is not None:
         temperature = contacts.thermal["temperature"]
         kelvin = isinstance(temperature, Mapping)
-        said.append(f"$T$ = {temperature['kelvin']:.4g} K" if kelvin else f"$T$ = {temperature:.3g}")
+        said.append(f"$T$ = {temperature['kelvin']:.4g} K" if kelvin else told("T", temperature, "m²"))
     if contacts.delay is not None:
-        said.append(rf"$\tau_m$ = {contacts.delay['time']:.3g}")
+        said.append(told(r"\tau_m", contacts.delay["time"], "s"))
     if contacts.ageing is not None:
-        said.append(f"$D$ = {contacts.ageing['rate']:.3g}")
-    if said and asked.drive.times is None:
-        said.append(f"$v$ = {asked.drive.velocity:.3g}")
+        said.append(told("D", contacts.ageing["rate"], "m²/s"))
+    if grows(result):
+        said.append(rf"$\alpha$ = {contacts.thresholds['alpha']:.3g}")
+    if said and asked.drive is not None and asked.drive.times is None:
+        said.append(told("v", asked.drive.velocity, "m/s"))
     return ", ".join(said)

@@ -12,7 +12,10 @@ from toolkit import laws
 if TYPE_CHECKING:
     from toolkit.scene import DriveTable
 
+Array = npt.NDArray[np.float64]
+
 _MOST_POINTS = 10_000_000
+_LEAST_SCALE = 1e-14  # of times, whose rounding it would be
 
 
 def make_drive(table: "DriveTable") -> Drive:
@@ -23,41 +26,68 @@ def make_drive(table: "DriveTable") -> Drive:
     if (table.to is None) == (table.turns is None):
         both = "both are given" if table.to is not None else "neither is given"
         raise InputError(f"drive: needs one of to = 5.0 and turns = [3.0, -3.0, 3.0], and {both}")
-    ends = [positive("drive.to", table.to)] if table.turns is None else table.turns
-    path, time = _path(ends, table.times, points)
     if table.slip is not None and table.spring is None:
         rule = "is what a slip of a soft slider does, and without drive.spring the slider is rigid; give one or neither"
         refuse("drive.slip", table.slip, rule)
+    places, clock = _corners(table)
+    if points < places.size:
+        refuse("drive.turns", table.turns, f"must hold positions fewer than drive.points = {points}")
+    path, time = _path(places, clock, points, table.hold_scale)
     with laws.inside("drive", {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}):
         return Drive(path, table.velocity, time, table.spring, table.slip or "reset")
 
 
-def _path(
-    ends: list[float], times: list[float] | None, points: int
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64] | None]:
-    """Straight from 0 to each of the ends in turn, all of them among the points, and when; points as even as that
-    allows, with times as many to each piece."""
-    places = np.array([0.0, *(finite(f"drive.turns[{k}]", end) for k, end in enumerate(ends))])
-    if places.size < 2 or points < places.size:
-        refuse("drive.turns", ends, f"must hold a position at least, and fewer than drive.points = {points}")
-    if times is not None:
-        if len(times) != len(ends):
-            refuse("drive.times", times, f"must hold one time for each of drive.turns, {len(ends)}")
-        clock = np.array([0.0, *(finite(f"drive.times[{k}]", at) for k, at in enumerate(times))])
-        back = np.flatnonzero(np.diff(clock) <= 0.0)
-        if back.size:
-            refuse(f"drive.times[{back[0]}]", times[back[0]], "must be later than the time before, 0 the first of them")
-        number = _numbers(np.arange(places.size, dtype=float), points)
-        return tuple(np.interp(np.arange(points), number, values) for values in (places, clock))
-    same = np.flatnonzero(np.diff(places) == 0.0)
-    if same.size:
-        rule = "is where the path already stands; leave it out, or give drive.times for a hold"
-        refuse(f"drive.turns[{same[0]}]", ends[same[0]], rule)
-    number = _numbers(np.append(0.0, np.abs(np.diff(places)).cumsum()), points)
-    return np.interp(np.arange(points), number, places), None
+def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
+    """Where the points begin, 0 unless said, and all ends in turn; and when each is reached, where that is said."""
+    given = table.begin is not None
+    begin = 0.0 if table.begin is None else finite("drive.from", table.begin)
+    ends = [positive("drive.to", table.to)] if table.turns is None else table.turns
+    places = np.array([begin, *(finite(f"drive.turns[{k}]", end) for k, end in enumerate(ends))])
+    if places.size < 2:
+        refuse("drive.turns", ends, "must hold a position at least")
+    if table.times is None:
+        if table.hold_scale is not None:
+            refuse("drive.hold_scale", table.hold_scale, "is of holds, and without drive.times there is none")
+        same = np.flatnonzero(np.diff(places) == 0.0)
+        if same.size and given and not same[0]:
+            refuse("drive.from", begin, "is where the path ends or turns first; leave it out, or put it elsewhere")
+        if same.size:
+            rule = "is where the path already stands; leave it out, or give drive.times for a hold"
+            refuse(f"drive.turns[{same[0]}]", ends[same[0]], rule)
+        return places, None
+    own = "drive.from and each of drive.turns" if given else "each of drive.turns"
+    if len(table.times) != len(ends) + given:
+        refuse("drive.times", table.times, f"must hold one time for {own}, {len(ends) + given}")
+    clock = np.array([finite(f"drive.times[{k}]", at) for k, at in enumerate(table.times)])
+    back = np.flatnonzero(np.diff(clock, prepend=[] if given else 0.0) <= 0.0) + given
+    if back.size:
+        rule = "must be later than the time before" + ("" if given else ", 0 the first of them")
+        refuse(f"drive.times[{back[0]}]", clock[back[0]], rule)
+    return places, clock if given else np.append(0.0, clock)
 
 
-def _numbers(travelled: npt.NDArray[np.float64], points: int) -> npt.NDArray[np.int64]:
+def _path(places: Array, clock: Array | None, points: int, hold_scale: float | None) -> tuple[Array, Array | None]:
+    """Straight from one corner to the next, all of them among the points, and when; points as even as that allows, with
+    times as many to each piece, and even in ln(1 + t/hold_scale) where one is a hold."""
+    if clock is None:
+        number = _numbers(np.append(0.0, np.abs(np.diff(places)).cumsum()), points)
+        return np.interp(np.arange(points), number, places), None
+    number = _numbers(np.arange(places.size, dtype=float), points)
+    path, time = (np.interp(np.arange(points), number, values) for values in (places, clock))
+    if hold_scale is not None:
+        scale, holds = positive("drive.hold_scale", hold_scale), np.flatnonzero(np.diff(places) == 0.0)
+        if not holds.size:
+            refuse("drive.hold_scale", hold_scale, "is of holds, and none of drive.turns is where the path stands")
+        if scale < _LEAST_SCALE * clock[-1]:
+            refuse("drive.hold_scale", hold_scale, f"is lost beside the last of drive.times, {clock[-1]:g}")
+        for leg in holds:
+            share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
+            later = scale * np.expm1(share * np.log1p((clock[leg + 1] - clock[leg]) / scale))
+            time[number[leg] + 1 : number[leg + 1]] = clock[leg] + later
+    return path, time
+
+
+def _numbers(travelled: Array, points: int) -> npt.NDArray[np.int64]:
     """Which of the points are corners, these having travelled so far."""
     number = np.round(travelled / travelled[-1] * (points - 1)).astype(int)
     # each leg has a point of its own at least, whichever way rounding went

@@ -4,7 +4,7 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import MISSING, asdict, fields
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -15,13 +15,16 @@ from origins.errors import InputError, refuse
 from toolkit.folders import write_folder
 from toolkit.interfaces import Number
 from toolkit.results import OWN_UNIT, AgeingRecord, Result, SimulatedRecord, SoftRecord, SolvedRecord, ThresholdCurve
+from toolkit.sweeping import SweepRecord
 
 if TYPE_CHECKING:
     import h5py
 
     from eq_model.histogram import Histogram
 
-Record = TypeVar("Record", SolvedRecord, SoftRecord, AgeingRecord, SimulatedRecord, ThresholdCurve, "Histogram")
+Record = TypeVar(
+    "Record", SolvedRecord, SoftRecord, AgeingRecord, SimulatedRecord, SweepRecord, ThresholdCurve, "Histogram"
+)
 
 RESULT, SUMMARY, PICTURE = "result.h5", "summary.json", "picture.png"
 
@@ -78,6 +81,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
                 eq=_read_simulated(store["eq"], file) if "eq" in store else None,
                 notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
                 interface=_read_interface(store["interface"]) if "interface" in store else None,
+                sweep=_read(store["sweep"], SweepRecord) if "sweep" in store else None,
             )
     except (OSError, KeyError) as error:
         raise InputError(f"folder = {str(folder)!r}: its {RESULT} is not one of mesofriction: {error}") from error
@@ -109,7 +113,9 @@ def summary(result: Result) -> dict[str, Any]:
                 "verdict": soft.verdict,
                 "reason": soft.reason,
                 "slips": int(soft.slip_drive.size),
+                "slip_drive_error": soft.slip_drive_error,
                 "period": soft.period,
+                "period_error": 2.0 * soft.slip_drive_error,
                 "critical_spring": soft.critical_spring,
                 "critical_spring_error": soft.critical_spring_error,
             }
@@ -137,6 +143,17 @@ def summary(result: Result) -> dict[str, Any]:
             "breaks_per_rank": [int(breaks) for breaks in result.eq.breaks_per_rank],
             "last_force": float(result.eq.force[-1]),
         }
+    if result.sweep is not None:
+        sweep = result.sweep
+        content["sweep"] = {
+            "along": list(sweep.along),
+            "points": int(sweep.force.size),
+            "largest_force_error": float(sweep.force_error.max()),
+            "run_time": float(sweep.run_time),
+            "success": sweep.success,
+        }
+        if sweep.critical_spring_error is not None:
+            content["sweep"]["largest_critical_spring_error"] = float(sweep.critical_spring_error.max())
     if result.interface is not None:
         content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
     content["notes"] = list(result.notes)
@@ -177,8 +194,9 @@ def _fill(result: Result, store: "h5py.File") -> None:
     )
     unit = result.thresholds.unit
     _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
-    store["time"] = result.time
-    store["time"].attrs["units"] = "time" if unit == OWN_UNIT else "s"
+    if result.asked.drive is not None:
+        store["time"] = result.time
+        store["time"].attrs["units"] = "time" if unit == OWN_UNIT else "s"
     if result.notes:
         store["notes"] = list(result.notes)
         store["notes"].attrs["units"] = "text"
@@ -190,6 +208,8 @@ def _fill(result: Result, store: "h5py.File") -> None:
             if isinstance(solved, kind) or kind is SolvedRecord:
                 _write(store.create_group("master"), solved, kind, unit)
                 break
+    if result.sweep is not None:
+        _write(store.create_group("sweep"), result.sweep, SweepRecord, unit)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
         group = store.create_group("eq")
@@ -199,13 +219,15 @@ def _fill(result: Result, store: "h5py.File") -> None:
 
 def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str) -> None:
     """The fields of `record`, as found on `answer`: arrays as data sets, the rest as attributes."""
-    units = {"density": f"1 / {unit}", **dict.fromkeys(_LENGTHS, unit)}
+    clock = "time" if unit == OWN_UNIT else "s"
+    units = {"density": f"1 / {unit}", **dict.fromkeys(_LENGTHS, unit), "delay": clock, "kelvin": "K"}
+    units |= {"velocity": f"{unit} / {clock}", "temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
     for field in fields(record):
         value = getattr(answer, field.name)
         if isinstance(value, np.ndarray) or field.name == _PER_RANK:
             group[field.name] = value
             group[field.name].attrs["units"] = units.get(field.name, "1")
-        elif field.name != _HISTOGRAMS:
+        elif field.name != _HISTOGRAMS and value is not None:
             group.attrs[field.name] = value
 
 
@@ -277,4 +299,6 @@ def _read(group: "h5py.Group", record: type[Record], given: Mapping[str, Any] = 
     if _PER_RANK in values:
         values[_PER_RANK] = tuple(values[_PER_RANK].tolist())  # of thousands of ranks: too many for an attribute
     values |= given
+    optional = {field.name: field.default for field in fields(record) if field.default is not MISSING}
+    values = optional | values
     return record(**{field.name: values[field.name] for field in fields(record)})

@@ -1,4 +1,4 @@
-"""What a scene's ensemble will take and give, told beforehand by small pilots of it."""
+"""What a scene's solvers will take and give, told beforehand by small pilots of them."""
 
 import math
 import sys
@@ -11,11 +11,12 @@ import numpy as np
 from eq_model import layout
 from origins.errors import InputError
 from toolkit.blocks import follow
-from toolkit.running import make_ensemble
+from toolkit.running import make_ensemble, solve_master
 from toolkit.scene import Scene
 
 _FIRST, _GROWTH = 64, 4  # contacts of each rank in the first pilot, and how many times as many in the next
 _LONG_ENOUGH = 0.05  # seconds of a pilot
+_LOOSEST, _ENOUGH = 1e-2, 1.0  # tolerance of the first pilot of the master equation; seconds of the last
 _SPEED = 2.0  # other users, another clock rate, tables that leave the cache: a machine is this much faster or slower
 _AFTERWARDS = 160.0  # MB at most for result files and pictures, once the ensemble is done
 _COMPILED = 0.6  # of a pilot's peak, if it compiled what the run finds compiled
@@ -70,7 +71,7 @@ def forecast(scene: Scene, comm: Any = None) -> Forecast:
     """
     asked = scene.eq
     if asked is None:
-        raise InputError("dry run: the scene has no [eq], and only the ensemble's work is foreseen")
+        raise InputError("dry run: the scene has no [eq]; only an ensemble's work is foreseen so")
     ranks, most = 1 if comm is None else comm.Get_size(), asked.contacts * asked.replicas
     ready = spent = 0.0
     n = min(_FIRST * ranks, most)
@@ -109,8 +110,43 @@ def forecast(scene: Scene, comm: Any = None) -> Forecast:
     )
 
 
+@dataclass(frozen=True)
+class Pilot:
+    """The master equation at the tightest tolerance that a pilot came to: that, the error it reached (both in <x_s>),
+    and s."""
+
+    tolerance: float
+    error: float
+    run_time: float
+    asked: float
+
+
+def pilot(scene: Scene) -> Pilot:
+    """Solve at tolerances ten times tighter each time, up to the one asked for, until one takes a second.
+
+    Raises InputError for a scene without [master], and as a run does."""
+    if scene.master is None:
+        raise InputError("dry run: the scene has no [master]")
+    asked, tolerance = scene.master.tolerance, max(_LOOSEST, scene.master.tolerance)
+    while True:
+        solved = solve_master(scene, tolerance)
+        if tolerance <= asked or not solved.success or solved.run_time > _ENOUGH:
+            return Pilot(tolerance, float(solved.force_error), solved.run_time, asked)
+        tolerance = max(0.1 * tolerance, asked)
+
+
+def pilot_lines(told: Pilot) -> list[str]:
+    """The same as lines of text."""
+    reached = f"master          error {told.error:.1e} of <x_s> after {told.run_time:.2g} s"
+    if told.error <= told.asked:
+        return [f"{reached}, within the {told.asked:.0e} asked for"]
+    if told.tolerance <= told.asked or told.error > told.tolerance:
+        return [f"{reached}; {told.tolerance:.0e} was asked, and no more is reached"]
+    return [f"{reached}; {told.asked:.0e}, as asked, takes longer, how much is not foreseen"]
+
+
 def lines(told: Forecast) -> list[str]:
-    """The forecast as lines of text."""
+    """The forecast of an ensemble as lines of text."""
     contacts, seconds, error = told.contacts, told.run_time, told.error
     of_all = f", of {told.most:,} at most" if told.tolerance is not None else ""
     out = [

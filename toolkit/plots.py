@@ -9,10 +9,11 @@ import numpy as np
 
 from origins.samples import Sampled
 from origins.thresholds import Thresholds
-from toolkit.abscissa import along, clock, conditions, curves, write_along
+from toolkit.abscissa import along, clock, conditions, curves, grows, write_along
 from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.deviation import deviation, telling, why_not_compared
 from toolkit.results import OWN_UNIT, AgeingRecord, Result, SoftRecord, ThresholdCurve
+from toolkit.sweep_picture import plot_sweep, sweep_panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +27,8 @@ _BARS = 61  # as many error bars as leave the line in sight
 
 
 def plot(result: Result, axes: Any = None) -> Any:
-    """F(X) from every solver, F(t) where the drive has a time for each point, and P_c(x) beside it.
+    """F(X) from every solver, F(t) where the drive has a time for each point, F_k along a sweep where that alone was
+    asked for, and P_c(x) beside it.
 
     Parameters
     ----------
@@ -45,8 +47,13 @@ def plot(result: Result, axes: Any = None) -> Any:
         from matplotlib import pyplot
 
         _, axes = pyplot.subplots(1, 2, figsize=(10, 4), width_ratios=(2.2, 1), layout="constrained")
-    plot_force(axes[0], result)
+    if curves(result):
+        plot_force(axes[0], result)
+    else:
+        plot_sweep(axes[0], result)
     plot_density(axes[1], result.thresholds)
+    if grows(result):
+        axes[1].set_title(f"thresholds at $X$ = 0, age {result.asked.contacts.thresholds['age']:.3g}")
     return axes
 
 
@@ -235,10 +242,19 @@ def save_picture(result: Result, path: Path) -> None:
         below.append(plot_deviation)
     elif isinstance(result.master, AgeingRecord):
         below.append(plot_defects)
-    figure = Figure(figsize=(10, 4 + len(below)), layout="constrained")
-    rows: list[Any] = [["F", "P"], *([draw.__name__, "P"] for draw in below)]
-    places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=[3, *(1 for _ in below)])
+    swept = [draw for draw, there in sweep_panels(result) if there]
+    if not curves(result):
+        swept = swept[1:]  # the first of them heads the picture
+    names = [draw.__name__ for draw in (*below, *swept)]
+    heights = [3, *(1 for _ in below), *(2 for _ in swept)]
+    figure = Figure(figsize=(10, 1 + sum(heights)), layout="constrained")
+    rows: list[Any] = [["F", "P"], *([name, "P"] for name in names)]
+    places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=heights)
     plot(result, [places["F"], places["P"]])
+    for number, draw in enumerate(swept):
+        own = draw(places[draw.__name__], result)
+        if number:
+            own.sharex(places[swept[0].__name__])
     above = places["F"]
     for draw in below:
         own = draw(places[draw.__name__], result)

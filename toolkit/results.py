@@ -15,11 +15,13 @@ from origins.quadrature import panel_edges
 from origins.thresholds import Thresholds
 from toolkit.interfaces import Number
 from toolkit.scene import SceneTable, read_table
+from toolkit.sweeping import SweepRecord
 
 if TYPE_CHECKING:
     from eq_model.histogram import Histogram
     from master.ageing_transient import AgeingTransient
-    from master.soft import SoftSolution
+    from master.regime import Regime, Verdict
+    from master.soft import Slips, SoftSolution
 
 Array = npt.NDArray[np.float64]
 
@@ -97,20 +99,38 @@ class SolvedRecord:
 class SoftRecord(SolvedRecord):
     """A soft slider's: `path` is the drive's, `position` (n,) the slider's, and its slips, arrays of shape (m,).
 
-    All lengths; `period` is nan for fewer than two slips.
+    All lengths; `balance` is where the drive stands at t = 0, and `period` nan for fewer than two slips. `slips` and
+    `regime` are those of master.solve's own answer.
     """
 
+    balance: float
     position: Array
     slip_drive: Array
     slip_before: Array
     slip_after: Array
     slip_force_before: Array
     slip_force_after: Array
+    slip_drive_error: float
     period: float
-    verdict: str
+    verdict: "Verdict"
     reason: str
     critical_spring: float
     critical_spring_error: float
+    stiffness_ratio: float
+    trend: float
+
+    @property
+    def slips(self) -> "Slips":
+        from master.soft import Slips
+
+        return Slips(**{field.name: getattr(self, f"slip_{field.name}") for field in fields(Slips)})
+
+    @property
+    def regime(self) -> "Regime":
+        from master.regime import Regime
+
+        own = {"slips": int(self.slip_drive.size), "trend": None if np.isnan(self.trend) else self.trend}
+        return Regime(**{field.name: own.get(field.name, getattr(self, field.name)) for field in fields(Regime)})
 
 
 @dataclass(frozen=True)
@@ -133,17 +153,16 @@ def soft_record(solution: "SoftSolution") -> SoftRecord:
     slips, regime = solution.slips, solution.regime
     return SoftRecord(
         **{field.name: getattr(solution, field.name) for field in fields(SolvedRecord)},
+        balance=solution.balance,
         position=solution.position,
-        slip_drive=slips.drive,
-        slip_before=slips.before,
-        slip_after=slips.after,
-        slip_force_before=slips.force_before,
-        slip_force_after=slips.force_after,
+        **{f"slip_{field.name}": getattr(slips, field.name) for field in fields(slips)},
         period=np.nan if solution.period is None else solution.period,
         verdict=regime.verdict,
         reason=regime.reason,
         critical_spring=regime.critical_spring,
         critical_spring_error=regime.critical_spring_error,
+        stiffness_ratio=regime.stiffness_ratio,
+        trend=np.nan if regime.trend is None else regime.trend,
     )
 
 
@@ -204,7 +223,10 @@ class Result:
         `histograms`, of eq_model.histogram.Histogram, each read when it is asked for; `contacts` followed, `breaks`,
         `breaks_per_rank`, `success`, `message`, `run_time`, `compile_time`. None where not asked for.
     time : array of shape (n,)
-        When each point of the path is reached, s for a surface, else in the scene's own unit.
+        When each point of the path is reached, s for a surface, else in the scene's own unit; empty without a path.
+    sweep : SweepRecord or None
+        F_k, what holds and K* along speeds, temperatures, rates of ageing or delays: toolkit.sweeping.SweepRecord. None
+        where not asked for.
     notes : tuple of str
         What to keep in mind of the thresholds: where samples, surface or load strain them.
     interface : dict or None
@@ -221,6 +243,7 @@ class Result:
     eq: Simulated | None
     notes: tuple[str, ...] = ()
     interface: dict[str, Number] | None = None
+    sweep: SweepRecord | None = None
 
     @property
     def asked(self) -> SceneTable:
@@ -231,15 +254,18 @@ class Result:
     def time(self) -> Array:
         from toolkit.driving import make_drive
 
+        if self.asked.drive is None:
+            return np.empty(0)
         drive = make_drive(self.asked.drive)
         if drive.time is not None:
             return drive.time
-        return np.abs(np.diff(drive.path, prepend=0.0)).cumsum() / drive.velocity
+        begin = self.master.balance if isinstance(self.master, SoftRecord) else 0.0
+        return np.abs(np.diff(drive.path, prepend=begin)).cumsum() / drive.velocity
 
     @property
     def success(self) -> bool:
         """Whether every solver reached what was asked of it."""
-        return all(answer is None or answer.success for answer in (self.master, self.eq))
+        return all(answer is None or answer.success for answer in (self.master, self.eq, self.sweep))
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:

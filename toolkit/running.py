@@ -1,6 +1,7 @@
 """Run a scene: each solver it names, and no other."""
 
 from collections.abc import Callable, Mapping
+from contextlib import closing, nullcontext
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -11,13 +12,16 @@ from toolkit.folders import check_folder
 from toolkit.interfaces import of_interface, remarks
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated, Solved, ageing_record, sample_curve, soft_record
-from toolkit.scene import EqTable, MasterTable, Scene, load_scene
+from toolkit.scene import EqTable, Scene, load_scene
+from toolkit.sweeping import solve_sweep
 
 if TYPE_CHECKING:
     from eq_model import Ensemble
     from toolkit.checkpoint import Checkpoint
+    from toolkit.progress import Refinement
 
 _HOT = 100.0  # k_BT/<k> in <x_s^2>
+_FEW = 1e-6  # of the thresholds
 _EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}
 
 
@@ -81,11 +85,20 @@ def write(result: Result, folder: str | PathLike[str], comm: Any, done_with: "Ch
 
 
 def solve(
-    scene: Scene, comm: Any, progress: Callable[[int, int], None] | None = None, kept: "Checkpoint | None" = None
+    scene: Scene,
+    comm: Any,
+    progress: Callable[[int, int], None] | None = None,
+    kept: "Checkpoint | None" = None,
+    refining: "Callable[[float], Refinement] | None" = None,
 ) -> tuple[Result, bool]:
-    """Solve what the scene asks for, and whether nothing is left to go on with."""
+    """Solve what the scene asks for, and whether nothing is left to go on with; `refining` makes of the master
+    equation's tolerance what shows its error after each refinement."""
     interface = scene.contacts.interface
-    master = None if scene.master is None else _solve(scene, scene.master)
+    master = None
+    if scene.master is not None:
+        with closing(refining(scene.master.tolerance)) if refining is not None else nullcontext() as refined:
+            master = solve_master(scene, scene.master.tolerance, refined)
+    sweep = None if scene.sweep is None else solve_sweep(scene.contacts, scene.sweep)
     eq, finished = None, True
     if scene.eq is not None:
         eq, finished = _simulate(scene, scene.eq, comm, progress, kept)
@@ -100,14 +113,16 @@ def solve(
         eq=eq,
         notes=tuple(remarks(scene.contacts.thresholds) + _beside(scene)),
         interface=None if interface is None else of_interface(interface),
+        sweep=sweep,
     )
     return result, finished
 
 
 def _beside(scene: Scene) -> list[str]:
-    """Temperatures at which contacts hold nothing, and what the numbers of the surface leave out of the contacts."""
+    """Temperatures at which contacts hold nothing, stretches beyond nearly all thresholds, and what the numbers of the
+    surface leave out of the contacts."""
     contacts = scene.contacts
-    return _too_hot(contacts) + _left_out(contacts)
+    return _too_hot(contacts) + _too_far(contacts) + _left_out(contacts)
 
 
 def _too_hot(contacts: Contacts) -> list[str]:
@@ -123,6 +138,21 @@ def _too_hot(contacts: Contacts) -> list[str]:
     ]
 
 
+def _too_far(contacts: Contacts) -> list[str]:
+    """Starts and re-forming where hardly any contact can hold."""
+    said = []
+    again = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
+    for law, they in [(contacts.start, "start"), *again]:
+        middle = law.mean() if law.is_single else float(law.ppf(0.5))
+        exceed = float(contacts.thresholds.sf(abs(middle)))
+        if exceed < _FEW:
+            said.append(
+                f"contacts {they} about x = {middle:.3g}, and only {exceed:.0e} of all thresholds are beyond that: "
+                "they have the thresholds of that tail, and break at once"
+            )
+    return said
+
+
 def _left_out(contacts: Contacts) -> list[str]:
     laws_of = {"temperature": contacts.thermal, "ageing": contacts.ageing, "delay": contacts.delay}
     there = [name for name, law in {**laws_of, "re-forming": contacts.reforming}.items() if law is not None]
@@ -131,11 +161,14 @@ def _left_out(contacts: Contacts) -> list[str]:
     return [f"F_k/load and the stress of the surface are those of its thresholds alone, without {', '.join(there)}"]
 
 
-def _solve(scene: Scene, asked: MasterTable) -> Solved:
+def solve_master(scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None) -> Solved:
+    """The master equation's answer along the scene's drive."""
     import master
 
-    drive, contacts, path, tolerance = scene.drive, scene.contacts, scene.path, asked.tolerance
+    drive, contacts, path = scene.drive, scene.contacts, scene.path
     paced: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
+    if refined is not None:
+        paced["progress"] = refined
     with laws.inside("master", {"tolerance": "tolerance"}):
         if drive.spring is None:
             solved: Any = master.solve(contacts, path, tolerance, **paced)

@@ -15,9 +15,10 @@ import numpy.typing as npt
 import origins
 from origins.contacts import Contacts
 from origins.drive import Drive
-from origins.errors import InputError, finite, positive, refuse, shown, whole, without_point
+from origins.errors import TOLERANCE, InputError, finite, positive, refuse, shown, whole, without_point
 from toolkit import laws
 from toolkit.driving import make_drive
+from toolkit.sweeping import Sweep, make_sweep
 from toolkit.toml import to_toml
 
 SHIPPED = Path(__file__).parent / "scenes"
@@ -49,8 +50,10 @@ class ContactsTable(Table, frozen=True):
 class DriveTable(Table, frozen=True):
     points: int
     to: float | None = None
+    begin: float | None = msgspec.field(default=None, name="from")
     turns: list[float] | None = None
     times: list[float] | None = None
+    hold_scale: float | None = None
     velocity: float = 1.0
     spring: float | None = None
     slip: Literal["reset", "reform-after", "instant"] | None = None
@@ -69,12 +72,32 @@ class EqTable(Table, frozen=True):
     histograms: list[float] | None = None
 
 
+class RangeTable(Table, frozen=True):
+    begin: float = msgspec.field(name="from")
+    to: float
+    points: int
+    spacing: Literal["log", "even"] = "log"
+
+
+Values = float | list[float] | RangeTable
+
+
+class SweepTable(Table, frozen=True):
+    velocity: Values | None = None
+    temperature: Values | None = None
+    kelvin: Values | None = None
+    rate: Values | None = None
+    delay: Values | None = None
+    critical_spring: bool = False
+
+
 class SceneTable(Table, frozen=True):
     contacts: ContactsTable
-    drive: DriveTable
+    drive: DriveTable | None = None
     title: str = ""
     master: MasterTable | None = None
     eq: EqTable | None = None
+    sweep: SweepTable | None = None
 
 
 @dataclass(frozen=True)
@@ -82,8 +105,8 @@ class Scene:
     """A checked scene.
 
     `text` is the TOML it came from, `folder` where its file names count from; `drive.path` are positions of the
-    slider, or of the drive where there is a spring, (n,), lengths in the unit of the thresholds. `master` and `eq` are
-    None where that solver is not asked for.
+    slider, or of the drive where there is a spring, (n,), lengths in the unit of the thresholds. `given_drive`,
+    `master`, `eq` and `sweep` are None where the scene has no such table.
     """
 
     name: str
@@ -91,9 +114,17 @@ class Scene:
     text: str
     folder: Path
     contacts: Contacts
-    drive: Drive
+    given_drive: Drive | None
     master: MasterTable | None
     eq: EqTable | None
+    sweep: Sweep | None
+
+    @property
+    def drive(self) -> Drive:
+        """The drive; InputError for a scene without [drive]."""
+        if self.given_drive is None:
+            raise InputError("drive: is missing; say where the slider goes, such as to = 5.0 with points = 501")
+        return self.given_drive
 
     @property
     def path(self) -> npt.NDArray[np.float64]:
@@ -121,7 +152,7 @@ class Scene:
         if self.drive.spring is not None:
             refuse("drive.spring", self.drive.spring, rule)
         if not self.drive.forward:
-            raise InputError(f"drive.turns: {rule}")
+            raise InputError(f"drive.{'from' if self.drive.path[0] != 0.0 else 'turns'}: {rule}")
         return self
 
 
@@ -172,15 +203,17 @@ def _checked(
     name: str, text: str, tables: Mapping[str, Any], folder: Path, solved: bool, comm: Any
 ) -> Scene:
     table = read_table(tables)
-    if solved and table.master is None and table.eq is None:
-        raise InputError("scene: has neither [master] nor [eq], so nothing would be computed; add one of them")
+    if solved and table.master is None and table.eq is None and table.sweep is None:
+        raise InputError("scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one")
     if table.master is not None:
-        positive("master.tolerance", table.master.tolerance)
+        positive("master.tolerance", table.master.tolerance, TOLERANCE)
     if table.eq is not None:
         _check_ensemble(table.eq)
     contacts = _contacts(table.contacts, folder, comm)
-    scene = Scene(name, table.title, text, folder, contacts, make_drive(table.drive), table.master, table.eq)
-    if solved:
+    drive = None if table.drive is None else make_drive(table.drive)
+    sweep = None if table.sweep is None else make_sweep(table.sweep, contacts, 1.0 if drive is None else drive.velocity)
+    scene = Scene(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep)
+    if solved and (table.master is not None or table.eq is not None):
         _check_reach(scene, table.drive)
     if table.eq is not None:
         if scene.drive.spring is not None:
@@ -195,15 +228,18 @@ def _check_ensemble(table: EqTable) -> None:
     whole("eq.seed", table.seed, least=0)
     for name in ("tolerance", "wall_time"):
         if (value := getattr(table, name)) is not None:
-            positive(f"eq.{name}", value)
+            positive(f"eq.{name}", value, "such as 1e-4" if name == "tolerance" else "such as 3600.0")
 
 
-def _check_reach(scene: Scene, table: DriveTable) -> None:
+def _check_reach(scene: Scene, table: DriveTable | None) -> None:
     reach, mean = float(np.abs(scene.path).max()), scene.contacts.mean_threshold
     if reach > _FURTHEST * mean:
         unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
         rule = f"is {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}"
+        assert table is not None
         key, value = ("to", table.to) if table.turns is None else ("turns", table.turns)
+        if abs(table.begin or 0.0) == reach:
+            key, value = "from", table.begin
         refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most")
 
 
@@ -247,14 +283,16 @@ def _explain(message: str, tables: Mapping[str, Any]) -> str:
     other = re.match(r"Expected `(\w+)", rule)
     if unknown:
         key = unknown[1]
-        known = ", ".join(kind.__struct_fields__)
+        known = ", ".join(kind.__struct_encode_fields__)
         return f"{'.'.join([*keys, key])} = {shown(value[key])}: unknown key; known here: {known}"
     if missing:
         return f"{'.'.join([*keys, missing[1]])}: is missing"
     if rule.startswith("Invalid enum value"):
         allowed = [f'"{one}"' for one in _choices(kind)]
         rule = f"must be {', '.join(allowed[:-1])} or {allowed[-1]}"
-    if other and other[1] in _EXPECTED:
+    if kind is RangeTable and other:
+        rule = "must be a number, a list of numbers, or { from = 1.0, to = 100.0, points = 50 }"
+    elif other and other[1] in _EXPECTED:
         rule = f"must be {_EXPECTED[other[1]]}"
         rule += without_point(value, least=0) if other[1] == "int" else ""
     text = str(value).lower() if isinstance(value, bool) else shown(value)
@@ -271,5 +309,5 @@ def _choices(kind: Any) -> list[str]:
 
 def _field_type(kind: Any, key: str) -> Any:
     """The table, or the type, that `key` of table `kind` holds; of `Table | None` the table."""
-    types = {field.name: field.type for field in msgspec.structs.fields(kind)}
+    types = {field.encode_name: field.type for field in msgspec.structs.fields(kind)}
     return next((one for one in get_args(types[key]) if isinstance(one, type) and issubclass(one, Table)), types[key])

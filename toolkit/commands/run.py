@@ -21,28 +21,35 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: 60)",
     )
     parser.add_argument(
-        "--dry-run", action="store_true", help="tell work, memory, time and standard error of the ensemble; run nothing"
+        "--dry-run", action="store_true", help="tell work, memory, time and error by small pilots; write nothing"
     )
 
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Run, report, write; 1 where a solver did not reach its tolerance (the results are written all the same)."""
-    from toolkit.progress import Progress
+    from toolkit.progress import Progress, Refinement
     from toolkit.running import open_checkpoint, solve, write
     from toolkit.scene import load_scene
 
     scene = load_scene(arguments.scene, comm=comm)
     first = comm is None or comm.Get_rank() == 0
     if arguments.dry_run:
-        from toolkit.forecast import forecast, lines
+        from toolkit.forecast import forecast, lines, pilot, pilot_lines
 
-        print("\n".join([scene.title or scene.name, *lines(forecast(scene, comm))]))
+        told = [scene.title or scene.name]
+        if scene.master is not None:
+            told += pilot_lines(pilot(scene))
+        if scene.sweep is not None:
+            told.append(f"sweep           {scene.sweep.velocity.size:,} points; their time is not foreseen")
+        if scene.eq is not None:
+            told += lines(forecast(scene, comm))
+        print("\n".join(told))
         return 0
     folder = arguments.out or f"{scene.name}-output"
     # refused before the work, not after it
     kept = open_checkpoint(folder, scene, comm, arguments.checkpoint)
     with closing(Progress()) as progress:
-        result, finished = solve(scene, comm, progress if first else None, kept)
+        result, finished = solve(scene, comm, progress if first else None, kept, Refinement if first else None)
     for line in report(result):
         print(line)
     write(result, folder, comm, kept if finished else None)
@@ -69,13 +76,21 @@ def report(result: Any) -> list[str]:
         )
         if isinstance(solved, SoftRecord):
             slips = f"{solved.slip_drive.size} slips"
-            period = f", period {solved.period:.6g}" if solved.slip_drive.size > 1 else ""
+            period = f", period {solved.period:.9g} ± {2.0 * solved.slip_drive_error:.0e}"
+            period = period if solved.slip_drive.size > 1 else ""
             lines.append(f"regime  {solved.verdict}, {slips}{period}: {solved.reason}")
         if isinstance(solved, AgeingRecord):
             lines.append(
                 f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
                 f"{solved.positivity_defect.max():.1e}; " + _outrun(solved.outrun)
             )
+    if result.sweep is not None:
+        sweep = result.sweep
+        springs = "" if sweep.critical_spring_error is None else f", K* error {sweep.critical_spring_error.max():.1e}"
+        lines.append(
+            f"sweep   error {sweep.force_error.max():.1e} of <x_s>{springs}  run time {sweep.run_time:.4f} s  "
+            f"{sweep.force.size} points along {' and '.join(sweep.along)}"
+        )
     if result.eq is not None:
         eq = result.eq
         error = eq.force_standard_error.max() / result.mean_threshold
