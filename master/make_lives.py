@@ -45,7 +45,8 @@ def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) 
 
     law = contacts.thresholds
     limits = np.append(law.breakpoints, law.atoms[0]) if law.breakpoints.size <= _MOST_LIMITS else law.atoms[0]
-    return Generations(*_ingredients(contacts, level), course, limits[limits > 0.0])
+    rough = contacts.reforming is None and law.support()[0] == 0.0 and not float(law.onset_power).is_integer()
+    return Generations(*_ingredients(contacts, level), course, limits[limits > 0.0], rough)
 
 
 def _ingredients(contacts: Contacts, level: int) -> "tuple[Wear, Nodes, Nodes]":

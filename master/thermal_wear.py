@@ -48,6 +48,7 @@ class SoftWear:
     """Soft contacts, equally stiff; `worn` is ln W."""
 
     width = 1
+    forgets = False
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
         thermal = contacts.thermal
