@@ -126,7 +126,17 @@ class Generations:
         self._table = np.append(self._table, [[panel.before, panel.after, panel.after, panel.after]], axis=0)
         self._alive = np.append(self._alive, True)
         gone = np.setdiff1d(np.flatnonzero(self._alive), self._strands.origin)
-        self._alive[gone] = False
+        self._alive[[k for k in gone.tolist() if not self._between_nodes(k, panel.end)]] = False
+
+    def _between_nodes(self, k: int, now: float) -> bool:
+        """Whether of a panel's births some still hold that stand at none of its nodes."""
+        panel, (_, _, most, least) = self._panels[k], self._table[k].tolist()
+        splits = self._splits(panel, now, self._at, most, least)
+        if not splits.size:
+            return False
+        birth, _ = between(panel, splits)
+        held, _ = self._replay(birth, panel.place(birth), np.full(birth.size, now), np.full(birth.size, self._at))
+        return bool((held > _DEAD).any())
 
     def _born(self, panel: Panel, even: Array) -> None:
         """Births at the panel's nodes, now at its end."""
