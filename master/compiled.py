@@ -111,3 +111,45 @@ def left(
                 out[i, 0] += share * weights[0, j]
                 out[i, 1] += share * weights[1, j]
     return out
+
+
+@compiled
+def beside(
+    stiff: bool,
+    legs: Array,
+    worn: Array,
+    column: npt.NDArray[np.intp],
+    at: Array,
+    nodes: Array,
+    springs: Array,
+    table: Array,
+    even: Array,
+    beyond: Array,
+    own: int,
+) -> Array:
+    """A of strands at nodes, shape (n, k): what the present motion costs, and what is kept in `worn` from a column on,
+    none if below 0, read at a place between the nodes of one of two rules, that for column `own` or that for others."""
+    n, k = nodes.shape
+    out = np.zeros((n, k))
+    for i in range(n):
+        for j in range(k):
+            total = 0.0
+            first = column[i, j]
+            if first >= 0:
+                rule = beyond if first == own else even
+                whole, value = 0.0, 0.0
+                for q in range(rule.shape[1]):
+                    apart = at[i, j] - rule[0, q]
+                    if abs(apart) < 1e-14:
+                        apart = 1e-14
+                    weight = rule[1, q] / apart
+                    whole += weight
+                    value += weight * worn[i, first + q]
+                total = value / whole
+            if legs[i, 3] > 0.0:
+                threshold = nodes[i, j]
+                near, far = min(legs[i, 0], threshold), min(legs[i, 1], threshold)
+                mean = _cost(stiff, near, far, legs[i, 2], legs[i, 4] > 0.0, threshold, springs[i, j], table)
+                total += max(mean, 0.0) * legs[i, 3]
+            out[i, j] = min(max(total, 0.0), _MOST)
+    return out

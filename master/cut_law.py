@@ -1,6 +1,7 @@
 """The law of fresh thresholds cut at the furthest stretch: sums over what is left beyond it.
 
-Between the edges of panels stand nodes; the panel that a cut falls into gets nodes of its own, from the cut on.
+Between the edges of panels stand nodes; the panel that a cut falls into gets nodes of its own, from the cut on. Where
+what is left is a series in the root of the way from there, however steep, these reach over the next panel too.
 """
 
 import numpy as np
@@ -14,11 +15,13 @@ Array = npt.NDArray[np.float64]
 SLACK = 1e-12
 _LIGHT = 1e-10
 MOST = 2**13
+_EVEN, _STEEP = (NODES, 1), (20, 3)  # nodes beside the cut, even in that power's root of the root of the way
 
 
 class CutLaw:
     """Nodes of P_c fine enough to see a share that falls with the threshold as e^(-A), A changing by a factor e over
     `width`, an array at thresholds that come with it; weights are those of the law, exact single values left out.
+    `rooted`: A rises at the cut as the root of the way from there.
 
     Attributes
     ----------
@@ -26,9 +29,15 @@ class CutLaw:
     nodes, weights : arrays of shape (8 p,)
     spread : float
         How many times too few nodes there are for that, 1 or above.
+    places : array of shape (k,)
+        Where nodes beside the cut stand, as shares on (0, 1) of what `share` tells.
+    ends : array of shape (p,)
+        Number of the edge at which they end, for cuts in each of the panels.
     """
 
-    def __init__(self, contacts: Contacts, width: tuple[Array, Array] | None, tail: float) -> None:
+    def __init__(
+        self, contacts: Contacts, width: tuple[Array, Array] | None, tail: float, rooted: bool = False
+    ) -> None:
         self.law = law = contacts.thresholds
         self.contacts = contacts
         self.atoms, self.atom_weights = law.atoms
@@ -39,7 +48,8 @@ class CutLaw:
             left, right = edges[:-1], edges[1:]
             if width is not None and left.size:
                 light = np.abs(law.cdf(right) - law.cdf(left)) < _LIGHT
-                parts = np.ceil((right - left) / np.interp(0.5 * (left + right), *width))
+                # in the reciprocal, as none may be needed
+                parts = np.ceil((right - left) * np.interp(0.5 * (left + right), width[0], 1.0 / width[1]))
                 parts = np.where(light, 1.0, np.maximum(parts, 1.0))
                 if parts.sum() * NODES > MOST:
                     self.spread = float(parts.sum()) * NODES / MOST
@@ -47,6 +57,13 @@ class CutLaw:
                 pieces = [np.linspace(a, b, int(n) + 1)[:-1] for a, b, n in zip(left, right, parts, strict=True)]
                 edges = np.append(np.concatenate(pieces), edges[-1])
         self.edges = edges
+        count, self._power = _STEEP if rooted else _EVEN
+        places, weights = np.polynomial.legendre.leggauss(count)
+        self.places, self._shares = 0.5 * (places + 1.0), 0.5 * weights
+        self.ends = np.arange(1, edges.size)
+        if rooted and edges.size > 2:
+            apart = np.abs(edges[1:-1, None] - law.breakpoints).min(axis=1, initial=np.inf)
+            self.ends[:-1] += apart > SLACK * edges[-1]
         nodes, weights = gauss(edges[:-1], edges[1:])
         self.nodes = nodes.ravel()
         self.weights = weights.ravel() * self._density(self.nodes)
@@ -58,10 +75,16 @@ class CutLaw:
         return np.searchsorted(self.edges, least, side="right") - 1
 
     def own(self, least: Array, panel: npt.NDArray[np.intp]) -> tuple[Array, Array]:
-        """Nodes from cuts within the panels on, in the root of the way from there, and their weights; shape (n, 8)."""
-        roots, weights = gauss(np.zeros(least.size), np.sqrt(self.edges[panel + 1] - least))
+        """Nodes from cuts within the panels on, and their weights; shape (n, k)."""
+        whole = np.sqrt(self.edges[self.ends[panel]] - least)[:, None]
+        roots = whole * self.places**self._power
+        slopes = whole * (self._power * self.places ** (self._power - 1) * self._shares)
         nodes = least[:, None] + roots * roots
-        return nodes, 2.0 * roots * weights * self._density(nodes)
+        return nodes, 2.0 * roots * slopes * self._density(nodes)
+
+    def share(self, way: Array) -> Array:
+        """Where in `places` a node stands that is such a share of the way from the cut to the end."""
+        return np.asarray(way ** (0.5 / self._power))
 
     def _density(self, x: Array) -> Array:
         density = self.law.pdf(x)

@@ -38,13 +38,15 @@ class Generations:
     start, again : pairs of arrays (n,)
         Stretches of the contacts that hold at X = 0, and of births (lengths); with each its weight over S(|r|).
     limits : stretches at which P_c bends or jumps
+    rough : whether what is left of births changes as a broken power of the stretch where they form
 
     Attributes
     ----------
     wear, again : as given
     """
 
-    def __init__(self, wear: Wear, start: Nodes, again: Nodes, course: list[Piece], limits: Array) -> None:
+    def __init__(self, wear: Wear, start: Nodes, again: Nodes, course: list[Piece], limits: Array, rough: bool) -> None:
+        self._shortest = 0.0 if rough else wear.time
         self.wear, self._course, self.again, self._limits = wear, course, again, limits
         self._strands = Strands(wear)
         first = wear.fresh(start[0])
@@ -95,7 +97,7 @@ class Generations:
         times, weights = [], []
         for now, at in zip(ends.tolist(), places.tolist(), strict=True):
             part = Panel(panel.begin, now, panel.before, at, panel.count)
-            time, weight = between(part, self._splits(part, now, at, at))
+            time, weight = between(part, self._splits(part, now, at, at, at))
             times.append(time)
             weights.append(weight)
         sizes = [time.size for time in times]
@@ -114,7 +116,7 @@ class Generations:
         self._pots.advance(self._at, panel.after, panel.duration)
         self._at = panel.after
         if self._pot is not None:
-            time, weight = between(panel, self._splits(panel, panel.end, self._at, self._at))
+            time, weight = between(panel, self._splits(panel, panel.end, self._at, self._at, self._at))
             self._pot.add(panel.duration, panel.end - time, weight * breaks.rate(time))
             return
         self._table[:, 2] = np.maximum(self._table[:, 2], self._at)
@@ -124,7 +126,17 @@ class Generations:
         self._table = np.append(self._table, [[panel.before, panel.after, panel.after, panel.after]], axis=0)
         self._alive = np.append(self._alive, True)
         gone = np.setdiff1d(np.flatnonzero(self._alive), self._strands.origin)
-        self._alive[gone] = False
+        self._alive[[k for k in gone.tolist() if not self._between_nodes(k, panel.end)]] = False
+
+    def _between_nodes(self, k: int, now: float) -> bool:
+        """Whether of a panel's births some still hold that stand at none of its nodes."""
+        panel, (_, _, most, least) = self._panels[k], self._table[k].tolist()
+        splits = self._splits(panel, now, self._at, most, least)
+        if not splits.size:
+            return False
+        birth, _ = between(panel, splits)
+        held, _ = self._replay(birth, panel.place(birth), np.full(birth.size, now), np.full(birth.size, self._at))
+        return bool((held > _DEAD).any())
 
     def _born(self, panel: Panel, even: Array) -> None:
         """Births at the panel's nodes, now at its end."""
@@ -145,9 +157,9 @@ class Generations:
         most = np.maximum(self._table[:, 2], at[:, None])
         least = np.minimum(self._table[:, 3], at[:, None])
         parts: list[tuple[int, Array, Array, Array]] = []
-        for i, k in np.argwhere(self._suspects(time, most, least)).tolist():
+        for i, k in np.argwhere(self._suspects(time, at, most, least)).tolist():
             panel = self._panels[k]
-            splits = self._splits(panel, float(time[i]), float(most[i, k]), float(least[i, k]))
+            splits = self._splits(panel, float(time[i]), float(at[i]), float(most[i, k]), float(least[i, k]))
             if splits.size:
                 birth, weight = between(panel, splits)
                 bent[i, k] = True
@@ -165,37 +177,47 @@ class Generations:
         self.work += birth.size * self.again[0].size * self.wear.work
         return replay(self.wear, self._course, self.again, birth, place, time, at)
 
-    def _suspects(self, time: Array, most: Array, least: Array) -> npt.NDArray[np.bool_]:
-        """Which panels may be split, at times with these extremes of X since, shape (p, panels)."""
+    def _suspects(self, time: Array, at: Array, most: Array, least: Array) -> npt.NDArray[np.bool_]:
+        """Which panels may be split, at times and X with these extremes of X since, shape (p, panels)."""
         low, high = (f(self._table[:, 0], self._table[:, 1]) for f in (np.minimum, np.maximum))
         out = np.zeros(most.shape, dtype=bool)
-        for x in self._candidates(most, least):
+        for x in self._candidates(at[:, None], most, least):
             out |= (x > low) & (x < high)
         for k in range(max(low.size - 2, 0), low.size):
             panel = self._panels[k]
-            if panel.count > 1 and panel.duration > self.wear.time:
+            if panel.count > 1 and panel.duration > self._shortest:
                 out[:, k] |= time - panel.end < panel.duration
         return out & self._alive
 
-    def _candidates(self, most: Array, least: Array) -> list[Array]:
+    def _candidates(self, at: Array, most: Array, least: Array) -> list[Array]:
         """X of births at which their largest |x| bends, or passes a limit."""
         out = []
         for r in self.again[0].tolist():
+            if self.wear.forgets:
+                out += [at, at + 2.0 * r]
+                for reach in self._limits[self._limits > abs(r)].tolist():
+                    out += [at - reach + r, at + reach + r]
+                continue
             out.append(0.5 * (most + least) + r)
             for reach in (abs(r), *self._limits[self._limits > abs(r)].tolist()):
                 if reach > 0.0:
                     out += [most - reach + r, least + reach + r]
         return out
 
-    def _splits(self, panel: Panel, now: float, most: float, least: float) -> Array:
+    def _splits(self, panel: Panel, now: float, at: float, most: float, least: float) -> Array:
         """Times in a panel between which what is left changes smoothly with the moment of birth."""
         out: list[float] = []
         if panel.travel != 0.0:
-            for x in self._candidates(np.array(most), np.array(least)):
-                at = (float(x) - panel.before) / panel.travel
-                if _CLOSE < at < 1.0 - _CLOSE:
-                    out.append(panel.begin + at * panel.duration)
-        return np.unique(out + grades(panel, now, self.wear.time))
+            for x in self._candidates(np.array(at), np.array(most), np.array(least)):
+                share = (float(x) - panel.before) / panel.travel
+                if not _CLOSE < share < 1.0 - _CLOSE:
+                    continue
+                out.append(panel.begin + share * panel.duration)
+                if self.wear.forgets and not self._shortest:
+                    steps = _FINER ** -np.arange(1.0, _MOST_GRADES + 1.0)
+                    both = np.concatenate([share - steps, share + steps])
+                    out += (panel.begin + both[(both > 0.0) & (both < 1.0)] * panel.duration).tolist()
+        return np.unique(out + grades(panel, now, self._shortest))
 
 
 @dataclass(frozen=True)
@@ -272,12 +294,11 @@ class Strands:
 def grades(panel: Panel, now: float, shortest: float) -> list[float]:
     """Times in a panel between which what is left at a time `now` changes as little: births break the faster the
     weaker they are, some at once."""
-    age, fast = now - panel.end, panel.duration / shortest
-    if panel.count == 1 or fast <= 1.0 or age >= panel.duration:
+    age = now - panel.end
+    if panel.count == 1 or panel.duration <= shortest or age >= panel.duration:
         return []
-    number = int(np.ceil(np.log(fast) / np.log(_FINER)))
-    if panel.travel != 0.0:
-        number = min(number, _MOST_GRADES)
+    most = _MOST_GRADES if panel.travel != 0.0 else np.inf
+    number = int(min(np.ceil(np.log(panel.duration / shortest) / np.log(_FINER)), most)) if shortest else _MOST_GRADES
     share = _FINER ** -np.arange(1.0, number + 1.0)
     return (panel.end - share[share * panel.duration > 0.5 * age] * panel.duration).tolist()
 

@@ -45,12 +45,19 @@ def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) 
 
     law = contacts.thresholds
     limits = np.append(law.breakpoints, law.atoms[0]) if law.breakpoints.size <= _MOST_LIMITS else law.atoms[0]
-    return Generations(*_ingredients(contacts, level), course, limits[limits > 0.0])
+    rough = contacts.reforming is None and law.support()[0] == 0.0 and not float(law.onset_power).is_integer()
+    places = np.array([0.0, *(piece.after for piece in course)])
+    again = 0.0 if contacts.reforming is None else float(np.abs(contacts.reforming.law.span).max())
+    furthest = float(np.ptp(places)) + max(float(np.abs(contacts.start.span).max()), again)
+    longest = course[-1].end if course else 1.0
+    return Generations(*_ingredients(contacts, level, furthest, longest), course, limits[limits > 0.0], rough)
 
 
-def _ingredients(contacts: Contacts, level: int) -> "tuple[Wear, Nodes, Nodes]":
+def _ingredients(
+    contacts: Contacts, level: int, furthest: float = np.inf, longest: float = np.inf
+) -> "tuple[Wear, Nodes, Nodes]":
     """What single contacts keep of the past; stretches of the start and of births, and with each its weight over
-    S(|r|)."""
+    S(|r|). None is stretched further, in size, or watched for longer."""
     from master.wear import ColdWear
 
     law = Law(contacts, np.inf)
@@ -59,7 +66,7 @@ def _ingredients(contacts: Contacts, level: int) -> "tuple[Wear, Nodes, Nodes]":
     if contacts.thermal is None:
         wear = ColdWear(contacts, length)
     else:
-        wear = _warm(contacts, length)
+        wear = _warm(contacts, length, furthest, longest)
     again = (np.zeros(1), np.ones(1))
     if contacts.reforming is not None:
         again = gathered(*_nodes(Contacts(contacts.thresholds, contacts.reforming.law), law), _BIRTHS + 4 * level)
@@ -79,7 +86,7 @@ def _ageing(contacts: Contacts, level: int) -> Lives:
     return AgeingLives(contacts, level, start, again)
 
 
-def _warm(contacts: Contacts, length: float) -> "Wear":
+def _warm(contacts: Contacts, length: float, furthest: float, longest: float) -> "Wear":
     """The wear that temperature causes."""
     thermal = contacts.thermal
     assert thermal is not None
@@ -90,7 +97,7 @@ def _warm(contacts: Contacts, length: float) -> "Wear":
     from master.cut_law import CutLaw
     from master.thermal_wear import SoftWear, resolved
 
-    cut = CutLaw(contacts, resolved(contacts), _TAIL)
+    cut = CutLaw(contacts, resolved(contacts, furthest, longest), _TAIL, rooted=thermal.law == "stiff")
     if thermal.law == "soft" and contacts.stiffness == "independent":
         return SoftWear(contacts, cut, length)
     from master.spent_wear import SpentWear

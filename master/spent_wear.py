@@ -19,16 +19,15 @@ Numbers = npt.NDArray[np.intp]
 
 _MOST = 500.0  # e^(-A) is nothing
 _SAME = 1e-9
-_LAYER = 1e-4  # of a panel's weight
+_CLOSE = 1e-14
 _TINY = 1e-12  # a threshold of 0 has no rate
-_APART = GAUSS_NODES[:, None] - GAUSS_NODES
-np.fill_diagonal(_APART, 1.0)
-_BARYCENTRIC = 1.0 / _APART.prod(axis=1)
 _FROM, _WAY, _TIME, _CUT, _FIRST = range(5)  # columns before those of nodes, atoms, and nodes of a strand's own
 
 
 class SpentWear:
     """Soft or stiff contacts, equally stiff or not; `plain`: few of them, for which numpy does as well."""
+
+    forgets = False
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float, plain: bool = False) -> None:
         thermal = contacts.thermal
@@ -41,16 +40,15 @@ class SpentWear:
         self._cut, self._thermal, self._stiffness = cut, thermal, contacts.relative_stiffness
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
         self.error, self.work = error_of(cut), cut.nodes.size + 100
-        # in a hold a stiff contact right at its threshold hardly breaks: a share too narrow for a panel's nodes stays
-        self._layer = _LAYER * float(np.abs(np.diff(cut.law.sf(cut.edges))).max(initial=0.0))
         self._least = _TINY * contacts.mean_threshold
         self._atoms = slice(_FIRST + cut.nodes.size, _FIRST + cut.nodes.size + cut.atoms.size)
-        self._own = slice(self._atoms.stop, self._atoms.stop + NODES)
+        self._own = slice(self._atoms.stop, self._atoms.stop + cut.places.size)
         self.width = self._own.stop
         weights = np.stack([cut.weights, cut.weights * cut.stiffness])
         tails = np.append(weights[:, ::-1].cumsum(axis=1)[:, ::-1], np.zeros((2, 1)), axis=1)
         self._weights, self._tails = weights, np.ascontiguousarray(tails)
         self._springs = np.asarray(cut.stiffness * (0.5 / thermal.temperature))
+        self._even, self._beyond = _barycentric(GAUSS_NODES), _barycentric(cut.places)
 
     def fresh(self, stretch: Array) -> Array:
         worn = np.zeros((stretch.size, self.width))
@@ -72,53 +70,48 @@ class SpentWear:
 
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
         """In place: what the motion so far has cost becomes part of what is kept."""
-        panel = self._cut.panel(furthest)
-        inside = np.flatnonzero((panel >= 0) & (panel < self._cut.edges.size - 1))
-        own = np.zeros((furthest.size, NODES))
+        own = np.zeros((furthest.size, self._cut.places.size))
+        inside, m, panel = self._inside(furthest)
         if inside.size:
-            nodes, _ = self._cut.own(furthest[inside], panel[inside])
-            own[inside] = self._beside(worn[inside], nodes, panel[inside], stretch[inside])
+            nodes, _ = self._cut.own(m, panel)
+            own[inside] = self._beside(worn[inside], nodes, stretch[inside])
         first = np.searchsorted(self._cut.nodes, furthest, side="right")
         if self._plain:
             worn[:, _FIRST : self._atoms.start] = self.at_nodes(worn, stretch, first)
         else:
-            worn[:, _FIRST : self._atoms.start] = self._compiled.spent(*self._legs(worn, stretch, first))
+            worn[:, _FIRST : self._atoms.start] = self._compiled.spent(*self._strands(worn, stretch, first))
         worn[:, self._atoms] = self._at_atoms(worn, stretch, furthest)
         worn[:, self._own] = own
         worn[:, _FROM], worn[:, _WAY], worn[:, _TIME], worn[:, _CUT] = stretch, 0.0, 0.0, furthest
 
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
-        cut, panels = self._cut, self._cut.edges.size - 1
-        panel = cut.panel(furthest)
-        # the panel that m falls into is summed over nodes of its own
-        first = np.minimum(NODES * (panel + 1), cut.nodes.size)
+        cut = self._cut
+        inside, m, panel = self._inside(furthest)
+        # what is beside m is summed over nodes of its own
+        first = np.full(furthest.size, cut.nodes.size)
+        first[inside] = NODES * cut.ends[panel]
         if self._plain:
             held, stiff = self._weights @ np.exp(-self.at_nodes(worn, stretch, first)).T
         else:
-            held, stiff = self._compiled.left(*self._legs(worn, stretch, first), self._weights, self._tails).T
+            held, stiff = self._compiled.left(*self._strands(worn, stretch, first), self._weights, self._tails).T
         if cut.atoms.size:
             kept = np.exp(-self._at_atoms(worn, stretch, furthest)) * cut.atom_weights
             held, stiff = held + kept.sum(axis=1), stiff + kept @ cut.atom_stiffness
         edge, edge_stiff = np.zeros(furthest.size), np.zeros(furthest.size)
-        inside = np.flatnonzero((panel >= 0) & (panel < panels))
         if inside.size:
-            m = furthest[inside]
-            nodes, weights = cut.own(m, panel[inside])
-            nodes = np.append(nodes, m[:, None], axis=1)
-            kept = np.exp(-self._beside(worn[inside], nodes, panel[inside], stretch[inside]))
+            nodes, weights = cut.own(m, panel)
+            nodes = np.append(nodes, furthest[inside, None], axis=1)
+            kept = np.exp(-self._beside(worn[inside], nodes, stretch[inside]))
             springs = np.asarray(self._stiffness(nodes))
             held[inside] += (weights * kept[:, :-1]).sum(axis=1)
             stiff[inside] += (weights * (kept * springs)[:, :-1]).sum(axis=1)
-            edge[inside] = cut.law.pdf(m) * kept[:, -1]
+            edge[inside] = cut.law.pdf(furthest[inside]) * kept[:, -1]
             edge_stiff[inside] = edge[inside] * springs[:, -1]
         return Left(held, stiff, edge, edge_stiff)
 
     def standing(self, stretch: float) -> Standing:
         cut, m = self._cut, abs(stretch)
-        panel, later = self._standing(m)
-        own, weights = np.empty(0), np.empty(0)
-        if 0 <= panel < cut.edges.size - 1:
-            own, weights = (x[0] for x in cut.own(np.array([m]), np.array([panel])))
+        own, weights, later = self._standing(m)
         own = np.maximum(own, self._least)
         held = m * (1.0 + SLACK) < cut.atoms
         nodes = np.concatenate([cut.nodes[later], cut.atoms[held], own])
@@ -131,7 +124,7 @@ class SpentWear:
 
     def kept(self, stretch: float, spent: Array) -> Array:
         cut, m = self._cut, abs(stretch)
-        panel, later = self._standing(m)
+        own, _, later = self._standing(m)
         held = np.flatnonzero(m * (1.0 + SLACK) < cut.atoms)
         out = self.fresh(np.array([stretch]))[0]
         out[_CUT] = m
@@ -139,14 +132,23 @@ class SpentWear:
         count = cut.nodes[later].size
         out[_FIRST : self._atoms.start][later] = np.minimum(spent[:count], _MOST)
         out[self._atoms][held] = np.minimum(spent[count : count + held.size], _MOST)
-        if 0 <= panel < cut.edges.size - 1:
+        if own.size:
             out[self._own] = np.minimum(spent[count + held.size :], _MOST)
         return out
 
-    def _standing(self, least: float) -> tuple[int, slice]:
-        """The panel that a cut falls into, and the nodes beyond it."""
-        panel = int(self._cut.panel(np.array([least]))[0])
-        return panel, slice(min(NODES * (panel + 1), self._cut.nodes.size), None)
+    def _inside(self, furthest: Array) -> tuple[Numbers, Array, Numbers]:
+        """Strands beyond whose m there is a continuous part of the law, where that begins for them, and its panel."""
+        panel = np.maximum(self._cut.panel(furthest), 0)
+        inside = np.flatnonzero(panel < self._cut.edges.size - 1)
+        return inside, np.maximum(furthest[inside], self._cut.edges[0]), panel[inside]
+
+    def _standing(self, least: float) -> tuple[Array, Array, slice]:
+        """Nodes beside a cut and their weights, and nodes of the law beyond."""
+        inside, m, panel = self._inside(np.array([least]))
+        if not inside.size:
+            return np.empty(0), np.empty(0), slice(self._cut.nodes.size, None)
+        own, weights = self._cut.own(m, panel)
+        return own[0], weights[0], slice(NODES * int(self._cut.ends[panel[0]]), None)
 
     def at_nodes(self, worn: Array, stretch: Array, first: Numbers) -> Array:
         """A at the nodes of the law from number `first` on, shape (m, k), as compiled code has it; for comparison."""
@@ -157,10 +159,8 @@ class SpentWear:
         out[row, column] = np.minimum(worn[:, _FIRST : self._atoms.start][row, column] + more, _MOST)
         return out
 
-    def _legs(
-        self, worn: Array, stretch: Array, first: Numbers
-    ) -> tuple[bool, Array, Array, Numbers, Array, Array, Array]:
-        """What compiled sums are told."""
+    def _legs(self, worn: Array, stretch: Array) -> tuple[bool, Array]:
+        """What compiled sums are told of the present motion."""
         begin, way = worn[:, _FROM], np.abs(worn[:, _WAY])
         near, far = np.abs(begin), np.abs(stretch)
         legs = np.empty((stretch.size, 5))
@@ -168,9 +168,14 @@ class SpentWear:
         legs[:, 2] = np.where(way > _TINY * (near + far), way, 0.0)
         legs[:, 3] = worn[:, _TIME] * self._thermal.attempt_frequency
         legs[:, 4] = (begin < 0.0) != (stretch < 0.0)
+        return self._thermal.law == "stiff", legs
+
+    def _strands(
+        self, worn: Array, stretch: Array, first: Numbers
+    ) -> tuple[bool, Array, Array, Numbers, Array, Array, Array]:
+        """The same, with what was kept at nodes of the law."""
         kept = worn[:, _FIRST : self._atoms.start]
-        stiff = self._thermal.law == "stiff"
-        return stiff, legs, kept, first, self._cut.nodes, self._springs, self._compiled.DAWSON
+        return *self._legs(worn, stretch), kept, first, self._cut.nodes, self._springs, self._compiled.DAWSON
 
     def _at_atoms(self, worn: Array, stretch: Array, furthest: Array) -> Array:
         """A at exact single values; so much where they are passed that nothing is left."""
@@ -181,23 +186,41 @@ class SpentWear:
         out[row, atom] = np.minimum(worn[:, self._atoms][row, atom] + more, _MOST)
         return out
 
-    def _beside(self, worn: Array, nodes: Array, panel: Numbers, stretch: Array) -> Array:
-        """A at nodes of the panel that m falls into, shape (m, k)."""
-        row = np.repeat(np.arange(stretch.size), nodes.shape[1])
-        flat = np.maximum(nodes.ravel(), self._least)
-        more = self._leg(worn, row, stretch[row], flat, np.asarray(self._stiffness(flat))).reshape(nodes.shape)
-        cut = worn[:, _CUT]
-        if (cut < 0.0).all():
-            return np.minimum(more, _MOST)
-        left, right = self._cut.edges[panel], self._cut.edges[panel + 1]
-        same = (cut >= left) & (cut < right)
-        columns = _FIRST + NODES * panel[:, None] + np.arange(NODES)
-        known = np.take_along_axis(worn, columns, axis=1)
-        known[same] = worn[same, self._own]
-        least = np.where(same, cut, left)[:, None]
-        at = (nodes - least) / (right[:, None] - least)
-        at = np.where(same[:, None], np.sqrt(np.maximum(at, 0.0)), at)
-        return np.clip(more + _interpolated(known, at), 0.0, _MOST)
+    def _beside(self, worn: Array, nodes: Array, stretch: Array) -> Array:
+        """A at nodes beside m, shape (m, k)."""
+        cut, shape = self._cut, nodes.shape
+        flat = np.maximum(nodes, self._least)
+        springs = np.asarray(self._stiffness(flat))
+        known = worn[:, _CUT] >= 0.0
+        # before, either beside another m or at nodes of the law
+        panel = np.clip(cut.panel(nodes.ravel()).reshape(shape), 0, cut.edges.size - 2)
+        left, right = cut.edges[panel], cut.edges[panel + 1]
+        column, at = _FIRST + NODES * panel, (nodes - left) / (right - left)
+        inside, m, first = self._inside(np.where(known, worn[:, _CUT], np.inf))
+        end = cut.edges[cut.ends[first]]
+        same = nodes[inside] < end[:, None]
+        way = (nodes[inside] - m[:, None]) / (end - m)[:, None]
+        at[inside] = np.where(same, cut.share(np.clip(way, 0.0, 1.0)), at[inside])
+        column[inside] = np.where(same, self._own.start, column[inside])
+        column[~known] = -1
+        if self._plain:
+            row = np.repeat(np.arange(shape[0]), shape[1])
+            more = self._leg(worn, row, stretch[row], flat.ravel(), springs.ravel()).reshape(shape)
+            return np.clip(more + self._known(worn, column, at), 0.0, _MOST)
+        stiff, legs = self._legs(worn, stretch)
+        b = springs * (0.5 / self._thermal.temperature)
+        rules = (self._even, self._beyond, self._own.start)
+        return self._compiled.beside(stiff, legs, worn, column, at, flat, b, self._compiled.DAWSON, *rules)
+
+    def _known(self, worn: Array, column: Numbers, at: Array) -> Array:
+        """What was kept, read between nodes."""
+        out = np.zeros(at.shape)
+        own = column == self._own.start
+        for rule, mine in ((self._even, (column >= 0) & ~own), (self._beyond, own)):
+            row, _ = np.nonzero(mine)
+            values = worn[row[:, None], column[mine][:, None] + np.arange(rule.shape[1])]
+            out[mine] = _interpolated(values, at[mine], rule)
+        return out
 
     def _leg(self, worn: Array, row: Numbers, stretch: Array, threshold: Array, spring: Array) -> Array:
         """What the present motion has cost."""
@@ -212,17 +235,22 @@ class SpentWear:
             log_spent = thermal.log_cumulative(far, threshold[moves], near, spring[moves])
             out[moves] = np.exp(np.minimum(log_spent + np.log(duration[moves] / np.abs(way[moves])), 7.0))
         if stands.any():
-            if thermal.law == "stiff":
-                self.error = max(self.error, self._layer)
             x = np.clip(stretch[stands], -threshold[stands], threshold[stands])
             log_rate = thermal.log_rate(x, threshold[stands], spring[stands])
             out[stands] = np.exp(np.minimum(log_rate + np.log(duration[stands]), 7.0))
         return out
 
 
-def _interpolated(values: Array, at: Array) -> Array:
-    """Values at the eight nodes on (0, 1) of each row, read at other places of the same row."""
-    apart = at[:, :, None] - GAUSS_NODES
-    close = np.abs(apart) < 1e-14
-    weights = _BARYCENTRIC / np.where(close, 1e-14, apart)
-    return (weights * values[:, None, :]).sum(-1) / weights.sum(-1)
+def _barycentric(nodes: Array) -> Array:
+    """Nodes and, of values there, the weights in what is read between them; shape (2, k)."""
+    apart = nodes[:, None] - nodes
+    np.fill_diagonal(apart, 1.0)
+    # products of many short ways would underflow: four are one on (0, 1)
+    return np.stack([nodes, 1.0 / (4.0 * apart).prod(axis=1)])
+
+
+def _interpolated(values: Array, at: Array, rule: Array) -> Array:
+    """Values at the nodes of a rule, shape (m, k), read at one place of each row."""
+    apart = at[:, None] - rule[0]
+    weights = rule[1] / np.where(np.abs(apart) < _CLOSE, _CLOSE, apart)
+    return (weights * values).sum(-1) / weights.sum(-1)

@@ -20,15 +20,23 @@ _GONE = 6.0  # e^(-e^6) is nothing
 _CHANGE = 1.5  # of ln A that eight nodes see through, but for ERROR
 ERROR = 5e-9
 _CHUNK = 40_000
+_NEVER = -35.0  # ln A
 _STEEPER = 1.75  # a stiff contact's barrier changes so much faster with its threshold, at most
 
 
-def resolved(contacts: Contacts) -> tuple[Array, Array]:
-    """Thresholds, and the widths over which ln A changes by as much as nodes see through."""
-    assert contacts.thermal is not None
+def resolved(contacts: Contacts, furthest: float, longest: float) -> tuple[Array, Array]:
+    """Thresholds, and the widths over which ln A changes by as much as nodes see through; none break, and all is wide,
+    far beyond the `furthest` stretch in the `longest` time."""
+    thermal = contacts.thermal
+    assert thermal is not None
     at = contacts.mean_threshold * 2.0 ** np.linspace(-20.0, 20.0, 400)
-    steep = 1.0 if contacts.thermal.law == "soft" else _STEEPER
-    return at, _CHANGE / steep * contacts.thermal.temperature / (at * contacts.relative_stiffness(at))
+    steep = 1.0 if thermal.law == "soft" else _STEEPER
+    springs = contacts.relative_stiffness(at)
+    widths = _CHANGE / steep * thermal.temperature / (at * springs)
+    if np.isfinite(furthest):
+        cost = thermal.log_rate(np.minimum(furthest, at), at, springs) + np.log(longest)
+        widths[1:][(at[:-1] > furthest) & (cost[:-1] < _NEVER)] = np.inf
+    return at, widths
 
 
 def error_of(cut: CutLaw) -> float:
@@ -48,6 +56,7 @@ class SoftWear:
     """Soft contacts, equally stiff; `worn` is ln W."""
 
     width = 1
+    forgets = False
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
         thermal = contacts.thermal

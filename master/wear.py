@@ -58,6 +58,7 @@ class Wear(Protocol):
     """Stretches and largest |x| are lengths of shape (m,); `worn` has shape (m, width).
 
     `length`, `time`, `rate`, `error` and `work` are those of master.lives.Lives.
+    `forgets`: whether thresholds tell where |x| grows, however large it was before.
     """
 
     length: float
@@ -66,6 +67,7 @@ class Wear(Protocol):
     error: float
     work: int
     width: int
+    forgets: bool
 
     def fresh(self, stretch: Array) -> Array:
         """Numbers of strands born at these stretches."""
@@ -93,6 +95,7 @@ class ColdWear:
     """Nothing breaks below its threshold."""
 
     time, rate, error, work, width = np.inf, 0.0, 1e-15, 10, 0
+    forgets = False
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         self._law, self.length = contacts.thresholds, length
