@@ -211,14 +211,14 @@ class FirstBreaks:
 
 
 def tabulate_rows(
-    rows: Function, edges: Array, accuracy: float, poles: Poles | None = None
+    rows: Function, edges: Array, accuracy: float, poles: Poles | None = None, offset: float = 0.0
 ) -> tuple[Piecewise, Piecewise, Piecewise | None]:
-    """Tables of two rows, or three."""
+    """Tables of two rows, or three; `offset` as of `tabulate`."""
     if edges.size < 2:
         nothing = Piecewise(np.zeros(1), np.empty((16, 0)))
         return nothing, nothing, None
     if poles is None:
-        density, released, *rest = tabulate(rows, edges, accuracy)
+        density, released, *rest = tabulate(rows, edges, accuracy, offset=offset)
     else:
         density, released, *rest = poles.filled(tabulate(rows, edges, accuracy, poles.beside))
     return density, released, rest[0] if rest else None

@@ -10,7 +10,7 @@ from master.cycle import Cycle
 from master.law import Law
 from master.outcome import Progress, outcome, unheard
 from master.problem import Problem
-from master.renewal import LaterReleased, bound
+from master.renewal import RESOLVED, LaterReleased, bound
 from master.solution import Solution
 from master.steady import steady_of
 from origins import Contacts
@@ -22,13 +22,13 @@ ROUND_OFF = 1e-13
 MOST_NODES = 2**20
 SMOOTH = 1.0 / 32.0  # four times what is left of a difference at eighth order would be 1/64
 _CLOSE = 0.5**0.5  # ratio of the steps of two lattices whose difference is at least the error of the finer
-_RESOLVED = 0.3
 _COARSER = 9.0  # 4 (1/0.1)^(1/3)
 _FAR_OFF = 1e4  # times the tolerance: the next lattice would not do either
 _LEAST_BELIEVED = 0.25  # part of a difference that the error left is never said to be below, beside jumps
 _SHARE = 0.3  # of the tolerance, for a law known by a numerical solution
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
 _FEWEST_NODES = 256
+BROAD, _ENOUGH = 50.0, 2048  # means up to the longest of lives of all lengths, and nodes for them
 _STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
 _BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
 _MOST_AROUND = 2000
@@ -179,14 +179,15 @@ def _refine(
                 left = estimate(difference, before, least_share(problem, step), diverges)
             else:
                 # two lattices that do not resolve the law may be closer to each other than to the truth
-                left = difference if step < _RESOLVED * problem.law.narrowest else 4.0 * difference
-            error = max(left, handed_over) + later.left_out + later.drift + floor
+                left = difference if step < RESOLVED * problem.law.narrowest else 4.0 * difference
+            error = max(left, handed_over) + later.left_out + later.drift + later.unseen + floor
             progress(error * share)
             if not rough or np.isfinite(before):
                 if best is None or error < best[1]:
                     best = answer, error, later
                 level = max(difference, float(change.max()))
                 stalled = level <= floor or (difference > 0.5 * before and level < _STALL * floor)
+                stalled = stalled and later.unseen <= tolerance
                 if best[1] <= tolerance:
                     return *best, ""
                 if stalled:
@@ -200,7 +201,7 @@ def _refine(
 
 
 def round_off(problem: Problem) -> float:
-    """Error that no lattice goes below: tables, and a kernel's mass off by an ulp, which adds up as a square."""
+    """Error that no lattice goes below: tables, and what the rounding of each step adds up to."""
     return _added_up(problem.end) + known_to(problem)
 
 
@@ -210,7 +211,7 @@ def known_to(problem: Problem) -> float:
 
 
 def _added_up(end: float) -> float:
-    return ROUND_OFF * (1.0 + end) + 2e-16 * end**2
+    return ROUND_OFF * (1.0 + end)
 
 
 def _limit(problem: Problem, reached: float, share: float) -> str:
@@ -246,6 +247,8 @@ def first_step(law: Law, rough: bool, end: float, tolerance: float) -> float:
         step = min(5.6 * law.finest * min(tolerance, 1e-3) ** 0.125, 4.0 * end / _FEWEST_NODES)
     else:
         step = min(2.1 * law.finest * min(tolerance, 3e-5) ** 0.125, end / _FEWEST_NODES)
+        if law.edges[-1:].max(initial=0.0) > BROAD:  # what is short is forgotten soon, or `unseen` tells
+            step = max(step, end / _ENOUGH)
     step = max(step, end * 8.0 / MOST_NODES)
     atoms, weights = law.atoms, law.atom_weights
     if atoms.size and (heaviest := float(atoms[weights.argmax()])) > 4.0 * step:

@@ -16,6 +16,7 @@ from origins.quadrature import GAUSS_NODES, gauss
 Array = npt.NDArray[np.float64]
 
 STENCIL = 8
+FEW = 6
 _CENTRE = STENCIL // 2 - 1
 _ROW = 512
 _BLOCK = 1024  # cells at a time, so that what is made on the way stays in the cache
@@ -38,6 +39,15 @@ def lagrange(t: Array) -> Array:
     return np.moveaxis(out, 0, -1)
 
 
+def lagrange_few(t: Array) -> Array:
+    """Lagrange weights of the nodes 0..FEW - 1 alone at t; shape t.shape + (8,)."""
+    out = np.zeros((*t.shape, STENCIL))
+    for k in range(FEW):
+        others = [j for j in range(FEW) if j != k]
+        out[..., k] = np.prod([(t - j) / (k - j) for j in others], axis=0)
+    return out
+
+
 _CELL = lagrange(_CENTRE + GAUSS_NODES)  # a cell whose stencil is centred on it
 
 
@@ -55,21 +65,32 @@ def cells(edges: Array, step: float, size: int) -> tuple[Array, Array]:
     return (left, right) if wide.all() else (left[wide], right[wide])
 
 
-def lay(densities: Callable[[Array], list[Array]], count: int, edges: Array, step: float, size: int) -> Array:
+def lay(
+    densities: Callable[[Array], list[Array]], count: int, edges: Array, step: float, size: int, stable: bool = False
+) -> Array:
     """Lay down `count` densities on the first `size` nodes; shape (count, size).
 
     densities maps positions of shape (n, 8) to a list of arrays of that shape; between `edges`, which may come in any
-    order, each is smooth. Near 0 the stencil is one-sided, so nothing lands before the first node.
+    order, each is smooth. Near 0 the stencil is one-sided, so nothing lands before the first node; where `stable`, it
+    has six nodes there: eight let what follows from itself within a step grow, as backward differentiation of order 7
+    does.
     """
     out = np.zeros((count, size + STENCIL))
     left, right = cells(edges, step, size)
     for start in range(0, left.size, _BLOCK):
         block = slice(start, start + _BLOCK)
-        _deposit(out, densities, left[block], right[block], step)
+        _deposit(out, densities, left[block], right[block], step, stable)
     return out[:, :size]
 
 
-def _deposit(out: Array, densities: Callable[[Array], list[Array]], left: Array, right: Array, step: float) -> None:
+def _deposit(
+    out: Array,
+    densities: Callable[[Array], list[Array]],
+    left: Array,
+    right: Array,
+    step: float,
+    stable: bool,
+) -> None:
     """Add what lies in the sub-intervals [left, right], none of which holds a node inside."""
     nodes, weights = gauss(left, right)
     cell = (0.5 * (left + right) / step).astype(np.int64)
@@ -78,6 +99,9 @@ def _deposit(out: Array, densities: Callable[[Array], list[Array]], left: Array,
     mass = weights * np.stack(densities(nodes))
     shares = mass @ _CELL
     shares[:, odd] = np.einsum("dij,ijk->dik", mass[:, odd], lagrange(nodes[odd] / step - first[odd, None]))
+    if stable:
+        near = np.flatnonzero(cell < _CENTRE)
+        shares[:, near] = np.einsum("dij,ijk->dik", mass[:, near], lagrange_few(nodes[near] / step))
     begin = int(first[0])
     at = (first[:, None] + np.arange(-begin, STENCIL - begin)).ravel()
     for row, share in zip(out, shares, strict=True):

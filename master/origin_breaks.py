@@ -81,7 +81,9 @@ class OriginBreaks(FirstBreaks):
         edges = np.unique(np.append(edges[(edges >= 0.0) & (edges <= top)], seeds))
         # closer than rounding is once
         edges = edges[np.append(np.diff(edges) > min(_SAME, 0.01 * top), True)]
-        self.density, self._released, self.stiffness = tabulate_rows(self._rows, edges, self._accuracy)
+        self.density, self._released, self.stiffness = tabulate_rows(
+            self._rows, edges, self._accuracy, offset=max(abs(low), abs(high))
+        )
         self._find_corners(seeds, law)
         self._order = np.argsort(self.atoms, kind="stable")
         self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.kinks import Kinks
-from master.lattice import STENCIL, deposit_atoms, integrate, lagrange, lay
+from master.lattice import INTEGRATE, STENCIL, deposit_atoms, integrate, lagrange, lay
 from master.powers import Fits
 from master.problem import Problem
 from master.series import convolve, renew
@@ -27,6 +27,8 @@ _NEAR = 56
 _ZOOM = 16
 _MARGIN = 24
 _FEW = 1e-11
+_BESIDE = np.linspace(1.0, 1.25, 200)
+RESOLVED = 0.3  # of the narrowest width: steps above it may miss a wave
 
 
 class Renewal:
@@ -61,7 +63,8 @@ class Renewal:
             stiffness = smooth_released[1] + deposit_atoms(atoms, weights * does.stiffness_at(atoms), step, size)
         self.defect = 0.0
         highest = max(law.edges[-1:].max(initial=0.0), law.atoms.max(initial=0.0))
-        if 0.0 < highest < step * (size - 1):
+        whole = 0.0 < highest < step * (size - 1)
+        if whole:
             # every generation would lose again what weight the lattice lacks
             lost = softer = 1.0 - float(kernel.sum())
             if does.stiffness:  # and contacts would keep more stiffness than they were born with
@@ -76,7 +79,13 @@ class Renewal:
             self._from_chain = convolve(smooth, births, size)
             source = source + self._from_chain
             flux += convolve(smooth_released[0], births, size)
-        breaks, released = renew(source, kernel, release)
+        # what slides steadily from X = 0 on is known, and of what is left rounding does not add up on the way
+        steady, often = np.zeros(size), 0.0
+        if whole or not (problem.rough or law.atoms.size):
+            steady, often = _steady_source(kernel, None if whole else law.sf(step * np.array([size - 1.0 - STENCIL])))
+        breaks, released = renew(source - steady, kernel, release)
+        breaks += often
+        released += often * np.cumsum(release)
         flux += released
         if not does.plain:
             flux += self._beside(problem, smooth_released, kernel, stiffness, breaks)
@@ -116,14 +125,15 @@ class Renewal:
             return [first.density(x)]
 
         rows = 3 if problem.release.stiffness else 2
+        stable = step > RESOLVED * law.narrowest
         ends, others = law.edges_for(step) if table is None else table.edges, first.edges_for(step)
         if problem.rough:
             # beside a point where P_c diverges its weight is right on its own panels alone
-            smooth, *released = lay(thresholds, rows, ends, step, size)
-            (source,) = lay(breaks, 1, others, step, size)
+            smooth, *released = lay(thresholds, rows, ends, step, size, stable)
+            (source,) = lay(breaks, 1, others, step, size, stable)
         else:
             every = np.concatenate([ends, others])
-            smooth, *released, source = lay(lambda x: thresholds(x) + breaks(x), rows + 1, every, step, size)
+            smooth, *released, source = lay(lambda x: thresholds(x) + breaks(x), rows + 1, every, step, size, stable)
         return smooth, released, source
 
     @cached_property
@@ -188,6 +198,9 @@ class LaterReleased:
         Bound on J_1 at those of the sorted positions x where it stays below `tiny` and was not looked for.
     drift : float
         Error of J_1 at the end of the path from weight of thresholds that had to be made up.
+    unseen : float
+        Change of J_1, where a lattice too wide for the law hands over to the next finer one: waves that it cannot show.
+        They do not grow further on.
     """
 
     def __init__(self, problem: Problem, step: float, x: Array, tiny: float) -> None:
@@ -196,15 +209,22 @@ class LaterReleased:
         self.lattice = Renewal(problem, step, problem.end, tiny)
         self.drift = self.lattice.defect * (1.0 + problem.end)
         self._pieces: list[tuple[float, Renewal]] = []
+        self.unseen = self.left_out = 0.0
         lattice = self.lattice
         while True:
             near = _NEAR * lattice.step if _weight_below(problem, STENCIL * lattice.step, tiny) > tiny else 0.0
             self._pieces.append((near, lattice))
             left = x[(x > 0.0) & (x <= near)]
             self.left_out = bound(problem, float(left[-1]), tiny) if left.size else 0.0
-            if self.left_out <= tiny:
+            wide = lattice.step > RESOLVED * problem.law.narrowest
+            if self.left_out <= tiny and not wide:
                 break
-            lattice = Renewal(problem, lattice.step / _ZOOM, near, tiny)
+            beside = (near or _NEAR * lattice.step) * _BESIDE
+            finer = Renewal(problem, lattice.step / _ZOOM, float(beside[-1]) if wide else near, tiny)
+            if wide:
+                change = np.abs(lattice.released_at(beside) - finer.released_at(beside))
+                self.unseen = max(self.unseen, float(change.max()))
+            lattice = finer
 
     def step_at(self, x: Array) -> Array:
         """Step of the lattice that answers at each x."""
@@ -256,6 +276,18 @@ class LaterReleased:
                 out[here] = answer(lattice, x[here])
             above = near
         return out
+
+
+def _steady_source(kernel: Array, left: Array | None) -> tuple[Array, float]:
+    """First breaks, node by node, after which as many contacts break at each node for ever, and how many; `left` is
+    what lies beyond the last node but STENCIL of a law that reaches beyond the lattice."""
+    # from the far end: what lies beyond all is to be nothing
+    longer = np.append(np.cumsum(kernel[:0:-1])[::-1], 0.0)
+    if left is not None:
+        last = kernel.size - 1 - STENCIL
+        longer += float(left[0]) + float(INTEGRATE @ kernel[last : last - STENCIL : -1]) - longer[last]
+    often = 1.0 / float(longer.sum())
+    return often * longer, often
 
 
 def _weight_below(problem: Problem, x: float, tiny: float) -> float:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from master.cycle import Cycle
 from master.decoherence import decoherence_length
+from master.forward import BROAD
 from master.problem import Problem
 from master.renewal import LaterReleased
 from master.steady import SteadyState
@@ -20,6 +21,7 @@ Array = npt.NDArray[np.float64]
 _SHARE = 1e-3  # of the tolerance: what lives longer than the longest life, or breaks first after that long
 _PER_WIDTH = 8.0
 _MOST = 20_000
+_LIVES = 3.0
 
 
 def longest_life(cycle: Cycle, tolerance: float) -> float:
@@ -33,10 +35,14 @@ def longest_life(cycle: Cycle, tolerance: float) -> float:
 
 def forgotten(contacts: Contacts, cycle: Cycle, tolerance: float) -> float:
     """Where (in the cycle's units) contacts should have forgotten their start; inf where they never do."""
+    life = longest_life(cycle, tolerance)
+    if life > BROAD:
+        # lives of all lengths: the longest tell, and no wave has to be looked for among the shortest
+        return _LIVES * life
     length = decoherence_length(contacts, cycle)[0] / cycle.unit
     if not np.isfinite(length):
         return np.inf
-    return 2.0 * longest_life(cycle, tolerance) + 1.1 * length * np.log(10.0 / min(tolerance, 0.1))
+    return 2.0 * life + 1.1 * length * np.log(10.0 / min(tolerance, 0.1))
 
 
 def left_to_settle(

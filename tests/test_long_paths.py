@@ -1,10 +1,13 @@
 """Paths far beyond where contacts have forgotten their start: the kinetic force, once nothing else is left of it."""
 
+import mpmath
 import numpy as np
 import pytest
+import scipy.stats
 from phase_type import gaussian_force
 
 import master
+import origins
 from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical, mixture, rectangular
 
 WIDE = gaussian(1.0, 0.2)
@@ -53,3 +56,61 @@ def test_what_is_never_forgotten_is_not_handed_over() -> None:
     assert not narrow.success and "round-off" in narrow.message
     off = np.abs(narrow.force - gaussian_force(path, 1.0, 0.004))
     assert off.max() <= narrow.force_error < 1e-7 and np.ptp(narrow.force) > 1e-5
+
+
+RATES, SHARES = 10.0 ** -np.arange(0.0, 8.0, 2.0), np.array([0.9, 0.09, 0.009, 0.001])
+
+
+def hyperexponential_force(path: np.ndarray) -> list[float]:
+    """F(X) of thresholds that are exponential at one of RATES, by eigenvectors: p' = p (r a - diag r) is symmetric once
+    scaled, and each phase's stretch is its p folded with e^(-rX)."""
+    with mpmath.workdps(60):
+        rates, shares = ([mpmath.mpf(float(value)) for value in row] for row in (RATES, SHARES))
+        shares = [share / sum(shares) for share in shares]
+        scale = [mpmath.sqrt(share / rate) for share, rate in zip(shares, rates, strict=True)]
+        size = range(len(rates))
+        matrix = mpmath.matrix(len(rates))
+        for i in size:
+            for j in size:
+                matrix[i, j] = scale[i] * rates[i] * shares[j] / scale[j] - (rates[i] if i == j else 0)
+        values, vectors = mpmath.eigsy((matrix + matrix.T) / 2)
+        forces = []
+        for x in (mpmath.mpf(float(value)) for value in path):
+            total = mpmath.mpf(0)
+            for k in size:
+                begun = sum(shares[i] / scale[i] * vectors[i, k] for i in size)
+                for i in size:
+                    s, r = values[k], -rates[i]
+                    folded = x * mpmath.exp(s * x) if s == r else (mpmath.exp(s * x) - mpmath.exp(r * x)) / (s - r)
+                    total += begun * vectors[i, k] * scale[i] * folded
+            forces.append(float(total))
+        return forces
+
+
+def test_lives_of_all_lengths_are_followed_by_steps_wider_than_most() -> None:
+    law = origins.mixture([scipy.stats.expon(scale=1.0 / rate) for rate in RATES], SHARES / SHARES.sum())
+    contacts = Contacts(law)
+    for end in (3e5, 1e8):
+        path = np.geomspace(1e-6, 1.0, 25) * end * contacts.mean_threshold
+        found = master.solve(contacts, path, 1e-6)
+        off = np.abs(found.force - hyperexponential_force(path)).max() / contacts.mean_threshold
+        assert found.success and off <= found.force_error < 100.0 * off, found.message
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_contacts_hot_enough_to_break_a_million_times_on_the_way(law: str) -> None:
+    contacts = Contacts(WIDE, thermal=Thermal(law, 0.1, 1e12))
+    path = np.array([0.002, 0.01, 0.5, 5.0, 1e3])
+    found = master.solve(contacts, path)
+    assert found.success and found.run_time < 5.0, found.message
+    # nearer lattices, none of which is too wide for what lives for so long
+    near = master.solve(contacts, path[:1], 1e-12)
+    assert abs(found.force[0] - near.force[0]) <= found.force_error + near.force_error
+    np.testing.assert_allclose(found.force[3:], master.steady_state(contacts).force, atol=found.force_error)
+
+
+def test_a_wave_faster_than_the_widest_lattice_is_not_overlooked() -> None:
+    path = np.linspace(3e4 - 3.0, 3e4, 60)
+    found = master.solve(Contacts(gaussian(1.0, 0.002)), path, 1e-4)
+    off = np.abs(found.force - gaussian_force(path, 1.0, 0.002)).max()
+    assert off <= found.force_error and not found.success
