@@ -27,6 +27,7 @@ _NEAR = 56
 _ZOOM = 16
 _MARGIN = 24
 _FEW = 1e-11
+_LESS = 3.0
 
 
 class Renewal:
@@ -185,7 +186,8 @@ class LaterReleased:
     lattice : Renewal
         The widest of them.
     left_out : float
-        Bound on J_1 at those of the sorted positions x where it stays below `tiny` and was not looked for.
+        Bound on J_1 at those of the sorted positions x where it stays below `tiny` and was not looked for, and on kinks
+        as small.
     drift : float
         Error of J_1 at the end of the path from weight of thresholds that had to be made up.
     """
@@ -205,6 +207,8 @@ class LaterReleased:
             if self.left_out <= tiny:
                 break
             lattice = Renewal(problem, lattice.step / _ZOOM, near, tiny)
+        if problem.law.atoms.size and problem.law.jumps.size:  # which lead to ever more and smaller kinks
+            self.left_out += _LESS * tiny
 
     def step_at(self, x: Array) -> Array:
         """Step of the lattice that answers at each x."""
