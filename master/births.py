@@ -82,7 +82,7 @@ class TravelLaw(Thresholds):
             lower, upper = relaxed.support()
             marks = relaxed.breakpoints
             positions, self._weights = relaxed.atoms
-            begins = float(relaxed.pdf(lower)) if positions.size == 0 or (positions > lower).all() else 0.0
+            begins = float(relaxed.pdf(lower))
         else:
             table = after.density
             positions, self._weights = after.atoms * unit, after.atom_weights

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-LAWS = ("thermal", "ageing", "delay", "reforming", "stiffness")
+LAWS = ("thermal", "ageing", "delay", "reforming", "stiffness", "grains")
 
 
 class Cycle:
@@ -38,16 +38,21 @@ class Cycle:
     relaxed : Thresholds
         Of the stretch at a break of contacts that form relaxed.
     unit : float
-        A length: the mean of `relaxed`.
+        A length: the mean of `relaxed`; of those that hold at all where thresholds grow with age.
     release : Release
         What breaks and births do to the force, lengths in `unit`s.
     breaking : Breaking or None
         How contacts break at a temperature, or as they age.
+    tabulated : bool
+        Whether the law is known by tables, of breaks by a rate or with ageing.
+    grown : bool
+        Whether contacts at X = 0 are older than those that form later, and break by another law.
     error : float
         Estimate of the error of the survival, where the law is known by a numerical solution.
 
-    Raises InputError for the paper's closure of ageing, which is no law of single contacts, and for ageing with the
-    paper's closure of temperature.
+    Raises InputError for the paper's closure of ageing, which is no law of single contacts, for ageing with the
+    paper's closure of temperature, and for thresholds that grow with age where contacts are stretched so fast that none
+    holds.
     """
 
     def __init__(self, contacts: Contacts, velocity: float = 1.0, accuracy: float = 1e-8) -> None:
@@ -56,6 +61,7 @@ class Cycle:
         self.law: Thresholds = contacts.thresholds
         self.unit = contacts.mean_threshold
         self.breaking: Breaking | None = None
+        self.grown = contacts.grains is not None
         self.error = 0.0
         if contacts.ageing is not None:
             from master.ageing_breaking import AgeingBreaking
@@ -78,9 +84,15 @@ class Cycle:
 
             law = BreakingLaw(contacts, velocity)
             self.law, self.breaking, self.unit = law, law.breaking, law.mean()
+        elif contacts.grains is not None:
+            from master.grain_breaking import BornGrains, GrainBreaking
+
+            born = BornGrains(contacts.grains, velocity)
+            self.law, self.breaking, self.unit = born, GrainBreaking(contacts, velocity), born.unit
+        self.tabulated = self.breaking is not None and (contacts.thermal is not None or contacts.ageing is not None)
         self.relaxed, self.release = self.law, PLAIN
         again, linked = contacts.reforming, contacts.stiffness == "linked"
-        if again is not None or contacts.delay is not None or linked:
+        if again is not None or contacts.waiting_time > 0.0 or linked:
             self._release(contacts, velocity)
 
     def _release(self, contacts: Contacts, velocity: float) -> None:
@@ -88,7 +100,7 @@ class Cycle:
         from master.births import TravelLaw, born, standing
 
         again, unit, linked = contacts.reforming, self.unit, contacts.stiffness == "linked"
-        wait = 0.0 if contacts.delay is None else velocity * contacts.delay.time
+        wait = velocity * contacts.waiting_time
         after, force, stiffness, widest = None, 0.0, 1.0, 0.0
         if again is not None:
             after = born(contacts, unit, self.breaking, self.law)
@@ -113,6 +125,8 @@ class Cycle:
     def survived(self, start: Start, origin: Array, x: Array) -> Array:
         """Fraction of the contacts that stood at `origin`, stretches of `start`, which hold at x; 0 where no threshold
         is left. Lengths."""
+        if self.grown and start is self.births:
+            return np.asarray(self.relaxed.sf(x))
         held = self._thresholds.sf(np.abs(origin))
         if self.breaking is None:
             left = self._thresholds.sf(np.maximum(np.abs(origin), x))

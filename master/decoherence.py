@@ -155,7 +155,7 @@ def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
 
 def survival_error(cycle: Cycle) -> float:
     """Error of the survival of the cycle's law where that is known by tables or solutions; else 0."""
-    tables = cycle.breaking is not None or cycle.release.born is not None
+    tables = cycle.tabulated or cycle.release.born is not None
     return max(cycle.error, _TABLE) if tables else 0.0
 
 

@@ -85,7 +85,7 @@ def kinetic_curve(
     and for a temperature or a rate of contacts without that law.
     """
     began = time.perf_counter()
-    check_contacts(contacts, "master.kinetic_curve", (*LAWS, "grains"))
+    check_contacts(contacts, "master.kinetic_curve", LAWS)
     points = Points(contacts, velocity, temperature, rate, delay)
     force, force_error, holding, holding_error = (row.reshape(points.shape) for row in _along(contacts, points))
     return KineticCurve(

@@ -50,7 +50,8 @@ class Law:
         positions, self.atom_weights = thresholds.atoms
         self.atoms = positions / self.unit
         self.atomic = float(self.atom_weights.sum()) > 1.0 - 1e-14
-        lost = float(self.cdf(np.array([_LEAST]))[0])
+        # those that never hold have no density
+        lost = float(self.cdf(np.array([_LEAST]))[0] - self.atom_weights[self.atoms <= 0.0].sum())
         if lost > _LOST:
             raise InputError(
                 f"thresholds: a weight of {lost:.2g} lies below {_LEAST:g} of the mean, where numbers end, as "

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from master.ageing_breaking import AgeingBreaking
 from master.corners import bends
 from master.first import FirstBreaks, tabulate_rows
+from master.grain_breaking import GrainBreaking
 from master.law import Law
 from master.starting import StartSum, thin
 from master.thermal_law import ThermalBreaking
@@ -21,7 +22,7 @@ from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 
-Breaking = ThermalBreaking | PaperBreaking | AgeingBreaking
+Breaking = ThermalBreaking | PaperBreaking | AgeingBreaking | GrainBreaking
 
 _JUMP = 1e-11
 _NARROW = 1e-9

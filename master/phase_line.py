@@ -77,8 +77,8 @@ def phase_line(
     tolerance = positive("tolerance", tolerance, TOLERANCE)
     points = Points(contacts, velocity, temperature, rate, delay)
     speeds, *others = points.rows
-    # without rates, ageing and delay the speed does not tell
-    speeds = np.where(np.any(others, axis=0), speeds, 1.0)
+    # without rates, ageing and delay, of thresholds or contacts, the speed does not tell
+    speeds = np.where(np.any(others, axis=0) | (contacts.grains is not None), speeds, 1.0)
     cases, which = np.unique(np.stack([speeds, *others], axis=1), axis=0, return_inverse=True)
     found = np.empty((2, len(cases)))
     for i, (speed, heat, spread, wait) in enumerate(cases.tolist()):

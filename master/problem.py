@@ -76,7 +76,7 @@ class Problem:
 
     def _first(self, end: float, accuracy: float) -> FirstBreaks:
         contacts, breaking = self.contacts, self.cycle.breaking
-        if breaking is None or contacts.start.span == (0.0, 0.0):
+        if breaking is None or (contacts.start.span == (0.0, 0.0) and not self.cycle.grown):
             law = self.law
             if breaking is None and self.cycle.law is not contacts.thresholds:
                 law = Law(contacts, end + max(contacts.start.span[1], 0.0) / self.unit)

@@ -29,6 +29,7 @@ _MARGIN = 24
 _FEW = 1e-11
 _BESIDE = np.linspace(1.0, 1.25, 200)
 RESOLVED = 0.3  # of the narrowest width: steps above it may miss a wave
+_LESS = 3.0
 
 
 class Renewal:
@@ -195,7 +196,8 @@ class LaterReleased:
     lattice : Renewal
         The widest of them.
     left_out : float
-        Bound on J_1 at those of the sorted positions x where it stays below `tiny` and was not looked for.
+        Bound on J_1 at those of the sorted positions x where it stays below `tiny` and was not looked for, and on kinks
+        as small.
     drift : float
         Error of J_1 at the end of the path from weight of thresholds that had to be made up.
     unseen : float
@@ -225,6 +227,8 @@ class LaterReleased:
                 change = np.abs(lattice.released_at(beside) - finer.released_at(beside))
                 self.unseen = max(self.unseen, float(change.max()))
             lattice = finer
+        if problem.law.atoms.size and problem.law.jumps.size:  # which lead to ever more and smaller kinks
+            self.left_out += _LESS * tiny
 
     def step_at(self, x: Array) -> Array:
         """Step of the lattice that answers at each x."""

@@ -109,13 +109,10 @@ def solve(
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
         return solve_paper(contacts, drive, tolerance, progress)
-    check_contacts(contacts, "master.solve", LAWS if drive.spring is not None else (*LAWS, "grains"))
-    if contacts.grains is not None:
-        from master.timed import solve_timed
-
-        return solve_timed(contacts, drive, tolerance, progress)
-    laws = (contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
-    plain = laws == (None, None, None, None) and contacts.stiffness == "independent"
+    takes = LAWS if drive.spring is None else tuple(law for law in LAWS if law != "grains")
+    check_contacts(contacts, "master.solve", takes)
+    laws = (contacts.grains, contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
+    plain = all(law is None for law in laws) and contacts.stiffness == "independent"
     if drive.spring is not None and not plain:
         from master.soft_laws import solve_soft_laws
 

@@ -94,8 +94,7 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | 
     Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force grows for ever and there
     is no steady state.
     """
-    check_contacts(contacts, "master.steady_state", (*LAWS, "grains"))
-    contacts = contacts.sliding(positive("velocity", velocity))
+    check_contacts(contacts, "master.steady_state", LAWS)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         from master.ageing_paper import check_alone, paper_steady_state
 
@@ -112,9 +111,9 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
     if not np.isfinite(again_area / again_length):
         raise InputError("thresholds: the distribution's own survival is not a number; use milder parameters")
     # where the law is a solution with an error of its own, tables are better than that
-    rounding = TABLES if cycle.breaking is not None and cycle.error == 0.0 else _ROUND_OFF
+    rounding = TABLES if cycle.tabulated and cycle.error == 0.0 else _ROUND_OFF
     # of two sums over tables either may be the one that is off, and the other a little
-    margin = 1.0 if cycle.breaking is None else _MARGIN
+    margin = _MARGIN if cycle.tabulated else 1.0
     off = margin * abs(force - again_area / (again_length + wait)) + rounding * abs(force)
     length_off = margin * abs(length - again_length) + rounding * length
     if cycle.error > 0.0:
@@ -122,7 +121,7 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         reach = float(cycle.relaxed.isf(_REACHED))
         off = float(off + cycle.error * (0.5 * reach**2 + force * reach) / (length + wait))
         length_off += cycle.error * reach
-    if cycle.breaking is not None and off > _WELL * force:
+    if cycle.tabulated and off > _WELL * force:
         force, off, length, length_off = _summed(contacts, cycle, (force, off, length, length_off))
     return SteadyState(
         force=force,
@@ -165,9 +164,9 @@ def _cycle_integrals(contacts: Contacts, cycle: Cycle) -> tuple[float, float, fl
     if isinstance(law, BreakingLaw | EffectiveLaw) and not release.stiffness:
         nodes, weights = gauss(law.panels[:-1], law.panels[1:])
         held = weights * law.sf(nodes)
-        return unit, 0.5 * moment, float(held.sum()), float((held * nodes).sum())
+        return law.mean(), 0.5 * moment, float(held.sum()), float((held * nodes).sum())
     if not release.stiffness:
-        return unit, 0.5 * moment, *_survival_integrals(law)
+        return law.mean(), 0.5 * moment, *_survival_integrals(law)
     if cycle.breaking is None:
         edges = panel_edges(law)
         nodes, weights = gauss(edges[:-1], edges[1:])

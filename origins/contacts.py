@@ -112,14 +112,6 @@ class Contacts:
         if self.grains is not None:
             self.waiting_time += self.grains.growth.first_pinning_time
 
-    def sliding(self, velocity: float) -> Contacts:
-        """Themselves, or for thresholds that grow those that break alike in steady sliding at `velocity` (a length per
-        time), where of all waits only the mean one counts."""
-        if self.grains is None:
-            return self
-        law = self.grains.breaking(velocity)
-        return Contacts(law, delay=Delay(self.waiting_time / law.held_fraction))
-
     def relative_stiffness(self, threshold: npt.ArrayLike) -> Array:
         """k_i/<k> of contacts with these thresholds (lengths): 1 if independent, x_si/<x_s> if linked; same shape."""
         threshold = np.asarray(threshold, dtype=float)

@@ -16,6 +16,7 @@ from origins.thresholds import Array, Thresholds
 
 _STEPS = 100
 _LEAST = 1e-300
+_SEEN = 400
 
 
 class GrainContact:
@@ -70,6 +71,22 @@ class GrainContact:
         q = over[held] / excess[held] * (largest / left[held])
         out[held] = hazard_beyond(q, 1.0 / largest, excess[held] / largest)
         return out[()]
+
+    def rise(self, x: npt.ArrayLike, age: npt.ArrayLike, velocity: float) -> Array:
+        """d hazard/dx, per length, of contacts of `age` at stretch x > 0 that slide at `velocity`: below zero where
+        thresholds grow faster than the stretch, inf where none holds; shapes broadcast."""
+        stretch, since = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(age, dtype=float))
+        first, root_b = self.growth.first_pinning_time, np.sqrt(self.growth.B)
+        excess = np.expm1(np.log1p(np.maximum(since - first, 0.0) / first) / 3.0)
+        s = root_b * stretch
+        k, largest = np.hypot(1.0, s), 1.0 + excess
+        left = excess - s * (s / (1.0 + k))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = 3.0 * k * k / ((2.0 * largest + k) * left * left)  # psi' over the largest size, at the threshold
+            all_of_them = 3.0 / ((2.0 * largest + 1.0) * excess * excess)  # and where a grain just spans the film
+            grown = (slope * k - all_of_them) / (3.0 * velocity * since)
+            out = slope * (root_b * (s / k)) - grown
+        return np.where(left > 0.0, out, np.inf)[()]
 
     def lost_hazard(self, velocity: float) -> float:
         """(9/2) B (velocity tau_m)²: exp(-this) is the fraction of contacts that hold at all where sliding begins as
@@ -241,6 +258,15 @@ class SlidingGrains(Thresholds):
 
     def _logsf(self, x: Array) -> Array:
         return -self._hazard(x)
+
+    def rough_quantiles(self, below: Array, above: Array) -> tuple[Array, Array]:
+        near = np.geomspace(1e-30, 0.5, _SEEN)
+        x = self._upper * np.concatenate([near, 1.0 - near[-2::-1]])
+        with np.errstate(divide="ignore"):
+            hazard = np.log(self._hazard(np.unique(x)))
+            goals = np.log(-np.log1p(-below)), np.log(-np.log(above))
+        low, high = (np.interp(goal, hazard, np.unique(x)) for goal in goals)
+        return low, high
 
     def _from_hazard(self, hazard: Array) -> Array:
         flat = hazard.ravel()

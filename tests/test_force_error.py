@@ -185,6 +185,16 @@ def ageing(draw: Draw) -> Case:
     return Case(contacts, draw.path(4.0, 1.0), max(draw.tolerance(), 1e-7))
 
 
+def growing(draw: Draw) -> Case:
+    alpha, wide = draw.log(0.4, 2.5), draw.log(0.05, 20.0)
+    first = (2.0 / (3.0 * alpha)) ** 3
+    grains = origins.growing_grains(alpha, wide, age=first * (1.0 + draw.log(0.3, 50.0)))
+    unit = grains.at_start.mean()
+    start = [None, draw.even(-0.5, 0.6) * unit, origins.gaussian_start(draw.even(-0.3, 0.5) * unit, 0.1 * unit)]
+    contacts = origins.Contacts(grains, start[draw.whole(0, 3)], delay=origins.Delay(first * draw.log(0.1, 1.0)))
+    return Case(contacts, draw.path(8.0, unit), draw.tolerance(), velocity=draw.log(0.15, 2.0) / (first * wide**0.5))
+
+
 def journey(draw: Draw, mean: float) -> tuple[np.ndarray, np.ndarray]:
     """Turns, changes of speed and holds: positions and times."""
     place, clock = [0.0], [0.0]
@@ -222,7 +232,7 @@ def cold_in_time(draw: Draw) -> Case:
 
 
 KINDS_IN_TIME = [warm_in_time, cold_in_time]
-KINDS_OF_LAWS = [warm, delayed, linked, formed_again, all_at_once, ageing]
+KINDS_OF_LAWS = [warm, delayed, linked, formed_again, all_at_once, ageing, growing]
 KINDS = [narrow_gaussian, phase_type, phase_type, any_law]  # one in four needs a second solution to be judged
 
 

@@ -1,11 +1,15 @@
-"""Grain contacts that pin, strengthen and break in steady sliding, against contacts one by one."""
+"""Grain contacts that pin, strengthen and break at a steady speed, against contacts one by one and closed forms."""
 
 import numpy as np
 import pytest
+from grain_references import psi
+from growing_contacts import deviation, pulled_steadily
+from references import mp
+from scipy.optimize import minimize_scalar
 
 import master
 import origins
-from origins import Contacts, Delay
+from origins import Contacts, Delay, growing_grains
 
 
 @pytest.mark.parametrize("velocity", [0.3, 1.0])
@@ -13,12 +17,10 @@ def test_steady_sliding_against_contacts_one_by_one(velocity: float) -> None:
     growth = origins.GrainGrowth(alpha=1.0, B=1.0)
     grains, first = origins.GrainContact(growth), growth.first_pinning_time
     law = grains.breaking(velocity)
-    steady = master.steady_state(
-        Contacts(law, delay=Delay(first / law.held_fraction)), velocity=velocity
-    )
+    steady = master.steady_state(Contacts(origins.GrainContact(growth, age=4.0)), velocity=velocity)
     # each life is a wait and a quantile for good; thresholds by the age, met on a fine grid of stretches
-    x = np.linspace(0.0, law.support()[1], 2001)
-    ranks = np.random.default_rng(3).random(4_000)
+    x = np.linspace(0.0, law.support()[1], 1001)
+    ranks = np.random.default_rng(3).random(2_000)
     above = grains.quantile(ranks[:, None], first + x[1:] / velocity) > x[1:]
     reached = np.where(above.all(axis=1), x[-1], x[np.argmin(above, axis=1)])
     reached += 0.5 * x[1] * (reached > 0.0)
@@ -32,12 +34,72 @@ def test_steady_sliding_against_contacts_one_by_one(velocity: float) -> None:
     assert steady.force_error < 1e-12
 
 
-def test_transients_where_nearly_all_hold() -> None:
-    """Slow sliding: the force of contacts pinned at X = 0 ends in that of steady sliding."""
-    growth = origins.GrainGrowth(alpha=1.0, B=1.0)
-    law = origins.GrainContact(growth).breaking(0.05)
-    contacts = Contacts(law, delay=Delay(growth.first_pinning_time / law.held_fraction))
-    steady = master.steady_state(contacts, velocity=0.05)
-    far = master.solve(contacts, [300.0], 1e-7, velocity=0.05)
-    assert far.success and far.force[0] == pytest.approx(steady.force, abs=1e-6)
-    assert master.propensity(contacts, 1e-6, velocity=0.05).static_to_kinetic > 1.0
+GRAINS = growing_grains(1.0, 1.0, age=4.0)
+STARTS = [
+    (Contacts(GRAINS, delay=Delay(0.2)), 1.0),
+    (Contacts(GRAINS, origins.gaussian_start(0.0, 0.1)), 2.0),
+    (Contacts(GRAINS, -0.3), 1.0),
+    # stretched by more than they could have been at this speed, so that thresholds grow beyond them at first
+    (Contacts(growing_grains(1.0, 1.0, age=1.0), origins.gaussian_start(0.4, 0.1)), 0.3),
+]
+
+
+@pytest.mark.parametrize("contacts, velocity", STARTS)
+def test_from_any_start_against_contacts_one_by_one(contacts: Contacts, velocity: float) -> None:
+    path = np.linspace(0.0, 4.0, 21)[1:]
+    solved = master.solve(contacts, path, 1e-8, velocity=velocity)
+    assert solved.success, solved.message
+    told = pulled_steadily(contacts, path, velocity, 10_000, 0.01 / velocity)
+    assert deviation(contacts, solved, told) < 5.0
+
+
+def test_the_first_fall_of_the_force_in_closed_form() -> None:
+    """Before the wait is over none is born: F = X exp(-H), H being the hazard of the law at the age there."""
+    contacts, velocity, first = Contacts(GRAINS, delay=Delay(2.5)), 1.0, GRAINS.growth.first_pinning_time
+
+    def force(x: float) -> mp.mpf:
+        largest = ((4 + mp.mpf(x) / velocity) / mp.mpf(first)) ** (mp.mpf(1) / 3)
+        size = mp.sqrt(1 + mp.mpf(x) ** 2)
+        return mp.mpf(x) * mp.exp(psi(1 / largest) - psi(size / largest)) if size < largest else mp.mpf(0)
+
+    path = np.linspace(0.0, 2.7, 16)[1:]
+    solved = master.solve(contacts, path, 1e-10, velocity=velocity)
+    assert np.abs(solved.force - [float(force(x)) for x in path]).max() < 1e-11
+    steepest = minimize_scalar(lambda x: float(mp.diff(force, x)), bounds=(1.0, 2.0), options={"xatol": 1e-9})
+    highest = minimize_scalar(lambda x: -float(force(x)), bounds=(0.3, 1.5), options={"xatol": 1e-9})
+    told, kinetic = master.propensity(contacts, velocity=velocity), master.steady_state(contacts, velocity=velocity)
+    assert abs(told.critical_spring + steepest.fun) < max(1e-9, told.critical_spring_error) < 1e-7
+    assert abs(told.static_to_kinetic * kinetic.force + highest.fun) < 1e-9 and told.static_to_kinetic_error < 1e-7
+    line = master.phase_line(contacts, [velocity, 2.0], delay=[[2.5], [3.5]], tolerance=1e-8)
+    assert line.critical_spring[0, 0] == pytest.approx(told.critical_spring, abs=1e-7)
+    # later births than the fall are no matter, sooner ones make it less steep
+    assert line.critical_spring[0, 1] == pytest.approx(line.critical_spring[1, 1], rel=1e-6)
+
+
+def test_decay_to_steady_sliding() -> None:
+    """With those that never hold, the travel from break to break has the transform e^(-sd) [lost + held p^(s)]."""
+    velocity, contacts = 1.0, Contacts(GRAINS)
+    law, wait = GRAINS.breaking(velocity), velocity * contacts.waiting_time
+    spectrum = master.decoherence_spectrum(contacts, velocity=velocity, n_roots=3)
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    x = 0.5 * law.support()[1] * (nodes + 1.0)
+    weights = 0.5 * law.support()[1] * weights * law.pdf(x)
+    for root in spectrum.roots:
+        lost = 1.0 - law.held_fraction
+        held = law.held_fraction * (weights @ np.exp(-root * x))
+        assert abs(np.exp(-root * wait) * (lost + held) - 1.0) < 1e-9
+    told = master.propensity(contacts, velocity=velocity)
+    assert told.decoherence_length == pytest.approx(spectrum.decay_length[0], rel=1e-9)
+
+
+def test_stretches_of_those_that_hold() -> None:
+    contacts, velocity = Contacts(GRAINS, origins.gaussian_start(0.2, 0.05)), 1.0
+    solved = master.solve(contacts, [0.3, 1.1, 2.5], 1e-8, velocity=velocity)
+    for k, place in enumerate(solved.path):
+        x = np.linspace(-0.3, 3.0, 6601)
+        density = solved.distribution(place).density(x)
+        step = x[1] - x[0]
+        assert density.sum() * step == pytest.approx(solved.holding[k], abs=2e-3)
+        assert (density * x).sum() * step == pytest.approx(solved.force[k], abs=2e-3)
+    steady = master.steady_state(contacts, velocity=velocity)
+    assert steady.distribution(x).sum() * step == pytest.approx(steady.holding, abs=2e-3)

@@ -65,7 +65,7 @@ def test_far_along_the_force_is_that_of_steady_sliding() -> None:
     """One road steps in time and lets those that never hold wait again, the other knows their mean wait alone."""
     contacts, velocity = Contacts(GRAINS, 0.05), 1.0
     steady = master.steady_state(contacts, velocity=velocity)
-    far = master.solve(contacts, [12.0], 5e-4, velocity=velocity)
+    far = master.solve(contacts, [12.0], 5e-4, time=[12.0 / velocity])
     assert far.success and abs(far.force[0] - steady.force) < far.force_error * contacts.mean_threshold
     assert far.holding[0] == pytest.approx(steady.holding, abs=1e-4)
     curve = master.kinetic_curve(contacts, [velocity, 2.0], delay=[[0.0], [0.3]])
@@ -145,7 +145,6 @@ def test_refusals() -> None:
         (lambda: Contacts(GRAINS, reforming=0.1), "reforming: contacts whose thresholds grow from 0"),
         (lambda: Contacts(GRAINS, stiffness="linked"), "stiffness = 'linked': not defined with thresholds that grow"),
         (lambda: master.solve(Contacts(GRAINS), [1.0], spring=1.0), "contacts.thresholds: master.solve takes none"),
-        (lambda: master.propensity(Contacts(GRAINS)), "contacts.thresholds: master.propensity takes none that grow"),
         (lambda: origins.mixture([GRAINS], [1.0]), "thresholds = <origins.grain_contact.GrainContact"),
     ]
     for call, begins in cases:
