@@ -8,12 +8,17 @@ origins/grain_contact.py and lifshitz_slyozov.py are the same in plain numpy.
 import numpy as np
 
 from eq_model.compiling import compiled
+from eq_model.kernel import philox, uniform_of
+from eq_model.thermal_kernel import SOFT, rate
 
+_U = np.uint64
+_HALF, _MASK = _U(32), _U(0xFFFFFFFF)
 _SMALL = 0.4
 _NODES = tuple((0.5 + 0.5 * np.polynomial.legendre.leggauss(10)[0]).tolist())
 _WEIGHTS = tuple((0.5 * np.polynomial.legendre.leggauss(10)[1]).tolist())
 _STEPS, _MISS = 60, 1e-5  # Halley's step leaves the cube of what is missing
 _SPLITS = 200
+_RISE, _LITTLE = 3.0, 0.05  # of a bound above the rate, and of what is borne where the bound may be any
 
 
 @compiled
@@ -158,3 +163,64 @@ def age_at(moment, clock, leg, age, course, grains):  # type: ignore[no-untyped-
         leg += 1
         clock = begins[leg]
     return age + (moment - clock) * (paces[leg] / grains[1])
+
+
+@compiled
+def _most(least_x, largest_x, least_y, largest_y, law, a):  # type: ignore[no-untyped-def]
+    """A bound of the rate between stretches and between thresholds."""
+    if law[0] == SOFT:
+        return law[2] * np.exp(min(-a * a * (least_y - largest_x) * (least_y + largest_x), 0.0))
+    front = max((largest_y - least_x) / largest_y, 0.0) if largest_y > 0.0 else 1.0
+    s = max((least_y - largest_x) / least_y, 0.0) if least_y > 0.0 else 0.0
+    return law[2] * np.sqrt(front) * np.exp(-((a * least_y) ** 2) * s * np.sqrt(s))
+
+
+@compiled
+def shaken(clock, leg, x, age, goal, until, bears, law, a, course, grains, place, stream):  # type: ignore[no-untyped-def]
+    """The moment at which such a contact breaks at a temperature, and the leg, if before `until`; else a clock beyond
+    the drive's end; and the draws it took.
+
+    bears : a draw of the exponential law, of which more are needed. Breaks are proposed at a rate above that of the
+    contact, and taken in the share that this has of it: exact, however the steps are cut (Lewis and Shedler, 1979).
+    """
+    begins, _, directions, paces = course
+    _, first, root, _ = grains
+    k0, k1, second, contact = stream
+    end, draws, step = begins[directions.size], 0, 1.0
+    y = quantile(goal, age, root)
+    while leg < directions.size and clock < until:
+        d, pace = directions[leg], paces[leg] / first
+        passed, room = 0.0, np.float64(min(begins[leg + 1], until) - clock)
+        while passed < room and pace > 0.0:
+            ticks = min(step / pace, room - passed)
+            lasts = ticks * pace
+            here, there = np.float64(x) + d * passed, np.float64(x) + d * (passed + ticks)
+            later = quantile(goal, age + lasts, root)
+            least = 0.0 if here * there < 0.0 else min(abs(here), abs(there))
+            most = _most(least, max(abs(here), abs(there)), y, later, law, a)
+            now = rate(min(abs(here), y), y, law, a) if y > 0.0 else law[2]
+            spent = most * lasts * first
+            if spent > _LITTLE and most > _RISE * now:
+                step = 0.5 * lasts
+                continue
+            if spent < bears:
+                bears -= spent
+                passed += ticks
+                age += lasts
+                y = later
+                step = 2.0 * lasts
+                continue
+            share = bears / spent
+            passed += share * ticks
+            age += share * lasts
+            y = quantile(goal, age, root)
+            words = philox(_U(place + draws), second, contact & _MASK, contact >> _HALF, k0, k1)
+            draws += 1
+            stretch = abs(np.float64(x) + d * passed)
+            if uniform_of(words[0], words[1]) * most < rate(min(stretch, y), y, law, a):
+                return clock + min(np.int64(passed + 0.5), np.int64(room)), leg, draws
+            bears = -np.log(uniform_of(words[2], words[3]))
+        x += d * np.int64(room)
+        clock += np.int64(room)
+        leg += 1
+    return end + 1, leg, draws

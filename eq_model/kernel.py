@@ -61,6 +61,12 @@ def philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
 
 
 @compiled
+def uniform_of(high, low):  # type: ignore[no-untyped-def]
+    """Between 0 and 1, neither itself, from two words."""
+    return (np.float64(((high << _HALF) | low) >> _U(11)) + 0.5) * 2.0**-53
+
+
+@compiled
 def _draw(n, block, second, contact, k0, k1, words):  # type: ignore[no-untyped-def]
     """Four words for each of n lanes, in rows of ROW."""
     for i in range(n):

@@ -12,8 +12,8 @@ Lengths are in units of the lattice; thermal laws are those of thermal_kernel.py
 import numpy as np
 
 from eq_model.compiling import compiled
-from eq_model.grain_kernel import age_at, hazard, hold, never_holds, quantile
-from eq_model.kernel import LANES, ROW, _draw, _exact, _find, _more, _values, philox
+from eq_model.grain_kernel import age_at, hazard, hold, never_holds, quantile, shaken
+from eq_model.kernel import LANES, ROW, _draw, _exact, _find, _more, _values, philox, uniform_of
 from eq_model.kernel import _bin as _find_bin
 from eq_model.thermal_kernel import MISSING, SOFT, between, hermite, inward, outward, rate
 from origins.streams import LIFE_STEPS, LIFE_TAILS, LIVES, PURPOSE_SHIFT
@@ -100,15 +100,9 @@ def first_breaks(first, n_contacts, key, births, thresholds, law, tables, pace):
 
 
 @compiled
-def _uniform(high, low):  # type: ignore[no-untyped-def]
-    """Between 0 and 1, neither itself, from two words."""
-    return (np.float64(((high << _HALF) | low) >> _U(11)) + 0.5) * 2.0**-53
-
-
-@compiled
 def _normal(a, b, c):  # type: ignore[no-untyped-def]
     """A draw of the standard normal law from three words."""
-    return np.sqrt(-2.0 * np.log(_uniform(a, b))) * np.cos(2.0 * np.pi * (np.float64(c) + 0.5) * 2.0**-32)
+    return np.sqrt(-2.0 * np.log(uniform_of(a, b))) * np.cos(2.0 * np.pi * (np.float64(c) + 0.5) * 2.0**-32)
 
 
 @compiled
@@ -478,6 +472,15 @@ def run(  # type: ignore[no-untyped-def]
                 begun = leg
                 if grains[0]:
                     then, _, leg = hold(clock[i], leg, born, age, goal, course, grains)
+                    if law[0]:
+                        stream = k0, k1, second[i] ^ _LIVES ^ _LIFE_STEPS, contact[i]
+                        until = min(then, course[0][-1])
+                        sooner, other, done = shaken(
+                            clock[i], begun, born, age, goal, until, bears, law, a, course, grains, drawn[i], stream
+                        )
+                        drawn[i] += np.uint32(done)
+                        if sooner <= until:
+                            then, leg = sooner, other
                 else:
                     then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course)
                 while ahead[i] < moments.size and moments[ahead[i]] < then:

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+import scipy.stats
 
 import eq_model
 import master
 import origins
 from eq_model import grain_kernel
 from eq_model.course import make_course
+from eq_model.thermal_tables import law_for_kernel
 from origins import Contacts, Delay, Drive, GrainContact, GrainGrowth, InputError, Thermal, growing_grains
 
 ALPHA, B = 1.0, 1.0
@@ -124,6 +126,35 @@ def test_a_contact_followed_breaks_where_its_hazard_is_met() -> None:
             assert GRAINS.hazard(abs(there) * unit, 4.0 + at) == pytest.approx(goal, rel=1e-8)
             broken += 1
     assert broken > 20
+
+
+@pytest.mark.parametrize("thermal", [Thermal("soft", 0.02, 3.0), Thermal("stiff", 1e-3, 30.0)])
+def test_breaks_at_a_temperature_follow_the_rate_at_the_present_threshold(thermal: Thermal) -> None:
+    """One contact, from pinning on, pulled, at rest and pulled back: the times of its breaks in many lives."""
+    path, time = np.array([0.3, 0.3, -0.6]), np.array([0.4, 1.0, 2.2])
+    course = make_course(Drive(path, time=time), 1.0, 8.0, exact=False)
+    unit, goal = course.lattice.unit, 1.3
+    grains, law = (1, FIRST, unit, 0.0), law_for_kernel(thermal, unit)
+    clock = np.append(0.0, np.cumsum(course.paces * np.diff(course.begins)))
+    until, _, _ = grain_kernel.hold(0, 0, 0, 0.0, goal, course.for_kernel, grains)
+    until = min(until, course.begins[-1])
+    generator, found = np.random.default_rng(6), []
+    for contact in range(4000):
+        stream = np.uint64(1), np.uint64(2), np.uint64(0), np.uint64(contact)
+        bears = generator.exponential()
+        then, leg, _ = grain_kernel.shaken(
+            0, 0, 0, 0.0, goal, until, bears, law, law[1], course.for_kernel, grains, 0, stream
+        )
+        if then <= until:
+            found.append(clock[leg] + (then - course.begins[leg]) * course.paces[leg])
+    t = np.linspace(0.0, np.interp(until, course.begins, clock), 200_001)
+    middle = 0.5 * (t[1:] + t[:-1])
+    stretch = np.abs(np.interp(middle, np.append(0.0, time), np.append(0.0, path)))
+    threshold = GRAINS.quantile(-np.expm1(-goal), FIRST + middle)
+    spent = np.append(0.0, np.cumsum(thermal.rate(np.minimum(stretch, threshold), threshold)) * t[1])
+    share = -np.expm1(-spent[-1])
+    assert 0.2 < share < 0.98 and abs(len(found) / 4000 - share) < 4.0 * np.sqrt(share * (1.0 - share) / 4000)
+    assert scipy.stats.kstest(found, lambda at: -np.expm1(-np.interp(at, t, spent)) / share).pvalue > 1e-3
 
 
 def test_thresholds_seen_in_the_ensemble_are_those_of_their_age() -> None:
