@@ -9,7 +9,8 @@ import numpy.typing as npt
 from master.cycle import Cycle
 from master.law import Law
 from master.outcome import Progress, outcome, unheard
-from master.problem import Problem
+from master.powers import find_powers
+from master.problem import Problem, law_of
 from master.renewal import RESOLVED, LaterReleased, bound
 from master.solution import Solution
 from master.steady import steady_of
@@ -55,8 +56,30 @@ def solve_forward(
         settled = _solve_far(contacts, path, tolerance, cycle, began, progress)
         if settled is not None:
             return settled
-    problem = Problem(contacts, max(end, 1e-300), own, cycle)
-    return solve_problem(problem, path, tolerance, began, progress)
+    end = max(end, 1e-300)
+    law = law_of(contacts, end, cycle)
+    if law.rough and cycle.release.plain and cycle.law is contacts.thresholds and not contacts.start.is_single:
+        spread = _solve_spread(contacts, path, tolerance, law, began, progress)
+        if spread is not None:
+            return spread
+    return solve_problem(Problem(contacts, end, own, cycle, law), path, tolerance, began, progress)
+
+
+def _solve_spread(
+    contacts: Contacts, path: Array, tolerance: float, law: Law, began: float, progress: Progress
+) -> Solution | None:
+    """From a start with a width by way of a relaxed one, which tells all about powers; None where P_c has none, or
+    where that does not reach the tolerance."""
+    relaxed = Contacts(contacts.thresholds)
+    end = float(path[-1]) / law.unit + max(contacts.start.span[1], 0.0) / law.unit
+    powers = find_powers(relaxed, law, end, 1e-2 * tolerance)
+    if powers is None:
+        return None
+    from master.response import solve_from_relaxed
+
+    problem = Problem(relaxed, end, tolerance, law=law, powers=powers)
+    spread = solve_from_relaxed(contacts, problem, path, tolerance, began, progress)
+    return spread if spread.success else None
 
 
 def _is_far(end: float, tolerance: float) -> bool:
@@ -104,7 +127,7 @@ def solve_problem(
     # errors are stated in mean thresholds, of which a cycle at a temperature is but a part
     share = problem.unit / contacts.mean_threshold
     force = problem.known(x)
-    released, error, later, message = _refine(problem, x, tolerance / share, progress)
+    released, error, later, message = refined(problem, x, tolerance / share, progress)
     force, error = (force - released) * problem.unit, error * share
     success, message = outcome(contacts, error, tolerance, message)
     return Solution(
@@ -134,7 +157,7 @@ def _holding(problem: Problem, later: LaterReleased | None, x: Array) -> Array:
     return 1.0 - (broken(x) - broken(np.maximum(x - delay, -1e-300)))
 
 
-def _refine(
+def refined(
     problem: Problem, x: Array, tolerance: float, progress: Progress
 ) -> tuple[Array, float, LaterReleased | None, str]:
     """J_1 at x, its error estimate, what it was read from and the reason for stopping short."""
@@ -177,12 +200,14 @@ def _refine(
             if rough:
                 diverges = problem.law.diverges and problem.powers is None
                 left = estimate(difference, before, least_share(problem, step), diverges)
+                if problem.powers is not None and not np.isfinite(before):
+                    left *= 2.0
             else:
                 # two lattices that do not resolve the law may be closer to each other than to the truth
                 left = difference if step < RESOLVED * problem.law.narrowest else 4.0 * difference
             error = max(left, handed_over) + later.left_out + later.drift + later.unseen + floor
             progress(error * share)
-            if not rough or np.isfinite(before):
+            if not rough or np.isfinite(before) or problem.powers is not None:
                 if best is None or error < best[1]:
                     best = answer, error, later
                 level = max(difference, float(change.max()))

@@ -50,11 +50,13 @@ class Poles:
         at, weight = self._pole(middle[beside]), weight[beside[about]]
         stiffness = at * self._linked if self._linked else 1.0
         filled = []
+        lean = self._lean(edges[:-1][beside], edges[1:][beside])
         for table, value in zip(tables, (weight, weight * at * stiffness, weight * stiffness), strict=False):
             coefficients = table.coefficients.copy()
             coefficients[:, about] *= factor
             coefficients[:, beside] = 0.0
             coefficients[0, beside] = value / width[beside]
+            coefficients[1, beside] = lean * value / width[beside]
             filled.append(Piecewise(edges, coefficients))
         self._before = np.concatenate([[0.0], np.cumsum(filled[1].coefficients[0] * np.diff(edges))])
         return filled
@@ -68,6 +70,14 @@ class Poles:
             each = at * (at * self._linked if self._linked else 1.0)
             released[near] = self._before[panel] + each * self._weight(self._edges[panel], x[near])
         return released
+
+    def _lean(self, left: Array, right: Array) -> Array:
+        """Slope of a density on each panel that has its mean where that of a power of the distance from the pole is."""
+        middle = 0.5 * (left + right)
+        lower, upper = self._weight(left, middle), self._weight(middle, right)
+        near = np.maximum(lower, upper) / np.maximum(lower + upper, 1e-300)
+        power = -np.log2(np.clip(near, 0.5, 1.0 - 1e-15))
+        return np.asarray(3.0 * (2.0 * power / (1.0 + power) - 1.0) * np.where(upper > lower, -1.0, 1.0))
 
     def _weight(self, left: Array, right: Array) -> Array:
         return self._law.weight_between(left + self._start, right + self._start) / self._survival

@@ -1,18 +1,19 @@
-"""Places where J_1(X) is no smooth function but a power of the distance, and how it is read beside them.
+"""Places where J_1(X) is no smooth function but a sum of powers of the distance, and how it is read beside them.
 
-Where P_c ends, begins or diverges as a power |x - place|^(order - 1) above 0, breaks of every generation do so again:
-folding adds up places and orders, so all of them are known, though not their factors. Some forty nodes away the
-lattice is right to round-off. A polynomial and the powers known (with logarithms where they are whole numbers), fitted
-to the nodes from there on, fill the gap between.
+Where P_c ends, begins or diverges as a power of the distance times a smooth function, breaks of every generation do so
+again: folding adds up places and orders, and multiplies the factors, all of which are known. Some forty nodes away the
+lattice is right to round-off. What J_1 there has beyond the powers is smooth: a polynomial fills the gap between.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import chebyshev
 
+from master.germs import HIGHEST, Germ, Sum, gathered, renewed, single
 from master.law import Law
 from origins import Contacts
 
@@ -20,44 +21,69 @@ Array = npt.NDArray[np.float64]
 Function = Callable[[Array], Array]
 Fits = dict[int, Function | None]
 
-HOLE, WINDOW = 40.0, 6.0  # nodes to either side of a place that are not trusted; how many times as many are looked at
-_GENTLE, _GENTLE_HOLE = 1.45, 24.0  # from this order on fewer
-_DEGREE = 8
-# orders up to the first count, and others up to the second while they are few; more cannot be told apart
-_HIGH, _HIGHEST, _FEW_ORDERS, _MOST_ORDERS = 4.0, 6.0, 7, 13
+HOLE, WINDOW = 36.0, 3.0  # nodes to either side of a place that are not trusted; how many times as many are looked at
+_GENTLE, _GENTLE_HOLE = 0.75, 24.0  # from this order on fewer
+_DEGREE = 12
 _SMOOTH = 3.0  # order of a place in P_c from which on a lattice needs no help
 _WHOLE, _SAME, _CROWD = 1e-6, 1e-9, 1e-4
-_MOST_PLACES = 64
-_HALVINGS = 7
-_REACH = 0.02
-_FITS = 0.1
-_FURTHEST_OFF = 300.0
+_MOST_PLACES, _MOST_POINTS = 64, 8
+_NODES, _DEGREE_BESIDE = 24, 14
+_REACH = 0.4
+_SHARPER = 4
+_POWER = 1e-11
+_FITS = 0.3
+_RADIUS, _WIDEST = 0.2, 0.02
+_HIGHEST_AT_0 = 12.0
 _BEYOND = 1.6  # times the path: how far all else is known
+# T_k(2 u - 1) -> coefficients of powers of u
+_TAYLOR = np.zeros((_DEGREE_BESIDE + 1, _DEGREE_BESIDE + 1))
+for _k in range(_DEGREE_BESIDE + 1):
+    _shifted = np.polynomial.Polynomial(chebyshev.cheb2poly(np.eye(_DEGREE_BESIDE + 1)[_k]))(
+        np.polynomial.Polynomial([-1.0, 2.0])
+    )
+    _TAYLOR[: _k + 1, _k] = _shifted.coef[: _k + 1]
 
 
 @dataclass(frozen=True)
 class Powers:
-    """Places (sorted, in units of the law) and the orders of J_1 at each: it holds |x - place|^order and on.
+    """Places (sorted, in units of the law), and what J_1 has of powers at each.
 
-    `width` is that of the law, and `share` says how much of the start makes places at all.
+    `begun` is all of J_1 just above X = 0, where that is known; less than `tiny` of J_1 does not matter.
     """
 
     places: Array
-    orders: list[Array]
-    width: float
-    share: float
+    released: list[Sum]
+    begun: Sum | None
+    tiny: float
+
+    def on(self, step: float) -> "Powers":
+        """Those that a lattice of that step smears by more than `tiny`."""
+        sizes = [part.sizes for part in self.released]
+        matter = np.array([(size * step**order).max(initial=0.0) > self.tiny for size, order in sizes], dtype=bool)
+        return replace(self, places=self.places[matter], released=[self.released[k] for k in np.flatnonzero(matter)])
+
+    def knows(self, x: float) -> bool:
+        """Whether `begun` holds up to X = x: what comes after its last powers does not matter."""
+        return self.begun is not None and self.begun.neglected(x) < self.tiny
 
     @property
     def widest_step(self) -> float:
-        """The coarsest lattice on which the nodes between two places, or one and X = 0, are enough."""
-        return float(np.diff(self.places, prepend=0.0).min(initial=np.inf)) / ((WINDOW + 1.0) * HOLE)
+        """The coarsest lattice on which a polynomial fits what is between two places, or one and X = 0."""
+        step, widest = np.inf, _WIDEST
+        while step > widest:
+            step, some = widest, self.on(widest)
+            spacing = float(np.diff(some.places, prepend=0.0).min(initial=np.inf))
+            widest = min(_RADIUS * spacing / (WINDOW * max(some._holes, default=HOLE)), step)
+        return step
 
     def reach(self, end: float, step: float) -> float:
         """How far a lattice of that step must go so that all up to `end` can be read."""
         last = self.places[self.places < end + HOLE * step]
         return max(end, min(float(last[-1]) + WINDOW * HOLE * step, _BEYOND * end)) if last.size else end
 
-    def put_right(self, x: Array, values: Array, at_nodes: Function, step: float, size: int, fits: Fits) -> Array:
+    def put_right(
+        self, x: Array, values: Array, at_nodes: Function, step: float, size: int, fits: Fits
+    ) -> Array:
         """`values` read at x from a lattice of `size` nodes, those beside a place anew; at_nodes gives them at any
         node, and `fits` keeps what was found for the next time."""
         for k, place in enumerate(self.places):
@@ -73,11 +99,12 @@ class Powers:
     @cached_property
     def _holes(self) -> list[float]:
         """Nodes to either side of each place that are not trusted."""
-        return [HOLE if orders[0] < _GENTLE else _GENTLE_HOLE for orders in self.orders]
+        lowest = [min(germ.order for germ in part.germs) - 1.0 for part in self.released]
+        return [HOLE if order < _GENTLE else _GENTLE_HOLE for order in lowest]
 
     def _fit(self, k: int, at_nodes: Function, step: float, size: int) -> Function | None:
         """What stands for J_1 around one place; None where its neighbours are too close for nodes between."""
-        place, orders, holes = float(self.places[k]), self.orders[k], self._holes
+        place, powers, holes = float(self.places[k]), self.released[k], self._holes
         hole, window = holes[k], WINDOW * holes[k]
         before, beside = (float(self.places[k - 1]), holes[k - 1]) if k else (0.0, HOLE)
         low = max(place - window * step, before + beside * step)
@@ -89,150 +116,136 @@ class Powers:
         nodes = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1.0)
         nodes = nodes[np.abs(nodes - place) >= hole * step]
         width = max(place - low, high - place)
-        rows = _basis((nodes - place) / width, orders)
-        scale = np.abs(rows).max(axis=0)
         values = at_nodes(nodes)
-        factors = np.linalg.lstsq(rows / scale, values, rcond=1e-15)[0] / scale
+        factors = chebyshev.chebfit((nodes - place) / width, values - powers(nodes - place), _DEGREE)
+
+        def fitted(x: Array) -> Array:
+            return np.asarray(chebyshev.chebval((x - place) / width, factors) + powers(x - place))
+
         between = np.arange(0.5 - hole, hole)
-        changed = np.abs(_basis(between * (step / width), orders) @ factors - at_nodes(place + step * between))
+        changed = np.abs(fitted(place + step * between) - at_nodes(place + step * between))
         # where the function changes faster than the nodes outside tell, the lattice itself is the better of the two: it
-        # is all but right in the outer half of the hole, and nowhere further off than such a power changes in a step
-        doubt = max(np.abs(rows @ factors - values).max(), changed[np.abs(between) > 0.5 * hole].max())
-        furthest = _FURTHEST_OFF * self.share * (step / self.width) ** orders[0]
-        if doubt > _FITS * changed.max() or changed.max() > furthest:
-            return None
-        return lambda x: _basis((x - place) / width, orders) @ factors
+        # is all but right in the outer half of the hole
+        doubt = max(np.abs(fitted(nodes) - values).max(), changed[np.abs(between) > 0.5 * hole].max())
+        return None if doubt > _FITS * changed.max() else fitted
 
 
-def _basis(u: Array, orders: Array) -> Array:
-    """Polynomials and, on each side of u = 0, powers; shape (len(u), n)."""
-    above, apart = u > 0.0, np.abs(u)
-    columns = [u**k for k in range(_DEGREE + 1)]
-    logarithm = np.log(np.maximum(apart, 1e-300))
-    for order in orders:
-        power = apart**order
-        if order == round(order):
-            columns += [power * above, u**order * logarithm]
-        else:
-            columns += [power * above, power * ~above]
-    return np.stack(columns, axis=-1)
-
-
-def find_powers(contacts: Contacts, law: Law, end: float) -> Powers | None:
+def find_powers(contacts: Contacts, law: Law, end: float, tiny: float, stiffness: float = 0.0) -> Powers | None:
     """The places up to about `end`; None where P_c has no such point above 0, where not all of them are known for sure
-    or where there are too many."""
+    or where there are too many. What J_1 would feel by less than `tiny` is left alone; stiffness: k of a contact per
+    length of its threshold, or 0."""
     points = law.breakpoints[(law.breakpoints > 0.0) & (law.breakpoints < law.top * (1.0 + _SAME))]
     # panels crowd about a place where P_c diverges
-    if not points.size or not _among(law.points, points, _CROWD):
-        return None
-    own: list[tuple[float, float]] = []
-    for point in points:
-        for side in (-1.0, 1.0):
-            order = _order(law.pdf, float(point), side, law.narrowest)
-            if order is None:
-                return None
-            own += [(float(point), order)] if order else []
-    if not any(order < _SMOOTH and order != round(order) for _, order in own):
-        return None
-    # what floating point cannot tell from a place where P_c diverges stands for it as an atom there
-    if not _among(law.atoms, np.array([place for place, order in own if order < 1.0]), _SAME):
+    if not 0 < points.size <= _MOST_POINTS or not _among(law.points, points, _CROWD):
         return None
     if law.support[0] == 0.0:
-        onset = law.onset_order
-        own += [(0.0, _rounded(onset))] if np.isfinite(onset) else []
+        points = np.append(0.0, points)
+    own: list[Germ] = []
+    for point in points:
+        for side in (-1.0, 1.0) if point else (1.0,):
+            germ = _beside(law, float(point), side, points)
+            if germ is None:
+                return None
+            own += [germ] if germ.terms.size else []
+    if not any(germ.order < _SMOOTH and germ.order != round(germ.order) for germ in own):
+        return None
+    # what floating point cannot tell from a place where P_c diverges stands for it as an atom there
+    if not _among(law.atoms, np.array([germ.place for germ in own if germ.order < 1.0]), _SAME):
+        return None
     first = _of_first_breaks(contacts, law, own)
     if first is None:
         return None
-    found = _folded(first, own, end)
-    spread = not contacts.start.is_single
-    # of a spread start what stands at x_0 = 0, where 1/S(|x_0|) has a cusp
-    share = min(1.0, float(contacts.start.pdf(0.0)) * law.unit) if spread else 1.0
-    return None if found is None else Powers(*found, law.narrowest, share)
+    found = _of_later_breaks(own, first, 1.1 * end, stiffness)
+    if found is None or np.count_nonzero(found[0] > 0.0) > _MOST_PLACES:
+        return None
+    places, released = found
+    begun: Sum | None = None
+    if contacts.start.span == (0.0, 0.0) and law.support[0] == 0.0:
+        onset = _beside(law, 0.0, 1.0, points, _HIGHEST_AT_0)
+        alone = None if onset is None else _of_later_breaks([onset], [onset], np.inf, stiffness)
+        begun = None if alone is None or not alone[1] else alone[1][0]
+    kept = np.flatnonzero(places > 0.0)
+    return Powers(places[kept], [released[k] for k in kept], begun, tiny)
 
 
-def _of_first_breaks(
-    contacts: Contacts, law: Law, own: list[tuple[float, float]]
-) -> list[tuple[float, float]] | None:
-    """Places and orders in the density of first breaks; None where they are not known."""
+def _of_later_breaks(
+    own: list[Germ], first: list[Germ], end: float, stiffness: float
+) -> tuple[Array, list[Sum]] | None:
+    """Of J_1: places up to X = end, and the germs at each; None where they are too many."""
+    again = renewed(own, end)
+    if again is None:
+        return None
+    flux = _with_all_later(_released(own, stiffness), again)
+    places, released = gathered([germ.integral().folded(one) for germ in flux for one in first])
+    inside = np.flatnonzero(places < end)
+    return places[inside], [released[k] for k in inside]
+
+
+def _released(own: list[Germ], stiffness: float) -> list[Germ]:
+    """What the force loses by a break: x P_c, or where stiffnesses differ what follows from k = stiffness times x_s."""
+    stretch = [germ.times_x() for germ in own]
+    if not stiffness:
+        return stretch
+    softer = [germ.times(stiffness).integral() for germ in stretch] + [germ.times(-1.0).integral() for germ in own]
+    return [germ.times_x().times(stiffness) for germ in stretch] + softer
+
+
+def _with_all_later(germs: list[Germ], again: list[Germ]) -> list[Germ]:
+    """These folded with births of every generation."""
+    found = gathered(germs + [one.folded(more) for one in germs for more in again])[1]
+    return [germ for part in found for germ in part.germs]
+
+
+def _of_first_breaks(contacts: Contacts, law: Law, own: list[Germ]) -> list[Germ] | None:
+    """Of the density of first breaks; None where they are not known."""
     start = contacts.start
     low, high = start.span[0] / law.unit, start.span[1] / law.unit
     if high - low < _SAME:
         held, at = abs(low), low
-        later = [(place - at, order) for place, order in own if place > held or held == place == 0.0]
-        return later if held <= law.support[0] else [(held - at, 1.0), *later]
-    lowest = min(place for place, _ in own if place > 0.0)
-    if start.breakpoints.size or max(-low, high) >= lowest:
+        later = [germ for germ in own if germ.place > held or (germ.place == held and germ.above > 0.0)]
+        if held > law.support[0]:
+            begun = _beside(law, held, 1.0, np.array([germ.place for germ in own]))
+            if begun is None:
+                return None
+            later.append(begun)
+        survival = float(law.sf(np.array([held]))[0])
+        return [Germ(germ.place - at, germ.above, germ.below, germ.terms / survival) for germ in later]
+    if start.breakpoints.size or max(-low, high) > law.support[0]:
         return None
-    if max(-low, high) <= law.support[0]:
-        return []  # a smooth start smooths all
-    onset = [order for place, order in own if place == 0.0]
-    # from x_0 = 0 on contacts survive as the law begins there
-    smoothed = [1.0, *(1.0 + order for order in onset)]
-    return [(place, order + more) for place, order in own if place > 0.0 for more in smoothed] + [
-        (0.0, order) for order in smoothed
-    ]
+    return []  # a smooth start smooths all
 
 
-def _folded(
-    first: list[tuple[float, float]], own: list[tuple[float, float]], end: float
-) -> tuple[Array, list[Array]] | None:
-    """All sums of one of the first and of one or more of the law's own: places and orders; None where they are too
-    many."""
-    found: dict[float, list[float]] = {}
-    pending = first
-    while pending:
-        following = []
-        for place, order in pending:
-            for step, more in own:
-                at, total = place + step, order + more
-                if at > 1.1 * end or total > _HIGHEST:
-                    continue
-                at = next((known for known in found if abs(known - at) < _SAME * at), at)
-                orders = found.setdefault(at, [])
-                # a power brings those a whole number higher with it
-                if any(_is_whole(total - lower) and total > lower - _WHOLE for lower in orders):
-                    continue
-                orders.append(total)
-                following.append((at, total))
-        if len(found) > _MOST_PLACES:
+def _beside(law: Law, point: float, side: float, points: Array, highest: float = HIGHEST) -> Germ | None:
+    """P_c on one side of a point as a power of the distance times a smooth function; without terms where there is
+    nothing, None where it is no power."""
+    others = points[points != point]
+    radius = float(np.abs(others - point).min(initial=point if point else law.narrowest))
+    places = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES))
+    for halvings in range(_SHARPER):
+        width = _REACH * radius * 0.5**halvings
+        x = point + side * width * places
+        apart = np.abs(x - point)
+        values = law.pdf(x)
+        if not values.any():
+            return Germ(point, 0.0, 1.0, np.empty(0))
+        if not (values > 0.0).all():
             return None
-        pending = following
-    places = sorted(place for place in found if place > 0.0)
-    return np.array(places), [_all_orders(found[place]) for place in places]
-
-
-def _all_orders(lowest: list[float]) -> Array:
-    """These orders and those that come with them, the lowest of all."""
-    orders = np.sort(np.add.outer(lowest, np.arange(_HIGHEST)).ravel())
-    orders = orders[np.diff(orders, prepend=-1.0) > _WHOLE]
-    count = np.clip(np.searchsorted(orders, _HIGH + _WHOLE), _FEW_ORDERS, _MOST_ORDERS)
-    return np.array([_rounded(order) for order in orders[orders < _HIGHEST + _WHOLE][:count]])
-
-
-def _order(density: Function, point: float, side: float, width: float) -> float | None:
-    """Order of a density that is a power of the distance, times a smooth function, on one side of a point; 0 where
-    there is nothing, None where it is no power."""
-    apart = _REACH * min(point, width) * 0.5 ** np.arange(_HALVINGS)
-    values = density(np.asarray(point + side * apart))
-    if not values.any():
-        return 0.0
-    if not (values > 0.0).all():
-        return None
-    # slopes of the logarithm, extrapolated to no distance
-    row = -np.diff(np.log2(values))
-    last = np.inf
-    for power in range(1, _HALVINGS - 1):
-        last, row = float(row[-1]), np.diff(row) / (2.0**power - 1.0) + row[1:]
-    return _rounded(float(row[-1]) + 1.0) if abs(float(row[-1]) - last) < _WHOLE else None
+        rows = chebyshev.chebvander(2.0 * apart / width - 1.0, _DEGREE_BESIDE)
+        logarithm = np.log(values)
+        whole = np.column_stack([np.log(apart), rows])
+        found = np.linalg.lstsq(whole, logarithm, rcond=None)[0]
+        if np.abs(whole @ found - logarithm).max() < _POWER:
+            order = _rounded(float(found[0]) + 1.0)
+            smooth = np.linalg.lstsq(rows, values * apart ** (1.0 - order), rcond=None)[0]
+            return single(point, side, order, (_TAYLOR @ smooth) / width ** np.arange(smooth.size), highest)
+    return None
 
 
 def _among(some: Array, places: Array, close: float) -> bool:
     return bool((np.abs(some[:, None] - places) <= close * some[:, None]).any(axis=1).all())
 
 
-def _is_whole(number: float) -> bool:
-    return abs(number - round(number)) < _WHOLE
-
-
 def _rounded(order: float) -> float:
-    return float(round(order)) if _is_whole(order) else order
+    """To a few digits, where they are all that rounding left."""
+    near = round(order, 6)
+    return near if abs(order - near) < _SAME else order

@@ -26,19 +26,29 @@ class Problem:
     powers: Powers | None = None  # places where J_1 is known to be a power of the distance
     table: Piecewise | None = None  # P_c, where it diverges
 
-    def __init__(self, contacts: Contacts, end: float, tolerance: float, cycle: Cycle | None = None) -> None:
+    def __init__(
+        self,
+        contacts: Contacts,
+        end: float,
+        tolerance: float,
+        cycle: Cycle | None = None,
+        law: Law | None = None,
+        powers: Powers | None = None,
+    ) -> None:
         self.contacts = contacts
         self.cycle = cycle = Cycle(contacts) if cycle is None else cycle
         self.unit = cycle.unit
         self.end = end
         furthest = _BEYOND * end
-        self.law = Law(contacts, furthest + max(contacts.start.span[1], 0.0) / self.unit, cycle.law, self.unit)
+        self.law = law_of(contacts, end, cycle) if law is None else law
         self.first = self._first(furthest, 1e-4 * tolerance)
         self.table = self._table(furthest, 1e-4 * tolerance)
         # corners of the law or of the first breaks above X = 0 make errors uneven
         self.rough = self.law.rough or self.first.has_corners
-        if self.rough and cycle.law is contacts.thresholds:
-            self.powers = find_powers(contacts, self.law, end)
+        if powers is not None:
+            self.powers = powers
+        elif self.rough and cycle.law is contacts.thresholds:
+            self.powers = find_powers(contacts, self.law, end, 1e-2 * tolerance, cycle.release.stiffness)
         self.release = cycle.release
         self.chain = AtomicChain(self.law, self.first.atoms, self.first.atom_weights, end, self.release)
         self._standing = (self.first.mean_start, 1.0)
@@ -90,3 +100,8 @@ class Problem:
         from master.origin_breaks import OriginBreaks
 
         return OriginBreaks(contacts, relaxed, breaking, end, accuracy)
+
+
+def law_of(contacts: Contacts, end: float, cycle: Cycle) -> Law:
+    """The law of travels between breaks, as far as a path up to X = end (in units of the cycle's length) needs it."""
+    return Law(contacts, _BEYOND * end + max(contacts.start.span[1], 0.0) / cycle.unit, cycle.law, cycle.unit)

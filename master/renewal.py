@@ -46,7 +46,8 @@ class Renewal:
     """
 
     def __init__(self, problem: Problem, step: float, end: float, tiny: float) -> None:
-        law, chain, self._powers = problem.law, problem.chain, problem.powers
+        law, chain = problem.law, problem.chain
+        self._powers = None if problem.powers is None else problem.powers.on(step)
         if self._powers is not None:
             end = self._powers.reach(end, step)
         size = int(np.ceil(end / step * (1.0 - 1e-12))) + _MARGIN + 1
@@ -92,7 +93,7 @@ class Renewal:
             flux += self._beside(problem, smooth_released, kernel, stiffness, breaks)
         self.released = integrate(flux)
         self._flux = flux
-        self._fits: tuple[Fits, Fits] = {}, {}  # of J_1 and of the count, beside powers
+        self._fits: Fits = {}  # beside powers
         self._kinks: Kinks | None = None
         if self._powers is None and (law.jumps.size or law.atoms.size):
             self._kinks = Kinks(problem, step, end, tiny)
@@ -149,9 +150,6 @@ class Renewal:
 
     def count_at(self, x: Array) -> Array:
         """Later breaks up to positions x, those of the chain at its atoms left out."""
-        return self._beside_powers(self._counted_at, x, self._fits[1])
-
-    def _counted_at(self, x: Array) -> Array:
         count = self.read(self.counted, x)
         return count if self._kinks is None else count + self._kinks.count(x)
 
@@ -162,15 +160,14 @@ class Renewal:
 
     def released_at(self, x: Array) -> Array:
         """J_1 at positions x, the kinks of its slope put right."""
-        return self._beside_powers(self._released_at, x, self._fits[0])
+        released = self._released_at(x)
+        if self._powers is None:
+            return released
+        return self._powers.put_right(x, released, self._released_at, self.step, self.size, self._fits)
 
     def _released_at(self, x: Array) -> Array:
         released = self.read(self.released, x)
         return released if self._kinks is None else released + self._kinks.released(x)
-
-    def _beside_powers(self, read: Callable[[Array], Array], x: Array, fits: Fits) -> Array:
-        values = read(x)
-        return values if self._powers is None else self._powers.put_right(x, values, read, self.step, self.size, fits)
 
     def rate_at(self, x: Array) -> Array:
         """dJ_1/dX at positions x, atoms of the chain left out, the kinks put right likewise."""
@@ -216,6 +213,9 @@ class LaterReleased:
         while True:
             near = _NEAR * lattice.step if _weight_below(problem, STENCIL * lattice.step, tiny) > tiny else 0.0
             self._pieces.append((near, lattice))
+            self.left_out = 0.0
+            if problem.powers is not None and problem.powers.knows(near):
+                break
             left = x[(x > 0.0) & (x <= near)]
             self.left_out = bound(problem, float(left[-1]), tiny) if left.size else 0.0
             wide = lattice.step > RESOLVED * problem.law.narrowest
@@ -239,7 +239,13 @@ class LaterReleased:
 
     def __call__(self, x: Array) -> Array:
         """J_1 at positions x, releases by the atomic chain included."""
-        return self._problem.chain.released(x) + self._collect(Renewal.released_at, x)
+        released = self._problem.chain.released(x) + self._collect(Renewal.released_at, x)
+        powers = self._problem.powers
+        near = self._pieces[-1][0]
+        if powers is not None and powers.begun is not None and powers.knows(near):
+            begins = (x > 0.0) & (x <= near)
+            released[begins] = powers.begun(x[begins])
+        return released
 
     def rate(self, x: Array) -> Array:
         """dJ_1/dX at positions x, atoms of the chain left out."""

@@ -36,7 +36,7 @@ class StartSum:
         Width of the widest panel with any weight to speak of.
     """
 
-    def __init__(self, contacts: Contacts, law: Law) -> None:
+    def __init__(self, contacts: Contacts, law: Law, accuracy: float = 1e-13) -> None:
         self._law, self._start = law, contacts.start
         unit, reach = law.unit, law.support[1]
         if contacts.cut_weight > 0.0 and not np.isfinite(reach):
@@ -57,7 +57,7 @@ class StartSum:
         if self._conditional or contacts.thermal is not None:
             seeds = np.append(seeds, 0.0)
         seeds = np.unique(seeds[(seeds >= self.low) & (seeds <= self.high)])
-        table, *_ = tables = tabulate(self._both, seeds, 1e-13)
+        table, *_ = tables = tabulate(self._both, seeds, accuracy)
         self.mean = contacts.start.mean() / unit if contacts.cut_weight == 0.0 else _mean(table) / table.total
         self.edges = table.edges
         nodes, weights = gauss(self.edges[:-1], self.edges[1:])
@@ -96,6 +96,10 @@ class StartSum:
     def weight(self, x: Array) -> Array:
         """q(x) = Q_ini(x)/S(|x|)."""
         return self._plain(x) * self._held(x)
+
+    def weight_at(self, x: Array) -> Array:
+        """The same, from a table; 0 outside the start."""
+        return self._series(x) / self._mass
 
     def _both(self, x: Array) -> Array:
         plain = self._plain(x)
