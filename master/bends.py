@@ -59,12 +59,12 @@ def sliver(course: list[Piece], time: float) -> float:
     return WIDTH * piece.duration + _ROUNDING * course[-1].end
 
 
-def beside(bends: Array, jumps: list[float], course: list[Piece]) -> Array:
-    """The bends, and both sides of each of the jumps."""
+def beside(bends: Array, slivers: Array) -> Array:
+    """The bends, and both sides of each of the slivers, shape (n, 2)."""
     out = bends
-    for at in jumps:
-        near = sliver(course, at)
-        out = np.append(out[np.abs(out - at) > 3.0 * near], [at - near, at + near])
+    for begin, end in slivers.tolist():
+        near = end - begin
+        out = np.append(out[(out < begin - near) | (out > end + near)], [begin, end])
     return np.sort(out)
 
 

@@ -9,8 +9,6 @@ from master.panels import Panel, radau
 
 Array = npt.NDArray[np.float64]
 
-_SLACK = 1e-13
-
 
 class Breaks:
     """B(t) and J(t), the births, on the panels done so far, polynomials through their values there; 0 before.
@@ -18,8 +16,8 @@ class Breaks:
     Without a delay both are counted from each panel's beginning: in a long hold they would grow beyond all precision.
     """
 
-    def __init__(self, end: float, delay: float) -> None:
-        self._delay, self._slack = delay, _SLACK * end
+    def __init__(self, delay: float) -> None:
+        self._delay = delay
         self._panels: list[Panel] = []
         # at the beginning and the nodes of each panel
         self._breaks: list[Array] = []
@@ -39,12 +37,11 @@ class Breaks:
         shapes (p,), (p, p)."""
         if not self._delay:
             return np.zeros(panel.count), np.eye(panel.count)
-        # what is born at once a delay later is not born before
-        at = panel.nodes - self._delay - self._slack
+        at = panel.nodes - self._delay
         inside = at > panel.begin
         known, more = np.zeros(panel.count), np.zeros((panel.count, panel.count))
         before = np.flatnonzero((at > 0.0) & ~inside)
-        which = np.searchsorted(self._ends, at[before], side="left")
+        which = np.minimum(np.searchsorted(self._ends, at[before], side="left"), self._ends.size - 1)
         for k in np.unique(which).tolist():
             own, mine = self._panels[k], before[which == k]
             known[mine] = radau(own.count).values((at[mine] - own.begin) / own.duration) @ self._breaks[k]

@@ -38,7 +38,7 @@ class Course:
         self, lives: Generations, panels: list[Panel], delay: float, accuracy: float, most: float = np.inf
     ) -> None:
         self.panels: list[Panel] = []
-        self.lives, self.breaks = lives, Breaks(panels[-1].end, delay)
+        self.lives, self.breaks = lives, Breaks(delay)
         self.lacks = 0.0
         self.force: list[Array] = []
         self.holding: list[Array] = []

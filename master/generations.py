@@ -26,6 +26,7 @@ Numbers = npt.NDArray[np.intp]
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(MOST_NODES + 1)
 _GAUSS, _WEIGHTS = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHTS
 _CLOSE = 1e-12
+_TOUCH = 1e-9
 _MOST_GRADES = 8
 _FINER = 4.0
 _DEAD = 1e-19
@@ -54,7 +55,7 @@ class Generations:
         self._pots = Strands(wear.keeper())
         self._pot: Pot | None = None
         self._at = 0.0
-        self.work = 0.0
+        self.work, self._each = 0.0, wear.work * wear.slow
         self.length, self.time, self.rate = wear.length, wear.time, wear.rate
         left = wear.left(first, start[0], np.abs(start[0]))
         self.start = float(left.held @ start[1]), float((left.stiff * start[0]) @ start[1])
@@ -80,7 +81,7 @@ class Generations:
             self._pot = None
         time = panel.nodes
         at = panel.place(time)
-        self.work += _EACH + (time.size + 1.0) * self._strands.count * self.wear.work
+        self.work += _EACH + (time.size + 1.0) * self._strands.count * self._each
         extra, bent = self._bent(time, at, breaks)
         held, pull = self._strands.sums(self._at, at, time - panel.begin, bent)
         more = self._pots.sums(self._at, at, time - panel.begin, None)
@@ -160,10 +161,9 @@ class Generations:
         for i, k in np.argwhere(self._suspects(time, at, most, least)).tolist():
             panel = self._panels[k]
             splits = self._splits(panel, float(time[i]), float(at[i]), float(most[i, k]), float(least[i, k]))
-            if splits.size:
-                birth, weight = between(panel, splits)
-                bent[i, k] = True
-                parts.append((i, birth, weight, panel.place(birth)))
+            birth, weight = between(panel, splits)
+            bent[i, k] = True
+            parts.append((i, birth, weight, panel.place(birth)))
         if not parts:
             return out, bent
         which = np.repeat([part[0] for part in parts], [part[1].size for part in parts])
@@ -174,15 +174,17 @@ class Generations:
         return out, bent
 
     def _replay(self, birth: Array, place: Array, time: Array, at: Array) -> tuple[Array, Array]:
-        self.work += birth.size * self.again[0].size * self.wear.work
+        self.work += birth.size * self.again[0].size * self._each
         return replay(self.wear, self._course, self.again, birth, place, time, at)
 
     def _suspects(self, time: Array, at: Array, most: Array, least: Array) -> npt.NDArray[np.bool_]:
         """Which panels may be split, at times and X with these extremes of X since, shape (p, panels)."""
         low, high = (f(self._table[:, 0], self._table[:, 1]) for f in (np.minimum, np.maximum))
+        # a node right at an end may be on the wrong side
+        close = _TOUCH * (high - low)
         out = np.zeros(most.shape, dtype=bool)
         for x in self._candidates(at[:, None], most, least):
-            out |= (x > low) & (x < high)
+            out |= (x > low - close) & (x < high + close)
         for k in range(max(low.size - 2, 0), low.size):
             panel = self._panels[k]
             if panel.count > 1 and panel.duration > self._shortest:

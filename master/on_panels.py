@@ -9,10 +9,11 @@ import numpy.typing as npt
 from master.bends import bends, beside
 from master.collocation import Course, TooMuch
 from master.forward import ROUND_OFF
+from master.jumps import jumps
 from master.make_lives import make_generations
 from master.outcome import Progress, unheard
 from master.panels import Panel, Scales, panels, radau
-from master.timeline import Piece, jumps, pieces, times, where
+from master.timeline import Piece, pieces, times, where
 from origins import Contacts, Drive
 
 Array = npt.NDArray[np.float64]
@@ -26,7 +27,8 @@ _FIRST = 0.5  # of k_BT/<k x>
 _RATE = 1.0
 _ORDERS = 2
 _WATCH = 4
-_MOST_WORK = 3e9  # takes half a minute
+_MOST_WORK = 2.5e9  # takes some fifteen seconds
+_FIRST_WORK = 0.3  # of the most
 _MOST_PANELS = 5_000
 _GLANCE = 0.03  # of the most, where even these would not do
 _WIDER = 8.0
@@ -57,9 +59,9 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         force, holding = (np.full(asked.size, x) for x in lives.start[::-1])
         return Found(force, holding, lives.error + ROUND_OFF, 0, None, "")
     scales = Scales(_LENGTH * lives.length, _first(contacts, lives.length), lives.time, lives.rate / _RATE)
-    edges, lost = _edges(contacts, course, delay)
+    edges, slivers = _edges(contacts, course, delay)
     needed, fine = _needed(course, scales), _COARSEST
-    hopeless = lost or needed > _MOST_PANELS
+    hopeless = slivers is None or needed > _MOST_PANELS
     if needed > _MOST_PANELS:
         scales = scales.wider(needed / (_GLANCE * _MOST_PANELS))
     watch = np.concatenate([_watched(a, b) for a, b in pairwise(edges.tolist())])
@@ -69,19 +71,22 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     rounding = _EPSILON * speed * float(asked[-1]) / unit
     best: Found | None = None
     before: Array | None = None
+    worked = 0.0
     changes: list[float] = []
     for level in range(_MOST_LEVELS):
-        cut = panels(course, edges[1:-1], scales, fine)
+        cut = panels(course, edges[1:-1], slivers, scales, fine)
         if level:
             lives = make_generations(contacts, course, level)
         accuracy = np.inf if hopeless else max(_ACCURACY * _FALLS**level, lives.error, 10.0 * rounding)
+        share = _GLANCE if hopeless else 1.0 if level else _FIRST_WORK
         try:
-            found = Course(lives, cut, delay, accuracy, _GLANCE * _MOST_WORK if hopeless else _MOST_WORK)
+            found = Course(lives, cut, delay, accuracy, share * _MOST_WORK - worked)
         except TooMuch:
             if best is not None:
                 break
-            scales, hopeless = scales.wider(_WIDER), True
+            scales, hopeless, worked = scales.wider(_WIDER), True, 0.0
             continue
+        worked += found.work
         count = sum(panel.count for panel in found.panels)
         answer = np.stack([read(found, everywhere, place, row) for row in (found.force, found.holding)])
         if before is not None:
@@ -93,8 +98,8 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         progress(error)
         if best is None or error < best.error:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
-        more = found.work * _FINER**2
-        if best.error <= tolerance or error < _HARDLY * lives.error or hopeless or more > _MOST_WORK:
+        more = worked + found.work * _FINER**2
+        if best.error <= tolerance or error < _HARDLY * lives.error or hopeless or (level and more > _MOST_WORK):
             break
         fine *= _FINER
     assert best is not None
@@ -125,15 +130,18 @@ def _first(contacts: Contacts, length: float) -> float:
     return min(_LENGTH * length, _FIRST * contacts.thermal.temperature / contacts.mean_threshold)
 
 
-def _edges(contacts: Contacts, course: list[Piece], delay: float) -> tuple[Array, bool]:
-    """Times between which breaks go on smoothly, both ends among them; whether there are more than can be followed."""
-    law = contacts.thresholds
+def _edges(contacts: Contacts, course: list[Piece], delay: float) -> tuple[Array, Array | None]:
+    """Times between which breaks go on smoothly, both ends among them; slivers in which many contacts break at once,
+    shape (n, 2), None where they are more than can be followed."""
+    law, end = contacts.thresholds, course[-1].end
     lone = [contacts.start.mean()] if contacts.start.is_single else []
     again = 0.0 if contacts.reforming is None else contacts.reforming.law.mean()
     limits = np.append(law.breakpoints, law.atoms[0])
     sharp = jumps(course, lone, again, law.atoms[0], delay)
-    inner = beside(bends(course, lone, again, limits[limits > 0.0], delay, _ORDERS), sharp or [], course)
-    return np.concatenate([[0.0], inner[(inner > 0.0) & (inner < course[-1].end)], [course[-1].end]]), sharp is None
+    slivers = np.array([[one.time - one.width, one.time + one.width] for one in sharp or []]).reshape(-1, 2)
+    inner = beside(bends(course, lone, again, limits[limits > 0.0], delay, _ORDERS), slivers)
+    edges = np.concatenate([[0.0], inner[(inner > 0.0) & (inner < end)], [end]])
+    return edges, None if sharp is None else slivers
 
 
 def _needed(course: list[Piece], scales: Scales) -> float:

@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from master.bends import WIDTH
 from master.timeline import Piece
 
 Array = npt.NDArray[np.float64]
@@ -133,17 +132,19 @@ class Scales:
         return Scales(self.length * times, self.first * times, self.time, self.rate / times)
 
 
-def panels(course: list[Piece], bends: Array, scales: Scales, fine: float) -> list[Panel]:
-    """Panels of `course` between all bends, `fine` times as many as the fewest."""
+def panels(course: list[Piece], bends: Array, slivers: Array | None, scales: Scales, fine: float) -> list[Panel]:
+    """Panels of `course` between all bends, `fine` times as many as the fewest; one for each of the slivers."""
     out: list[Panel] = []
     end = course[-1].end
+    slivers = np.empty((0, 2)) if slivers is None else slivers
     for piece in course:
         inner = bends[(bends > piece.begin) & (bends < piece.end)]
         edges = np.concatenate([[piece.begin], inner, [piece.end]])
         speed = abs(piece.travel) / piece.duration
         for number, (begin, last) in enumerate(pairwise(edges.tolist())):
             size = last - begin
-            if size <= 3.0 * WIDTH * piece.duration + 1e-14 * end:
+            sudden = ((slivers[:, 0] <= begin) & (last <= slivers[:, 1])).any()
+            if sudden or size <= 1e-14 * end:
                 cuts, counts = np.array([begin, last]), [1]
             elif speed == 0.0:
                 cuts = _held(begin, last, piece.begin, scales.time, fine)

@@ -27,7 +27,7 @@ _FROM, _WAY, _TIME, _CUT, _FIRST = range(5)  # columns before those of nodes, at
 class SpentWear:
     """Soft or stiff contacts, equally stiff or not; `plain`: few of them, for which numpy does as well."""
 
-    forgets = False
+    forgets, slow = False, 6.0
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float, plain: bool = False) -> None:
         thermal = contacts.thermal

@@ -56,7 +56,7 @@ class SoftWear:
     """Soft contacts, equally stiff; `worn` is ln W."""
 
     width = 1
-    forgets = False
+    forgets, slow = False, 1.0
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
         thermal = contacts.thermal

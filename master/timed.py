@@ -9,13 +9,14 @@ import numpy.typing as npt
 
 from master.collocation import Course
 from master.forward import ROUND_OFF, estimate
+from master.jumps import jumps
 from master.lives import Lives
 from master.make_lives import make_lives, prepare
 from master.marching import March, lagrange, march
 from master.moment import MomentDistribution, distribution_at
 from master.on_panels import follow
 from master.outcome import Progress, outcome, unheard
-from master.timeline import Part, beside, jumps, marks, parts, pieces, times
+from master.timeline import Part, beside, marks, parts, pieces, times
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
 
@@ -135,7 +136,7 @@ def _refine(
     sharp = jumps(course, lone, again, atoms, delay)
     steps = parts(
         course,
-        beside(marks(course, lone, again, limits, delay), sharp or [], course[-1].end),
+        beside(marks(course, lone, again, limits, delay), [one.time for one in sharp or []], course[-1].end),
         _COARSE * lives.length,
         lives.time,
         lives.rate / _COARSE,

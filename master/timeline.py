@@ -22,7 +22,6 @@ _SAME = 1e-9  # of a speed
 _ROUNDING = 1e-15  # of times
 _CLOSE = 1e-10
 _MOST_MARKS = 400
-_MOST_JUMPS = 200
 WIDTH = 1e-10  # of the whole time, to either side of a jump
 
 
@@ -151,37 +150,6 @@ def marks(course: list[Piece], lone: list[float], again: float, limits: Array, d
     whole = whole[(whole > 0.0) & (whole < end)][:_MOST_MARKS]
     apart = np.diff(whole, prepend=-np.inf) > _CLOSE * end
     return whole[apart]
-
-
-def jumps(course: list[Piece], lone: list[float], again: float, atoms: Array, delay: float) -> list[float] | None:
-    """Times at which a finite share breaks at an exact threshold, or is born a delay after that: of contacts that stand
-    at the stretches `lone` at t = 0, and of all that form again at `again` from those on; None where they are more than
-    can be followed."""
-    if not atoms.size or not lone:
-        return []
-    pending = [(0.0, -x) for x in lone]
-    known: set[tuple[float, float]] = set()
-    found: set[float] = set()
-    size, end = float(atoms.max()), course[-1].end
-    while pending:
-        since, place = pending.pop()
-        key = (round(since / end, 12), round(place / size, 9))
-        if key in known:
-            continue
-        known.add(key)
-        if len(known) > _MOST_JUMPS:
-            return None
-        furthest = abs(again) if since > 0.0 else abs(place)
-        for begin, _, first, last, speed in ways(course, since, place):
-            for atom in atoms[(atoms > furthest * (1.0 + _CLOSE)) & (atoms <= abs(last) * (1.0 + _CLOSE))]:
-                reached = float(np.copysign(atom, last))
-                at = begin + (reached - first) / speed
-                born = at + delay
-                found.update((at, born))
-                if born < end:
-                    pending.append((born, where(course, born) - again))
-            furthest = max(furthest, abs(first), abs(last))
-    return sorted(at for at in found if at <= end)
 
 
 def ways(course: list[Piece], since: float, place: float) -> Iterator[tuple[float, float, float, float, float]]:

@@ -16,9 +16,12 @@ import numpy.typing as npt
 from master.cut_law import SLACK
 from master.piecewise import tabulate
 from origins import Contacts
+from origins.frozen import FrozenThresholds
 from origins.quadrature import panel_edges
 
 Array = npt.NDArray[np.float64]
+
+_FROZEN = 20.0  # functions of scipy.stats
 
 
 @dataclass
@@ -58,7 +61,8 @@ class Wear(Protocol):
     """Stretches and largest |x| are lengths of shape (m,); `worn` has shape (m, width).
 
     `length`, `time`, `rate`, `error` and `work` are those of master.lives.Lives.
-    `forgets`: whether thresholds tell where |x| grows, however large it was before.
+    `forgets`: whether thresholds tell where |x| grows, however large it was before; `slow`: how many times longer than
+    usual it takes to look at a number.
     """
 
     length: float
@@ -68,6 +72,7 @@ class Wear(Protocol):
     work: int
     width: int
     forgets: bool
+    slow: float
 
     def fresh(self, stretch: Array) -> Array:
         """Numbers of strands born at these stretches."""
@@ -95,10 +100,12 @@ class ColdWear:
     """Nothing breaks below its threshold."""
 
     time, rate, error, work, width = np.inf, 0.0, 1e-15, 10, 0
-    forgets = False
+    forgets, slow = False, 1.0
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         self._law, self.length = contacts.thresholds, length
+        if isinstance(self._law, FrozenThresholds):
+            self.slow = _FROZEN
         self._stiffness = contacts.relative_stiffness
         self._beyond = _stiffness_beyond(contacts) if contacts.stiffness == "linked" else None
 

@@ -1,0 +1,86 @@
+"""Paths in time against what is known exactly: single contacts followed one by one, sums over thresholds, cohorts."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import master
+from master.on_panels import follow
+from origins import Contacts, Delay, Drive, Thermal, gaussian, gw_elastic, identical, mixture, rectangular
+
+PATH = np.array([0.0, 0.5, 1.3, 2.1, 2.1, 2.1, 2.6, 3.3, 2.5, 1.0])
+TIME = np.array([0.0, 0.5, 1.3, 2.1, 3.0, 50.0, 50.5, 51.2, 52.0, 53.5])
+
+
+def lumps(values: list[float], weights: list[float], start: float, delay: float) -> tuple[np.ndarray, np.ndarray]:
+    """Force and holding along PATH of contacts with so many exact thresholds, each followed from birth to break."""
+    force, holding = np.zeros(PATH.size), np.zeros(PATH.size)
+    pending = [(0.0, -start, 1.0)]  # since when, X less the stretch, share
+    while pending:
+        since, place, share = pending.pop()
+        for value, weight in zip(values, weights, strict=True):
+            broken = np.inf
+            for k in range(PATH.size - 1):
+                begin = max(since, TIME[k])
+                if begin >= TIME[k + 1] or PATH[k + 1] == PATH[k]:
+                    continue
+                speed = (PATH[k + 1] - PATH[k]) / (TIME[k + 1] - TIME[k])
+                last = PATH[k + 1] - place
+                if abs(last) >= value:
+                    broken = TIME[k + 1] - (abs(last) - value) / abs(speed)
+                    break
+            held = (since <= TIME) & (broken > TIME)
+            force += share * weight * held * (PATH - place)
+            holding += share * weight * held
+            born = broken + delay
+            if born < TIME[-1]:
+                pending.append((born, float(np.interp(born, TIME, PATH)), share * weight))
+    return force, holding
+
+
+@pytest.mark.parametrize(("values", "weights"), [([1.0], [1.0]), ([0.71, 1.13], [0.4, 0.6])])
+def test_exact_thresholds_with_delay_and_hold_contact_by_contact(values: list[float], weights: list[float]) -> None:
+    law = mixture([identical(value) for value in values], weights) if len(values) > 1 else identical(values[0])
+    solved = master.solve(Contacts(law, 0.04, delay=Delay(0.31)), PATH, 1e-8, time=TIME)
+    force, holding = lumps(values, weights, 0.04, 0.31)
+    assert solved.success, solved.message
+    np.testing.assert_allclose(solved.force, force, atol=1e-8)
+    np.testing.assert_allclose(solved.holding, holding, atol=1e-8)
+
+
+@pytest.mark.parametrize("thermal", [Thermal("stiff", 0.1, 3.0), Thermal("stiff", 0.03, 30.0)])
+def test_stiff_contacts_held_at_their_largest_stretch(thermal: Thermal) -> None:
+    """Broken ones stay out, so that what holds is a sum over thresholds; right above the stretch hardly any break."""
+    law = gaussian(1.0, 0.2)
+    path, time = np.array([0.9, 0.9, 0.7, 0.7, 1.0, 1.2]), np.array([0.9, 20.0, 20.5, 21.0, 21.6, 22.0])
+    solved = master.solve(Contacts(law, thermal=thermal, delay=Delay(1e3)), path, 1e-8, time=time)
+    assert solved.success, solved.message
+    x, t = np.append(0.0, path), np.append(0.0, time)
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
+    for n in range(1, x.size):
+        least = x[: n + 1].max()
+
+        # in the root of what thresholds lie beyond, on panels graded to where hardly any break
+        cuts = np.append(0.0, np.logspace(-5.0, np.log10(1.5), 60))[:, None]
+        roots = (cuts[:-1] + np.diff(cuts, axis=0) * nodes).ravel()
+        limit, spent = least + roots * roots, np.zeros(roots.size)
+        for a, b, lasts in zip(x[:n], x[1 : n + 1], np.diff(t)[:n], strict=True):
+            cost = thermal.rate(a, limit) if a == b else thermal.cumulative(b, limit, a) / abs(b - a)
+            spent += lasts * cost
+        kept = 2.0 * roots * law.pdf(limit) * np.exp(-spent)
+        holding = float((np.diff(cuts, axis=0) * weights).ravel() @ kept)
+        assert abs(solved.holding[n - 1] - holding) < 1e-8
+        assert abs(solved.force[n - 1] - x[n] * holding) < 1e-8
+
+
+@pytest.mark.parametrize("law", [rectangular(0.94, 2.14), gw_elastic(1.0)], ids=["narrow windows", "broken power"])
+def test_panels_and_cohorts_agree_without_laws(law: object) -> None:
+    """Contacts that last hold stand between nodes; where P_c begins as x^(1/3), few nodes tell little beside births."""
+    contacts, turns = Contacts(law, 0.07), [0.0, -1.06, 2.55, -1.67]
+    path = np.concatenate([np.linspace(a, b, 9)[1:] for a, b in pairwise(turns)])
+    found = follow(contacts, Drive(path, 1.0, None, None, "reset"), 1e-7)
+    known = master.solve(contacts, path, 1e-9)
+    assert known.success and found.error < 1e-7
+    assert np.abs(found.force - known.force).max() < (found.error + known.force_error) * contacts.mean_threshold
