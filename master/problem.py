@@ -89,4 +89,4 @@ class Problem:
             relaxed = Law(contacts, end, self.cycle.relaxed, self.unit)
         from master.origin_breaks import OriginBreaks
 
-        return OriginBreaks(contacts, relaxed, breaking, end, accuracy)
+        return OriginBreaks(contacts, relaxed, breaking, end, 100.0 * accuracy)  # sums of sums, each with rounding
