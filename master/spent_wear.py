@@ -40,7 +40,7 @@ class SpentWear:
             self._compiled = compiled
         self._cut, self._thermal, self._stiffness = cut, thermal, contacts.relative_stiffness
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
-        self.error, self.work = error_of(cut), cut.nodes.size + 100
+        self.error, self.work = error_of(cut), 5 * (cut.nodes.size + 100)
         # in a hold a stiff contact right at its threshold hardly breaks: a share too narrow for a panel's nodes stays
         self._layer = _LAYER * float(np.abs(np.diff(cut.law.sf(cut.edges))).max(initial=0.0))
         self._least = _TINY * contacts.mean_threshold
