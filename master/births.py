@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-_ACCURACY, _BY_A_RATE = 1e-14, 1e-13
+_ACCURACY, _BY_A_RATE = 1e-14, 1e-11
 _FELT = 1e-13
 
 

@@ -20,6 +20,7 @@ from master.panels import Panel
 Array = npt.NDArray[np.float64]
 
 _DEPTH = 14
+_SEEN, _SURELY = 0.02, 8.0  # part of the most work after which what is ahead is judged; how far beyond it is to be
 
 
 class TooMuch(Exception):
@@ -30,8 +31,8 @@ class Course:
     """The force and what holds at the panels' beginnings and nodes, lists of arrays (p + 1,).
 
     Panels on which B is not known to `accuracy` are cut up. Raises TooMuch where `work`, what was looked at, gets
-    beyond `most`. `lacks` is the most that B lacks on a panel; `lives` and `breaks` are the contacts and their number
-    of breaks at the end.
+    beyond `most`, or is going to: later panels ask no fewer contacts. `lacks` is the most that B lacks on a panel;
+    `lives` and `breaks` are the contacts and their number of breaks at the end.
     """
 
     def __init__(
@@ -42,8 +43,15 @@ class Course:
         self.lacks = 0.0
         self.force: list[Array] = []
         self.holding: list[Array] = []
-        last = lives.start
-        for whole in panels:
+        last, before = lives.start, 0.0
+        for done, whole in enumerate(panels):
+            if lives.work > _SEEN * most:
+                # as each panel asks all contacts born before; where many break for good, as the last one does
+                ahead = len(panels) / max(done, 1)
+                alike = lives.work + (lives.work - before) * (len(panels) - done)
+                if alike > most or lives.work * ahead**2 > _SURELY * most:
+                    raise TooMuch
+            before = lives.work
             left = [(whole, 0)]
             while left:
                 panel, depth = left.pop()

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -12,9 +13,10 @@ from master.forward import ROUND_OFF
 from master.jumps import jumps
 from master.make_lives import make_generations
 from master.outcome import Progress, unheard
-from master.panels import Panel, Scales, panels, radau
+from master.panels import MOST_NODES, Panel, Scales, panels, radau
 from master.timeline import Piece, pieces, times, where
 from origins import Contacts, Drive
+from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
@@ -31,7 +33,6 @@ _MOST_WORK = 2.5e9  # takes some fifteen seconds
 _FIRST_WORK = 0.3  # of the most
 _MOST_PANELS = 5_000
 _GLANCE = 0.03  # of the most, where even these would not do
-_WIDER = 8.0
 _MOST_LEVELS = 12
 _HARDLY = 2.0  # times what is known of single contacts: steps have nothing to add
 _EPSILON = float(np.finfo(float).eps)
@@ -61,9 +62,9 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     scales = Scales(_LENGTH * lives.length, _first(contacts, lives.length), lives.time, lives.rate / _RATE)
     edges, slivers = _edges(contacts, course, delay)
     needed, fine = _needed(course, scales), _COARSEST
-    hopeless = slivers is None or needed > _MOST_PANELS
+    lost = slivers is None
     if needed > _MOST_PANELS:
-        scales = scales.wider(needed / (_GLANCE * _MOST_PANELS))
+        too_long(contacts, course, MOST_NODES * needed, f"{MOST_NODES * _MOST_PANELS:,} are the most", scales.rate)
     watch = np.concatenate([_watched(a, b) for a, b in pairwise(edges.tolist())])
     place = np.append(drive.path, [where(course, time) for time in watch])
     everywhere = np.append(asked, watch)
@@ -77,15 +78,14 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         cut = panels(course, edges[1:-1], slivers, scales, fine)
         if level:
             lives = make_generations(contacts, course, level)
-        accuracy = np.inf if hopeless else max(_ACCURACY * _FALLS**level, lives.error, 10.0 * rounding)
-        share = _GLANCE if hopeless else 1.0 if level else _FIRST_WORK
+        accuracy = np.inf if lost else max(_ACCURACY * _FALLS**level, lives.error, 10.0 * rounding)
+        share = _GLANCE if lost else 1.0 if level else _FIRST_WORK
         try:
             found = Course(lives, cut, delay, accuracy, share * _MOST_WORK - worked)
         except TooMuch:
             if best is not None:
                 break
-            scales, hopeless, worked = scales.wider(_WIDER), True, 0.0
-            continue
+            too_long(contacts, course, MOST_NODES * needed, "to follow all contacts takes minutes", scales.rate)
         worked += found.work
         count = sum(panel.count for panel in found.panels)
         answer = np.stack([read(found, everywhere, place, row) for row in (found.force, found.holding)])
@@ -93,17 +93,17 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
             changes.append(float((np.abs(answer - before).max(axis=1) / [unit, 1.0]).max()))
         before = answer
         error = np.inf
-        if not hopeless:
+        if not lost:
             error = max(left(changes), _OVER * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
         progress(error)
         if best is None or error < best.error:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = worked + found.work * _FINER**2
-        if best.error <= tolerance or error < _HARDLY * lives.error or hopeless or (level and more > _MOST_WORK):
+        if best.error <= tolerance or error < _HARDLY * lives.error or lost or (level and more > _MOST_WORK):
             break
         fine *= _FINER
     assert best is not None
-    return replace(best, message=_words(best, tolerance, needed, lives.error))
+    return replace(best, message=_words(best, tolerance, lives.error))
 
 
 def left(changes: list[float]) -> float:
@@ -114,9 +114,28 @@ def left(changes: list[float]) -> float:
     return max(_SURE * changes[-1], _SUDDEN * changes[-2] if len(changes) > 1 else 0.0)
 
 
-def _words(found: Found, tolerance: float, needed: float, known: float) -> str:
+def too_long(contacts: Contacts, course: list[Piece], steps: float, most: str, rate: float) -> NoReturn:
+    """InputError for a path along which contacts do too much: `steps` in time that resolve it, `rate` at which fresh
+    ones break by themselves (per time)."""
+    travel = sum(abs(piece.travel) for piece in course) / contacts.mean_threshold
+    moving = sum(piece.duration for piece in course if piece.travel != 0.0)
+    if contacts.thermal is not None and rate * moving > travel:
+        refuse(
+            "contacts.thermal.attempt_frequency",
+            contacts.thermal.attempt_frequency,
+            f"fresh contacts break within a time of {1.0 / rate:.1g}, and the path moves for {moving:.3g}: some "
+            f"{steps:.0e} steps in time resolve that, and {most}; slide faster, end the path sooner, or make it lower",
+        )
+    refuse(
+        "path",
+        f"{travel:.3g} mean thresholds in all",
+        f"some {steps:.0e} steps in time resolve what contacts do on it, and {most}; end it sooner",
+    )
+
+
+def _words(found: Found, tolerance: float, known: float) -> str:
     if not np.isfinite(found.error):
-        return f"what contacts do within the path takes {8 * needed:.0e} steps in time to resolve, and that is too many"
+        return "breaks at exact thresholds come at more times than can be followed; give the values a width"
     reached = f"error estimate {found.error:.1e} with {found.nodes} steps in time, above the tolerance {tolerance:.1e}"
     if found.error < _HARDLY * known:
         return f"{reached}: how much of each threshold is left is known to {known:.1e} only; loosen the tolerance"

@@ -127,10 +127,6 @@ class Scales:
     time: float
     rate: float
 
-    def wider(self, times: float) -> "Scales":
-        """For so many times fewer panels in motion."""
-        return Scales(self.length * times, self.first * times, self.time, self.rate / times)
-
 
 def panels(course: list[Piece], bends: Array, slivers: Array | None, scales: Scales, fine: float) -> list[Panel]:
     """Panels of `course` between all bends, `fine` times as many as the fewest; one for each of the slivers."""

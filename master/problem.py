@@ -99,7 +99,7 @@ class Problem:
             relaxed = Law(contacts, end, self.cycle.relaxed, self.unit)
         from master.origin_breaks import OriginBreaks
 
-        return OriginBreaks(contacts, relaxed, breaking, end, accuracy)
+        return OriginBreaks(contacts, relaxed, breaking, end, 100.0 * accuracy)  # sums of sums, each with rounding
 
 
 def law_of(contacts: Contacts, end: float, cycle: Cycle) -> Law:

@@ -14,7 +14,7 @@ from master.lives import Lives
 from master.make_lives import make_lives, prepare
 from master.marching import March, lagrange, march
 from master.moment import MomentDistribution, distribution_at
-from master.on_panels import follow
+from master.on_panels import follow, too_long
 from master.outcome import Progress, outcome, unheard
 from master.timeline import Part, beside, marks, parts, pieces, times
 from origins import Contacts, Drive, InputError
@@ -27,7 +27,6 @@ _PER_FOLD = 2.0
 _MOST_STEPS = 6_000
 _MOST_WORK = 8e8
 _TRIED, _FALLS = 3, 0.8  # halvings, and what each leaves at most, or what is not resolved will not be
-_GLANCE = 0.1  # of the most steps, where even these would not do
 _STENCIL = 6
 _WATCH = 5
 _LOW, _FELT = 0.1, 1e-6
@@ -144,7 +143,7 @@ def _refine(
     )
     needed, most = sum(part.steps for part in steps), most_steps(lives)
     if needed > most:
-        steps = [part.coarser(_GLANCE * most / needed) for part in steps]
+        too_long(contacts, course, needed, f"{most:,} are the most", lives.rate)
     watch = np.concatenate([part.clock(np.arange(1, _WATCH) / _WATCH) for part in steps])
     everywhere = np.concatenate([asked, watch])
     scale = np.concatenate([np.full(everywhere.size, unit), np.ones(everywhere.size)])
@@ -168,9 +167,6 @@ def _refine(
         progress(error)
         if error < best[0] or not level:
             best = error, answer, count
-        if needed > most:
-            why = f"what contacts do within the path takes {needed:.0e} steps to resolve, and {most} is the most"
-            return answer[: asked.size] * unit, answer[everywhere.size :][: asked.size], np.inf, count, why
         lost = level >= _TRIED and unknown > max(tolerance, _FALLS * before)
         if best[0] <= tolerance or error < 2.0 * lives.error or lost:
             break

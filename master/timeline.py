@@ -93,9 +93,6 @@ class Part:
             return (time - self.begin) / (self.end - self.begin)
         return np.log1p((time - self.begin) / self.first) / np.log1p((self.end - self.begin) / self.first)
 
-    def coarser(self, share: float) -> Part:
-        return replace(self, steps=max(1, int(share * self.steps)))
-
     def finer(self, level: int) -> Part:
         return self if self.whole else replace(self, steps=self.steps * 2**level)
 

@@ -1,5 +1,6 @@
 """Paths in time: turns, holds and velocity steps of contacts with laws of their own."""
 
+import time
 from itertools import pairwise
 from typing import Literal
 
@@ -18,7 +19,18 @@ from master.spent_wear import SpentWear
 from master.thermal_wear import resolved
 from master.timed import at, solve_timed
 from master.timeline import marks, parts, pieces, times
-from origins import Contacts, Delay, Drive, Thermal, gaussian, gaussian_start, identical, mixture
+from origins import (
+    Ageing,
+    Contacts,
+    Delay,
+    Drive,
+    InputError,
+    Thermal,
+    gaussian,
+    gaussian_start,
+    identical,
+    mixture,
+)
 
 Array = np.ndarray
 WIDE = gaussian(1.0, 0.2)
@@ -140,7 +152,7 @@ def test_compiled_costs_are_those_of_numpy() -> None:
         np.testing.assert_allclose(both[1], both[0], rtol=1e-9, atol=1e-15)
 
 
-EXTREMES = [("soft", 1e-6, 1.0), ("stiff", 1e3, 1.0), ("stiff", 0.1, 1e-12), ("soft", 0.1, 1e12)]
+EXTREMES = [("soft", 1e-6, 1.0), ("stiff", 1e3, 1.0), ("stiff", 0.1, 1e-12)]
 
 
 @pytest.mark.parametrize(("law", "temperature", "frequency"), EXTREMES)
@@ -152,6 +164,20 @@ def test_extremes_end_in_numbers_and_plain_words(
     assert np.isfinite(solved.force).all() and np.abs(solved.force).max() < 1.0
     assert solved.success == (solved.force_error <= 1e-2)
     assert solved.success or "steps" in solved.message
+
+
+def test_paths_on_which_contacts_do_too_much_are_refused_soon() -> None:
+    round_and_round = [3.0, -3.0, 3.0]
+    hot = [Contacts(WIDE, thermal=Thermal("soft", 0.1, frequency)) for frequency in (1e12, 1e4)]
+    for contacts, most in zip(hot, (0.5, 20.0), strict=True):
+        began = time.process_time()
+        with pytest.raises(InputError, match=r"attempt_frequency = 10+\.0: .* steps in time .* slide faster"):
+            master.solve(contacts, round_and_round)
+        assert time.process_time() - began < most
+    with pytest.raises(InputError, match=r"path = '3e\+05 mean thresholds in all': .* end it sooner"):
+        master.solve(Contacts(WIDE, thermal=SOFT), [1e5, -1e5])
+    with pytest.raises(InputError, match=r"path = '3e\+03 .* steps in time .* are the most; end it sooner"):
+        master.solve(Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.1), 1e-2)), [1e3, -1e3])
 
 
 def test_odd_paths() -> None:
