@@ -55,6 +55,7 @@ class Pull:
 
     again : makes the lives that a reset leaves
     plan : lengths in steps of the smooth stretches found on coarser steps, in order; empty on the coarsest
+    most : steps that it may take; TooLong says how far they came
     """
 
     def __init__(
@@ -69,16 +70,17 @@ class Pull:
         length: float,
         level: int,
         plan: list[float],
+        most: int,
     ) -> None:
         self._again, self._spring, self._rule, self._delay = again, spring, rule, delay
-        self._unit, self._length, self._level, self._plan = unit, length, level, plan
+        self._unit, self._length, self._level, self._plan, self._most = unit, length, level, plan, most
         self.tracks: list[Track] = []
         self.stretches: list[float] = []
         self.slips: list[Slip] = []
         self.steps, self.unresolved = 0, 0.0
         self._place, self._now = 0.0, 0.0
-        self._rise = spring * length / LESS
-        self._steep = (1.0 + spring * (1.0 + 1.0 / LESS)) * length
+        self._rise = (1.0 + spring) * length / LESS
+        self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * length
         self._settle(lives)
         for piece in course:
             self._mark_later(piece.begin)
@@ -127,8 +129,8 @@ class Pull:
 
     def _take(self, trial: Trial, travel: float, now: float) -> None:
         self.steps += 1
-        if self.steps > _MOST_STEPS:
-            raise TooLong
+        if self.steps > self._most:
+            raise TooLong(f"{self._most} steps led to t = {self._now:.4g} only, and more are not taken on")
         self._last = travel, now - self._now
         self._even.append(trial.births - self._births[-1])
         self._lives, self._force, self._holding = trial.lives, trial.force, trial.holding
@@ -167,7 +169,9 @@ class Pull:
         """The drive goes on to the end of a piece."""
         resets = 0
         sign = np.sign(piece.travel) or np.sign(self._force) or 1.0
-        clock = Clock(piece, self._length, self._lives.time, self._lives.rate / COARSEST)
+        # while contacts hold, the slider follows a soft spring's drive from far
+        drawn = self._length * (1.0 + self._spring) / self._spring
+        clock = Clock(piece, drawn, self._lives.time, self._lives.rate / COARSEST)
         speed = piece.travel / piece.duration
 
         def drive(now: float) -> float:

@@ -23,6 +23,8 @@ def secant(
     """Asks for the root by secants from guesses of it and of the slope there, which is returned; asked last is the
     root, or `least` where a function that rises has none above."""
     a, fa = guess, function(guess)
+    if abs(fa / slope) <= close and a >= least:
+        return slope
     for _ in range(_ITERATIONS):
         b = max(a - fa / slope, least)
         fb = function(b)

@@ -22,6 +22,7 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
+_FULL, _TELLING = 0.7, 2  # of the most steps; halvings until there is an error
 _STENCIL = 6
 _BISECTIONS = 60
 _SAME = 1e-12
@@ -107,14 +108,18 @@ def _refine(
     before: list[Array] = []
     level = 0
     message = ""
+    lives, finer = make_lives(contacts), make_lives(contacts, 1)
+    # an error takes steps of three sizes
+    most = int(_FULL * most_steps(make_lives(contacts, _TELLING)) * 0.5**_TELLING)
     while True:
-        lives = make_lives(contacts, level)
         length = COARSEST * lives.length
         again = partial(make_lives, fresh, level)
         try:
-            pull = Pull(lives, again, course, spring, drive.slip, delay, unit, length, level, plan)
-        except TooLong:
-            message = "more steps than it takes on" if level else "no steps were found that follow the slider"
+            pull = Pull(lives, again, course, spring, drive.slip, delay, unit, length, level, plan, most)
+        except TooLong as why:
+            message = str(why) or "no steps were found that follow the slider"
+            if not np.isfinite(best[0]):
+                refuse("path[-1]", drive.path[-1], f"{message}; end the path sooner")
             break
         plan = pull.stretches
         rows = [[s.drive, s.before, s.after, s.force_before, s.force_after] for s in pull.slips]
@@ -144,9 +149,11 @@ def _refine(
             rest = answer[2 * asked.size :].reshape(-1, slips.shape[1]) if slips.size else np.empty((7, 0))
             better = np.stack([rest[0] / spring, rest[5], rest[6], rest[3], rest[4]]) * unit
             best = error, better, f, h, pull.steps
-        if best[0] <= tolerance or error < 2.0 * lives.error or 2 * pull.steps > 0.7 * most_steps(lives):
+        if best[0] <= tolerance or error < 2.0 * lives.error or 2 * pull.steps > _FULL * most_steps(finer):
             break
+        lives, finer = finer, make_lives(contacts, level + 2)
         level += 1
+        most = 2 * most if level < _TELLING else most_steps(lives)
     error, slips, force, holding, steps = best
     reached = f"error estimate {error:.1e} with {steps} steps, above the tolerance {tolerance:.1e}"
     message = message or f"{reached}; shorten the path or loosen the tolerance"

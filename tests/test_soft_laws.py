@@ -42,6 +42,22 @@ def test_where_nothing_slips_the_force_is_that_of_the_sliders_own_motion() -> No
     assert np.abs(rigid.force - soft.force).max() < 3e-4
 
 
+@pytest.mark.parametrize("spring", [1e-6, 0.3])
+def test_a_spring_however_soft_slips_as_without_ageing_where_nothing_has_time_to_age(spring: float) -> None:
+    path = np.linspace(0.0, 1.2 * (1.0 / spring + 1.0), 25)
+    plain = master.solve(Contacts(WIDE), path, 1e-9, spring=spring)
+    aged = master.solve(Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.3), 1e-14)), path, 1e-3, spring=spring)
+    assert aged.success and aged.nodes < 100
+    assert np.abs(aged.slips.drive - plain.slips.drive).max() <= aged.slips.drive_error
+    assert np.abs(aged.force - plain.force).max() <= aged.force_error
+
+
+def test_a_path_that_takes_too_many_steps_is_refused_before_long() -> None:
+    rule = r"^path\[-1\] = 500\.0: \d+ steps led to t = [\d.]+ only, and more are not taken on; end the path sooner$"
+    with pytest.raises(InputError, match=rule):
+        master.solve(Contacts(WIDE, thermal=SOFT), [0.0, 500.0], 1e-2, spring=3.0)
+
+
 def test_a_slower_drive_slips_at_a_smaller_force_and_in_the_end_not_at_all() -> None:
     contacts = Contacts(WIDE, thermal=SOFT)
     slow, slower = (
