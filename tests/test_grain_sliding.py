@@ -41,3 +41,10 @@ def test_transients_where_nearly_all_hold() -> None:
     far = master.solve(contacts, [300.0], 1e-7, velocity=0.05)
     assert far.success and far.force[0] == pytest.approx(steady.force, abs=1e-6)
     assert master.propensity(contacts, 1e-6, velocity=0.05).static_to_kinetic > 1.0
+
+
+@pytest.mark.parametrize("velocity", [1e-300, 1e-60, 1e60, 1e300])
+def test_speeds_beyond_floating_point_are_refused(velocity: float) -> None:
+    contacts = Contacts(origins.growing_grains(1.0, 1.0, age=4.0))
+    with pytest.raises(origins.InputError, match=r"^velocity = .*: is [\d.e+-]+ of that at which thresholds grow"):
+        master.kinetic_curve(contacts, velocity)
