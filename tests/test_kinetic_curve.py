@@ -123,9 +123,8 @@ def test_what_cannot_be_asked_is_said(told: str, arguments: dict) -> None:
 @pytest.mark.parametrize("law", ["soft", "stiff"])
 def test_speeds_at_which_nothing_moves_are_refused(law: Literal["soft", "stiff"]) -> None:
     contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal(law, 0.1))
-    for speed in (1e-300, 1e-170):
-        with pytest.raises(InputError, match=rf"^velocity = {speed}: contacts break before they have moved"):
-            master.kinetic_curve(contacts, [1.0, speed])
+    with pytest.raises(InputError, match=r"^velocity = 1e-170: contacts break before they have moved"):
+        master.kinetic_curve(contacts, [1.0, 1e-170])
 
 
 @pytest.mark.parametrize(
