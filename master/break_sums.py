@@ -61,8 +61,10 @@ def summed(contacts: Contacts, speeds: Array, edges: Array | None = None) -> Arr
     if edges.size:
         whole, off = _over_thresholds(contacts, breaks, _by_barriers(contacts, edges, float(speeds.min())), whole)
     (length, square), (length_off, square_off) = whole, off
-    force = 0.5 * square / length
-    force_off = force * (square_off / square + length_off / length + _INVERSE)
+    # slow beyond all numbers contacts break at stretches whose squares are 0: then nothing is known
+    with np.errstate(divide="ignore", invalid="ignore"):
+        force = 0.5 * square / length
+        force_off = force * (square_off / square + length_off / length + _INVERSE)
     return np.stack([force, force_off, length, length_off + _INVERSE * length])
 
 

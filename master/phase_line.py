@@ -24,10 +24,8 @@ class PhaseLine:
 
     Attributes
     ----------
-    velocity : array
-        v, length per time.
-    temperature, rate, delay : array or None
-        T = k_BT/<k> (a length squared), D (a length squared per time) and τ_m (a time); None where there is none.
+    velocity, temperature, rate, delay : array, or None where there is none
+        At which, as in master.KineticCurve.
     critical_spring, critical_spring_error : array
         K*/(N_c <k>) and its error: below it stick-slip, at and above it smooth sliding. 0 where the force never falls:
         no spring lets go; inf where it drops at one X: every spring does.
@@ -59,18 +57,14 @@ def phase_line(
     ----------
     contacts : Contacts
         With any laws that `propensity` takes; the start matters.
-    velocity : float or array
-        v > 0 of the slider (length per time).
-    temperature, rate, delay : float or array, optional
-        In place of the contacts' own: T >= 0 of their thermal law, D >= 0 of their ageing, τ_m >= 0, whether they have
-        a delay or not; 0: none. None: their own. Arrays broadcast: velocity[:, None] and temperature give a table.
+    velocity, temperature, rate, delay : float or array
+        As in master.kinetic_curve.
     tolerance : float
         Change of K* between lattices, relative to 1 + K*, below which no finer one is asked; the errors say how far.
 
     v is the speed of the slider itself: that of a soft slider's drive is higher while the force rises, by 1 + F'/K.
 
-    Raises InputError as `propensity` does, for values that are not finite or too small, for shapes that do not fit, and
-    for a temperature or a rate of contacts without that law.
+    Raises InputError as `propensity` does, and for points as `kinetic_curve` does.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.phase_line", LAWS)

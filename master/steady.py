@@ -17,7 +17,7 @@ from master.release import Release
 from master.starting import StartSum
 from origins import Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
-from origins.errors import positive
+from origins.errors import positive, refuse
 from origins.quadrature import gauss, panel_edges
 
 if TYPE_CHECKING:
@@ -107,6 +107,9 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
     """The same, of contacts whose cycle is known."""
     length, area, again_length, again_area = _cycle_integrals(contacts, cycle)
     wait = cycle.release.delay * cycle.unit
+    if not (area > 0.0 and length > 0.0 and again_length > 0.0):
+        rule = "contacts break before they have moved a length that is a number; slide faster"
+        refuse("velocity", cycle.velocity, rule)
     force = area / (length + wait)
     if not np.isfinite(again_area / again_length):
         raise InputError("thresholds: the distribution's own survival is not a number; use milder parameters")

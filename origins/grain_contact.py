@@ -14,6 +14,7 @@ from origins.lifshitz_slyozov import hazard_beyond, invert_beyond
 from origins.quadrature import gauss
 from origins.thresholds import Array, Thresholds
 
+_FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m)
 _STEPS = 100
 _LEAST = 1e-300
 _SEEN = 400
@@ -166,6 +167,9 @@ class SlidingGrains(Thresholds):
         self._reach = velocity * first  # the length slid in tau_m
         self._rest = rest / first
         self._root_b = float(np.sqrt(growth.B))
+        if not 1.0 / _FASTEST < self._root_b * self._reach < _FASTEST:
+            share = f"{self._root_b * self._reach:.3g} of that at which thresholds grow"
+            refuse("velocity", velocity, f"is {share}; take between {1.0 / _FASTEST:g} and {_FASTEST:g} of it")
         self._beta = (self._root_b * self._reach) ** 2
         self.lost_hazard = GrainContact(growth).lost_hazard(velocity) if rest == 0.0 else 0.0
         self.held_fraction = float(np.exp(-self.lost_hazard))

@@ -103,3 +103,10 @@ def test_stretches_of_those_that_hold() -> None:
         assert (density * x).sum() * step == pytest.approx(solved.force[k], abs=2e-3)
     steady = master.steady_state(contacts, velocity=velocity)
     assert steady.distribution(x).sum() * step == pytest.approx(steady.holding, abs=2e-3)
+
+
+@pytest.mark.parametrize("velocity", [1e-300, 1e-60, 1e60, 1e300])
+def test_speeds_beyond_floating_point_are_refused(velocity: float) -> None:
+    contacts = Contacts(origins.growing_grains(1.0, 1.0, age=4.0))
+    with pytest.raises(origins.InputError, match=r"^velocity = .*: is [\d.e+-]+ of that at which thresholds grow"):
+        master.kinetic_curve(contacts, velocity)

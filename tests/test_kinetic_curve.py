@@ -1,6 +1,8 @@
 """F_k along speeds, temperatures, rates of ageing and delays in one call, against single steady states and closed
 forms."""
 
+from typing import Literal
+
 import numpy as np
 import pytest
 from scipy.stats import weibull_min
@@ -116,6 +118,13 @@ def test_what_holds_at_each_delay() -> None:
 def test_what_cannot_be_asked_is_said(told: str, arguments: dict) -> None:
     with pytest.raises(InputError, match=told):
         master.kinetic_curve(Contacts(NARROW), **arguments)
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_speeds_at_which_nothing_moves_are_refused(law: Literal["soft", "stiff"]) -> None:
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal(law, 0.1))
+    with pytest.raises(InputError, match=r"^velocity = 1e-170: contacts break before they have moved"):
+        master.kinetic_curve(contacts, [1.0, 1e-170])
 
 
 @pytest.mark.parametrize(
