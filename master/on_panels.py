@@ -93,7 +93,9 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float) -> Found:
         before = answer
         error = np.inf
         if not hopeless:
-            error = max(left(changes), _OVER * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
+            # answers on the same panels do not change, though they are not exact
+            over = 1.0 if best is not None and best.course is not None and best.course.panels == found.panels else _OVER
+            error = max(left(changes), over * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
         if best is None or error < best.error:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = worked + found.work * _FINER**2
@@ -108,7 +110,6 @@ def left(changes: list[float]) -> float:
     """What the last answer is off by, from the changes of answers that get better and better."""
     if not changes:
         return np.inf
-    # answers on the same panels do not change, though they are not exact
     return max(_SURE * changes[-1], _SUDDEN * changes[-2] if len(changes) > 1 else 0.0)
 
 
