@@ -14,8 +14,9 @@ from master.compiling import compiled
 Array = npt.NDArray[np.float64]
 
 _MOST = 500.0  # e^(-A) is nothing
-_LITTLE = 1e-18
-_FEW = 16
+_LITTLE = 1e-13
+_FEW = 8
+_GONE = 45.0  # of the contacts less than is said
 _PER = 1024
 _TOP = 30.0
 _AT = np.arange(int(_TOP * _PER) + 2) / _PER
@@ -100,6 +101,8 @@ def left(
     for i in range(n):
         few = 0
         for j in range(first[i], k):
+            if kept[i, j] > _GONE:
+                continue
             cost = _spent(i, j, stiff, legs, kept, nodes, springs, table)
             few = few + 1 if cost < _LITTLE else 0
             if few > _FEW:  # further barriers are higher still

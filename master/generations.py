@@ -183,7 +183,7 @@ class Generations:
         # a node right at an end may be on the wrong side
         close = _TOUCH * (high - low)
         out = np.zeros(most.shape, dtype=bool)
-        for x in self._candidates(at[:, None], most, least):
+        for x in self._candidates(time[:, None], at[:, None], most, least):
             out |= (x > low - close) & (x < high + close)
         for k in range(max(low.size - 2, 0), low.size):
             panel = self._panels[k]
@@ -191,14 +191,17 @@ class Generations:
                 out[:, k] |= time - panel.end < panel.duration
         return out & self._alive
 
-    def _candidates(self, at: Array, most: Array, least: Array) -> list[Array]:
-        """X of births at which their largest |x| bends, or passes a limit."""
+    def _candidates(self, time: Array, at: Array, most: Array, least: Array) -> list[Array]:
+        """X of births at which their largest |x| bends, or passes a limit; where that is forgotten, their |x| now or
+        at an end of any motion before."""
         out = []
         for r in self.again[0].tolist():
             if self.wear.forgets:
-                out += [at, at + 2.0 * r]
-                for reach in self._limits[self._limits > abs(r)].tolist():
-                    out += [at - reach + r, at + reach + r]
+                before = [np.where(one.end < time, one.after, np.nan) for one in self._course]
+                for x in [at, *before]:
+                    out += [x, x + 2.0 * r] if r else [x]
+                    for reach in self._limits[self._limits > abs(r)].tolist():
+                        out += [x - reach + r, x + reach + r]
                 continue
             out.append(0.5 * (most + least) + r)
             for reach in (abs(r), *self._limits[self._limits > abs(r)].tolist()):
@@ -210,7 +213,7 @@ class Generations:
         """Times in a panel between which what is left changes smoothly with the moment of birth."""
         out: list[float] = []
         if panel.travel != 0.0:
-            for x in self._candidates(np.array(at), np.array(most), np.array(least)):
+            for x in self._candidates(np.array(now), np.array(at), np.array(most), np.array(least)):
                 share = (float(x) - panel.before) / panel.travel
                 if not _CLOSE < share < 1.0 - _CLOSE:
                     continue

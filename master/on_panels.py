@@ -94,7 +94,9 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         before = answer
         error = np.inf
         if not lost:
-            error = max(left(changes), _OVER * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
+            # answers on the same panels do not change, though they are not exact
+            over = 1.0 if best is not None and best.course is not None and best.course.panels == found.panels else _OVER
+            error = max(left(changes), over * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
         progress(error)
         if best is None or error < best.error:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
@@ -110,7 +112,6 @@ def left(changes: list[float]) -> float:
     """What the last answer is off by, from the changes of answers that get better and better."""
     if not changes:
         return np.inf
-    # answers on the same panels do not change, though they are not exact
     return max(_SURE * changes[-1], _SUDDEN * changes[-2] if len(changes) > 1 else 0.0)
 
 
