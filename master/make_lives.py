@@ -9,7 +9,7 @@ from scipy.linalg import eigh_tridiagonal
 from master.law import Law
 from master.lives import Lives
 from master.starting import StartSum
-from origins import Contacts
+from origins import Contacts, InputError
 
 if TYPE_CHECKING:
     from master.generations import Generations
@@ -35,6 +35,11 @@ def make_lives(contacts: Contacts, level: int = 0) -> Lives:
     if contacts.grains is not None:
         from master.grain_lives import GrainLives
 
+        if contacts.thermal is not None:
+            raise InputError(
+                "contacts.thermal: with thresholds that grow it is taken on a rigid slider that moves forward at one "
+                "speed; leave out either, or give velocity in place of time and turns"
+            )
         return GrainLives(contacts, _nodes(contacts, Law(contacts, np.inf)))
     return CohortLives(*_ingredients(contacts, level))
 

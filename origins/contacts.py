@@ -151,13 +151,24 @@ class Contacts:
             self._check_grains()
 
     def _check_grains(self) -> None:
-        if self.thermal is not None or self.ageing is not None:
-            name = "thermal" if self.ageing is None else "ageing"
-            raise InputError(f"{name}: not taken with thresholds that grow with their age; leave one of them out")
+        if self.thermal is not None and self.thermal.closure == "paper":
+            raise InputError(
+                'thermal: closure = "paper" averages the rate over one P_c for all contacts, and thresholds that grow '
+                'have another at each age; use closure = "exact"'
+            )
+        if self.ageing is not None:
+            raise InputError(
+                "ageing: thresholds that grow with their age do age, by a law of their own, from 0 where no fresh law "
+                "diffuses; leave one of them out"
+            )
         if self.reforming is not None:
-            raise InputError("reforming: contacts whose thresholds grow from 0 form again at x = 0; leave it out")
+            raise InputError(
+                "reforming: contacts form again as their grains pin, where all thresholds are 0: none exceeds |r|; "
+                "leave it out"
+            )
         if self.stiffness == "linked":
-            refuse("stiffness", "linked", "not defined with thresholds that grow: nothing says whether k_i follows")
+            rule = "not defined with thresholds that grow: <x_s> at birth is 0, and nothing says whether k_i follows"
+            refuse("stiffness", "linked", rule)
 
 
 def check_contacts(contacts: object, solver: str, takes: tuple[str, ...] = ()) -> None:

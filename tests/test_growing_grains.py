@@ -5,10 +5,11 @@ import pytest
 
 import master
 import origins
-from origins import Contacts, Delay, GrainContact, GrainGrowth, InputError, Thermal, growing_grains
+from origins import Ageing, Contacts, Delay, GrainContact, GrainGrowth, InputError, Thermal, gaussian, growing_grains
 
 ALPHA, B = 1.0, 1.0
 GRAINS = growing_grains(ALPHA, B, age=4.0)
+AGEING = Ageing(gaussian(1.0, 0.1), rate=1e-3)
 FIRST = GRAINS.growth.first_pinning_time
 
 
@@ -93,10 +94,12 @@ def test_refusals() -> None:
     cases = [
         (lambda: Contacts(GrainContact(GrainGrowth(ALPHA, B))), "age = None: is missing; give the contacts' age"),
         (lambda: growing_grains(ALPHA, B, 0.2), "age = 0.2: no grain pins before the age"),
-        (lambda: Contacts(GRAINS, thermal=Thermal("soft", 0.1)), "thermal: not taken with thresholds that grow"),
-        (lambda: Contacts(GRAINS, reforming=0.1), "reforming: contacts whose thresholds grow from 0"),
+        (lambda: Contacts(GRAINS, thermal=Thermal("soft", 0.1, 1.0, "paper")), 'thermal: closure = "paper" averages'),
+        (lambda: Contacts(GRAINS, ageing=AGEING), "ageing: thresholds that grow with their age do age"),
+        (lambda: Contacts(GRAINS, reforming=0.1), "reforming: contacts form again as their grains pin"),
         (lambda: Contacts(GRAINS, stiffness="linked"), "stiffness = 'linked': not defined with thresholds that grow"),
         (lambda: master.solve(Contacts(GRAINS), [1.0], spring=1.0), "contacts.thresholds: master.solve takes none"),
+        (lambda: master.solve(Contacts(GRAINS, thermal=Thermal("soft", 0.1)), [1.0, 0.0]), "contacts.thermal: with thres"),
         (lambda: origins.mixture([GRAINS], [1.0]), "thresholds = <origins.grain_contact.GrainContact"),
     ]
     for call, begins in cases:
