@@ -320,9 +320,4 @@ def _rate(contacts: Contacts, line: _Line, travel: Array, squared: Array) -> Arr
     """h, per time, where thresholds have these squares; as it goes on beyond a threshold that is met."""
     thermal = contacts.thermal
     assert thermal is not None
-    x = line.origin + travel
-    if thermal.law == "soft":
-        exponent = np.minimum((x * x - squared) / (2.0 * thermal.temperature), 50.0)
-        return np.asarray(thermal.attempt_frequency * np.exp(exponent))
-    root = np.sqrt(np.maximum(1.0 - np.abs(x) / np.sqrt(squared), 0.0))
-    return np.asarray(thermal.attempt_frequency * root * np.exp(squared / (-2.0 * thermal.temperature) * root**3))
+    return thermal.plain_rate(line.origin + travel, np.sqrt(squared))

@@ -102,8 +102,7 @@ def solve(
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
         return solve_paper(contacts, drive, tolerance)
-    takes = LAWS if drive.spring is None else tuple(law for law in LAWS if law != "grains")
-    check_contacts(contacts, "master.solve", takes)
+    check_contacts(contacts, "master.solve", LAWS)
     laws = (contacts.grains, contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
     plain = all(law is None for law in laws) and contacts.stiffness == "independent"
     if drive.spring is not None and not plain:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from growing_contacts import deviation, pulled_steadily, rate, thresholds
+from growing_contacts import along, deviation, rate, thresholds
 
 import master
 from master.grain_heat import warmed
@@ -22,7 +22,7 @@ CASES = [
 def test_from_any_start_against_contacts_one_by_one(contacts: Contacts, velocity: float) -> None:
     solved = master.solve(contacts, PATH, 1e-7, velocity=velocity)
     assert solved.success, solved.message
-    told = pulled_steadily(contacts, PATH, velocity, 6_000, 0.01 / velocity)
+    told = along(contacts, PATH, PATH / velocity, 6_000, 0.01 / velocity)
     assert deviation(contacts, solved, told) < 5.0
 
 
