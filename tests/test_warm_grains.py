@@ -12,7 +12,6 @@ GRAINS = growing_grains(1.0, 1.0, age=4.0)
 PATH = np.linspace(0.0, 4.0, 21)[1:]
 CASES = [
     (Contacts(GRAINS, thermal=Thermal("soft", 0.1), delay=Delay(0.2)), 1.0),
-    (Contacts(GRAINS, 0.05, thermal=Thermal("stiff", 0.2, 10.0)), 0.3),
     (Contacts(GRAINS, -0.3, thermal=Thermal("stiff", 0.05, 3.0)), 1.0),
     (Contacts(GRAINS, gaussian_start(0.3, 0.05), thermal=Thermal("soft", 0.03, 3.0)), 0.5),
 ]
@@ -22,7 +21,7 @@ CASES = [
 def test_from_any_start_against_contacts_one_by_one(contacts: Contacts, velocity: float) -> None:
     solved = master.solve(contacts, PATH, 1e-7, velocity=velocity)
     assert solved.success, solved.message
-    told = along(contacts, PATH, PATH / velocity, 6_000, 0.01 / velocity)
+    told = along(contacts, PATH, PATH / velocity, 4_000, 0.02 / velocity)
     assert deviation(contacts, solved, told) < 5.0
 
 
@@ -69,7 +68,7 @@ def test_steady_sliding_and_what_follows_from_it() -> None:
 
 def test_error_of_the_survival_is_what_it_is_said_to_be() -> None:
     generator, misses = np.random.default_rng(3), []
-    for _ in range(8):
+    for _ in range(4):
         heat, speed = float(10.0 ** generator.uniform(-1.7, 0.5)), float(10.0 ** generator.uniform(-0.7, 0.3))
         often = float(10.0 ** generator.uniform(-1.0, 2.0))
         contacts = Contacts(GRAINS, 0.0, thermal=Thermal("soft", heat, often))
