@@ -81,7 +81,8 @@ class Cycle:
             self.unit = self.law.mean()
         elif contacts.grains is not None and contacts.thermal is not None:
             from master.grain_breaking import BornGrains
-            from master.grain_heat import GrainHeat, warmed
+            from master.grain_heat import GrainHeat
+            from master.grain_passage import warmed
 
             heat, born = GrainHeat(contacts, velocity, accuracy), warmed(contacts, velocity, None, accuracy)
             self.law = grown = BornGrains(contacts.grains, velocity, born.law)

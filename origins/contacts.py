@@ -67,8 +67,8 @@ class Contacts:
     Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold: such contacts
     hold nothing; for linked stiffness with thermal closure "paper", which gives all contacts one rate, or with
     ageing or thresholds that grow, where the source does not say whether k_i follows; for thresholds that grow together
-    with temperature, ageing or re-forming at stretches at which they hold nothing yet; and for fresh thresholds where
-    the final law has no weight.
+    with the paper's closure of temperature, with ageing, which is another law of the same, or with re-forming at
+    stretches at which they hold nothing yet; and for fresh thresholds where the final law has no weight.
     """
 
     def __init__(

@@ -5,7 +5,7 @@ import pytest
 from growing_contacts import along, deviation, rate, thresholds
 
 import master
-from master.grain_heat import warmed
+from master.grain_passage import warmed
 from origins import Contacts, Delay, Thermal, gaussian_start, growing_grains
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
