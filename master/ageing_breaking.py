@@ -69,16 +69,14 @@ class AgeingBreaking:
     def __init__(self, contacts: Contacts, velocity: float, accuracy: float, start: Start | None = None) -> None:
         self.law: Thresholds = contacts.thresholds
         self._contacts, self._velocity, self.accuracy = contacts, velocity, accuracy
-        self._sides: list[_Side] = []
+        self._sides: list[Side] = []
         self.start = start
         self._known = [self]
         if start is None or start.is_single:
             passages = [self.passage(0.0 if start is None else start.mean())]
             self.error = passages[0].error
         else:
-            low, high = start.span
-            ends = [low, 0.0, high] if self._turns_matter(start) else [low, high]
-            self._sides = [side for begin, end in pairwise(ends) for side in _sides(self, start, begin, end, 0)]
+            self._sides = [s for ends in pairwise(self._ends(start)) for s in _sides(self, start, *ends, 0)]
             passages = [passage for side in self._sides for passage in side.passages]
             whole = sum(side.weight for side in self._sides)
             self.error = sum(side.error * side.weight for side in self._sides) / whole
@@ -92,10 +90,10 @@ class AgeingBreaking:
         """The same for contacts that stand at the stretches of `start`."""
         if start.span == (0.0, 0.0):
             return self._known[0]
-        for known in self._known[1:]:
+        for known in self._known:
             if known.start is start:
                 return known
-        found = AgeingBreaking(self._contacts, self._velocity, self.accuracy, start)
+        found = type(self)(self._contacts, self._velocity, self.accuracy, start)
         self._known.append(found)
         found._known = self._known
         return found
@@ -129,19 +127,25 @@ class AgeingBreaking:
         to that on the side on which they have turned, as breaks have a root there."""
         return -travel[:, None] * (_ROOTS if any(side.turns for side in self._sides) else np.empty(0))
 
-    def _turns_matter(self, start: Start) -> bool:
-        """Whether contacts break about x = 0, where those from below and above begin differently."""
+    def _ends(self, start: Start) -> list[float]:
+        """Of parts of the start: 0 where contacts break about it, as those from below and above begin differently."""
         assert self._contacts.ageing is not None
+        low, high = start.span
         lowest = -float(start.ppf(self.accuracy))
         if lowest <= 0.0 or float(start.sf(0.0)) <= self.accuracy:
-            return False
+            return [low, high]
         spread = np.sqrt(4.0 * self._contacts.ageing.rate / self._velocity * lowest)
-        return float(self.law.cdf(lowest + _REACH * spread)) > self.accuracy
+        matters = float(self.law.cdf(lowest + _REACH * spread)) > self.accuracy
+        return [low, 0.0, high] if matters else [low, high]
+
+    def side(self, start: Start, low: float, high: float) -> "Side":
+        """The start between two stretches."""
+        return Side(self, start, low, high)
 
 
-def _sides(breaking: AgeingBreaking, start: Start, low: float, high: float, depth: int) -> list["_Side"]:
+def _sides(breaking: AgeingBreaking, start: Start, low: float, high: float, depth: int) -> list["Side"]:
     """The start between two stretches, in as many parts as need few passages each."""
-    whole = _Side(breaking, start, low, high)
+    whole = breaking.side(start, low, high)
     if whole.error <= whole.aim or depth == _DEEPEST:
         return [whole]
     middle = 0.5 * (low + high)
@@ -149,7 +153,7 @@ def _sides(breaking: AgeingBreaking, start: Start, low: float, high: float, dept
     return [*parts[0], *parts[1]]
 
 
-class _Side:
+class Side:
     """The start between two stretches: its Gauss rule, as fine as needed, and what follows from each of its stretches.
 
     `weight` is its share of the start, `aim` the error of what holds that would do.
@@ -198,7 +202,7 @@ class _Side:
         furthest = max(float(passage.law.isf(1e-6)) for passage in self.passages)
         travel = np.linspace(0.0, furthest, _PROBES)[1:]
         origin = np.full(travel.size, self._diagonal[0])
-        sizes = np.abs(self._project @ np.array([E for _, E in self._each(travel, origin)])).max(axis=1)
+        sizes = np.abs(self._project @ np.array([E for _, E in self.each(travel, origin)])).max(axis=1)
         half = sizes.size // 2
         before, last = float(sizes[half - 1 : half + 1].max()), float(sizes[-2:].max())
         # between n/2 and n terms fall by `fall`; up to 2n again by its square, where they fall as powers of n by itself
@@ -207,7 +211,7 @@ class _Side:
         further = np.log(max(left, 1e-300) / self.aim) / max(-np.log(max(fall, 1e-30)), 0.1)
         return left, sizes.size * (1.0 + max(further, 0.0) / 3.0)
 
-    def _each(self, travel: Array, origin: Array) -> list[tuple[Array, Array]]:
+    def each(self, travel: Array, origin: Array) -> list[tuple[Array, Array]]:
         """p and E as each passage tells them, at travels from `origin`."""
         # behind 0 stretches are alike that are the same part of the way to it, and beyond where they are the same
         way = np.maximum(-origin, _NEAREST * self._over) if self.turns else np.zeros(origin.shape)
@@ -236,7 +240,7 @@ class _Side:
             terms.append(following / self._beside[k])
         shares = self._project.T @ np.array(terms)
         out = np.zeros((2, travel.size))
-        for share, (breaks, holds) in zip(shares, self._each(travel, origin), strict=True):
+        for share, (breaks, holds) in zip(shares, self.each(travel, origin), strict=True):
             out += share * np.stack([breaks, holds])
         return np.clip(out, 0.0, [[np.inf], [1.0]])
 

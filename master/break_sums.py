@@ -35,10 +35,10 @@ _FALL = (2 * NODES - (NODES - 1.5)) / (NODES - 1.5)  # the sum misses the coeffi
 
 
 def summable(contacts: Contacts) -> bool:
-    """Whether breaks are by a rate of each contact's own, and births relaxed."""
+    """Whether breaks are by a rate of each contact's own and thresholds for life, and births relaxed."""
     thermal = contacts.thermal
     exact = thermal is not None and thermal.closure == "exact"
-    return exact and contacts.reforming is None and contacts.ageing is None
+    return exact and contacts.reforming is None and contacts.ageing is None and contacts.grains is None
 
 
 def law_edges(law: Thresholds) -> Array:

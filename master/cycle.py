@@ -79,6 +79,14 @@ class Cycle:
             ageing = AgeingBreaking(contacts, velocity, accuracy)
             self.law, self.breaking, self.error = ageing.effective, ageing, ageing.error
             self.unit = self.law.mean()
+        elif contacts.grains is not None and contacts.thermal is not None:
+            from master.grain_breaking import BornGrains
+            from master.grain_heat import GrainHeat
+            from master.grain_passage import warmed
+
+            heat, born = GrainHeat(contacts, velocity, accuracy), warmed(contacts, velocity, None, accuracy)
+            self.law = grown = BornGrains(contacts.grains, velocity, born.law)
+            self.breaking, self.unit, self.error = heat, grown.unit, born.error
         elif contacts.thermal is not None:
             from master.breaking_law import BreakingLaw
 
@@ -87,8 +95,8 @@ class Cycle:
         elif contacts.grains is not None:
             from master.grain_breaking import BornGrains, GrainBreaking
 
-            born = BornGrains(contacts.grains, velocity)
-            self.law, self.breaking, self.unit = born, GrainBreaking(contacts, velocity), born.unit
+            self.law = grown = BornGrains(contacts.grains, velocity)
+            self.breaking, self.unit = GrainBreaking(contacts, velocity), grown.unit
         self.tabulated = self.breaking is not None and (contacts.thermal is not None or contacts.ageing is not None)
         self.relaxed, self.release = self.law, PLAIN
         again, linked = contacts.reforming, contacts.stiffness == "linked"

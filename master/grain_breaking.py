@@ -7,6 +7,8 @@ turns at 0, and where thresholds grow faster than it; then it rises once and for
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import numpy.typing as npt
 
@@ -59,6 +61,16 @@ class GrainBreaking:
         """What has not broken before an exact value: there is none."""
         return np.ones(x.shape)
 
+    @cached_property
+    def overtaken(self) -> float:
+        """Stretch beyond which thresholds grow faster than contacts are stretched, at first."""
+        low, high = 0.0, self.law.support()[1]
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            falls = float(self._grains.rise(middle, self._age, self._velocity)) < 0.0
+            low, high = (low, middle) if falls else (middle, high)
+        return 0.5 * (low + high)
+
     def rows(self, x: Array, origin: Array | float = 0.0) -> Array:
         """p and E, times S(|origin|), at stretches x > `origin`; shape (2, n) for x of shape (n,)."""
         origin = np.broadcast_to(origin, x.shape)
@@ -108,13 +120,15 @@ class GrainBreaking:
 
 class BornGrains(Mixture):
     """The stretches at which contacts break that pin while they slide at a speed (length per time), as a law; those
-    that never hold break at 0. `unit` (a length) is the mean of the others."""
+    that never hold break at 0. `unit` (a length) is the mean of the others, which break by `law`; None: as they meet
+    their thresholds."""
 
-    def __init__(self, grains: GrainContact, velocity: float) -> None:
-        law = grains.breaking(velocity)
-        lost = -float(np.expm1(-law.lost_hazard))
+    def __init__(self, grains: GrainContact, velocity: float, law: Thresholds | None = None) -> None:
+        cold = grains.breaking(velocity)
+        law = cold if law is None else law
+        lost = -float(np.expm1(-cold.lost_hazard))
         parts = [Identical(0.0), law] if lost else [law]
-        super().__init__(parts, np.array([lost, law.held_fraction])[-len(parts) :])
+        super().__init__(parts, np.array([lost, cold.held_fraction])[-len(parts) :])
         self.unit = law.mean()
         self._panels = panel_edges(law)
 

@@ -20,6 +20,7 @@ Array = npt.NDArray[np.float64]
 
 _GONE = 45.0
 _STEPS = 2.0  # narrowest widths, the length over which births change
+_LEAST = 0.05
 _SHORT = 0.05  # of tau_m, the first step of a hold
 
 
@@ -28,20 +29,22 @@ class GrainLives:
 
     start : pair of arrays (n,)
         Stretches of the contacts that hold at X = 0 (lengths), and weights of sum 1.
+    age : float
+        Theirs.
     """
 
     rate, error, fuzzy, work = 0.0, 1e-15, False, 20
 
-    def __init__(self, contacts: Contacts, start: tuple[Array, Array]) -> None:
+    def __init__(self, contacts: Contacts, start: tuple[Array, Array], age: float) -> None:
         grains = contacts.grains
-        assert grains is not None and grains.age is not None
+        assert grains is not None
         self._grains, self._first = grains, grains.growth.first_pinning_time
         # as fast as that, few hold and at small stretches
         quick = grains.breaking(1.0 / (np.sqrt(grains.growth.B) * self._first))
         self.length, self.time = _STEPS * min(narrowest(contacts.thresholds), narrowest(quick)), _SHORT * self._first
-        self._at, self._clock, self._velocity = 0.0, 0.0, 0.0
+        self._age, self._at, self._clock, self._velocity = age, 0.0, 0.0, 0.0
         self._start, self._share = start
-        self._begun = np.asarray(grains.hazard(np.abs(self._start), grains.age))
+        self._begun = np.asarray(grains.hazard(np.abs(self._start), age))
         self._most = self._begun
         # where, when and after how much hazard those born since still hold
         self._place, self._born, self._worst = np.empty(0), np.empty(0), np.empty(0)
@@ -63,10 +66,10 @@ class GrainLives:
 
     def advance(self, travel: float, duration: float, bend: float = 0.0) -> None:
         self._at, self._clock = self._at + travel, self._clock + duration
-        self._velocity = abs(travel) / duration if duration > 0.0 else np.inf
-        age = self._grains.age
-        assert age is not None
-        self._most = np.maximum(self._most, self._grains.hazard(np.abs(self._start + self._at), age + self._clock))
+        # at the end of the step, where the next are born
+        self._velocity = abs(travel) / (duration * max(1.0 + bend, _LEAST)) if duration > 0.0 else np.inf
+        now = self._grains.hazard(np.abs(self._start + self._at), self._age + self._clock)
+        self._most = np.maximum(self._most, now)
         alive = np.flatnonzero(self._worst < _GONE)
         stretch, since = np.abs(self._at - self._place[alive]), self._clock - self._born[alive]
         worst = self._worst.copy()

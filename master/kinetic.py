@@ -105,7 +105,7 @@ def _along(contacts: Contacts, points: Points) -> Array:
     """Force, its error (lengths), fraction that holds and its error, shape (4, n)."""
     speeds, heat, spread, wait = points.rows
     if contacts.grains is not None:
-        return np.array([_growing(contacts, *at) for at in zip(speeds, wait, strict=True)]).T
+        return np.array([_growing(contacts, *at) for at in zip(speeds, heat, wait, strict=True)]).T
     if contacts.thermal is None:  # only D/v tells, or nothing does
         columns = np.ones(speeds.size), heat, spread / speeds
     else:
@@ -123,9 +123,11 @@ def _along(contacts: Contacts, points: Points) -> Array:
     return np.stack([force * holding, force_error * holding + force * off, holding, off + _ROUND_OFF])
 
 
-def _growing(contacts: Contacts, speed: float, wait: float) -> tuple[float, float, float, float]:
-    """The same at one speed, which thresholds that grow with age and what is out depend on together."""
-    steady = steady_state(changed(contacts, 0.0, 0.0, wait), velocity=speed)
+def _growing(
+    contacts: Contacts, speed: float, temperature: float, wait: float
+) -> tuple[float, float, float, float]:
+    """The same at one point: thresholds that grow with age and what is out depend on the speed together."""
+    steady = steady_state(changed(contacts, temperature, 0.0, wait), velocity=speed)
     off = steady.holding * (1.0 - steady.holding) * steady.cycle_length_error / steady.cycle_length
     unit = steady.mean_threshold
     return steady.force, steady.force_error * unit, steady.holding, off * unit + _ROUND_OFF

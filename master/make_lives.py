@@ -33,10 +33,29 @@ def make_lives(contacts: Contacts, level: int = 0) -> Lives:
     if contacts.ageing is not None:
         return _ageing(contacts, level)
     if contacts.grains is not None:
+        assert contacts.grains.age is not None
+        return _growing(contacts, _nodes(contacts, Law(contacts, np.inf)), contacts.grains.age, level)
+    return CohortLives(*_ingredients(contacts, level))
+
+
+def make_fresh(contacts: Contacts, level: int = 0) -> Lives:
+    """Cohorts of the same contacts where all have just formed again, none broken yet: what a reset leaves."""
+    if contacts.grains is not None:
+        return _growing(contacts, (np.zeros(1), np.ones(1)), contacts.grains.growth.first_pinning_time, level)
+    again = None if contacts.reforming is None else contacts.reforming.law
+    laws = contacts.thermal, contacts.ageing, contacts.delay, again, contacts.stiffness
+    return make_lives(Contacts(contacts.thresholds, again, *laws), level)
+
+
+def _growing(contacts: Contacts, start: Nodes, age: float, level: int) -> Lives:
+    """Cohorts of contacts whose thresholds grow with age."""
+    if contacts.thermal is None:
         from master.grain_lives import GrainLives
 
-        return GrainLives(contacts, _nodes(contacts, Law(contacts, np.inf)))
-    return CohortLives(*_ingredients(contacts, level))
+        return GrainLives(contacts, start, age)
+    from master.warm_grain_lives import WarmGrainLives
+
+    return WarmGrainLives(contacts, gathered(*start, _STARTS + 8 * level), age, level)
 
 
 def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) -> "Generations":
@@ -146,7 +165,7 @@ def prepare(contacts: Contacts) -> None:
         cells, at = Cells(contacts, 0), np.zeros(1)
         cells.move(cells.fresh(at), at, at, 1.0)
         return
-    if thermal is None or thermal.closure == "paper":
+    if thermal is None or thermal.closure == "paper" or contacts.grains is not None:
         return
     if thermal.law == "stiff" or contacts.stiffness == "linked":
         lives = make_lives(contacts)

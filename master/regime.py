@@ -80,12 +80,14 @@ def _judge(
     tolerance: float,
 ) -> tuple[Verdict, str]:
     slips = drive.size
-    rates = contacts.thermal is not None or contacts.ageing is not None
+    rates = contacts.thermal is not None or contacts.ageing is not None or contacts.grains is not None
     if rates and (not slips or rule == "reset"):
         followed = spring >= critical
-        if contacts.ageing is not None:
+        if contacts.ageing is not None or contacts.grains is not None:
             # a slider that runs ahead gives its contacts no time to age: their drop is steeper than a rigid one's
-            oldest = max(contacts.mean_threshold, contacts.ageing.final.mean())
+            oldest = contacts.mean_threshold
+            if contacts.ageing is not None:
+                oldest = max(oldest, contacts.ageing.final.mean())
             followed = float(np.ptp(np.append(path, 0.0))) > _PASSED * (1.0 + 1.0 / spring) * oldest
         return _judge_rates(contacts, spring, slips, critical, followed)
     if not slips:
@@ -120,7 +122,8 @@ def _judge_rates(contacts: Contacts, spring: float, slips: int, critical: float,
     if not slips:
         verdict: Verdict = "smooth" if followed else "undecided"
         return verdict, f"no slip up to the end of the path, at the slider's own speed; {beside}"
-    if slips == 1 and contacts.start.span == (0.0, 0.0) and contacts.reforming is None:
+    alike = contacts.reforming is None and contacts.grains is None  # those that grow are younger than they began
+    if slips == 1 and contacts.start.span == (0.0, 0.0) and alike:
         return "stick-slip", f"one slip, after which contacts stand as they began, and so slip again; {beside}"
     if slips == 1:
         return "undecided", f"one slip up to the end of the path is too few to tell, lengthen it; {beside}"

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.forward import ROUND_OFF
-from master.make_lives import make_lives, prepare
+from master.make_lives import make_fresh, make_lives, prepare
 from master.marching import lagrange
 from master.outcome import Progress, outcome, unheard
 from master.pulled import COARSEST, Pull
@@ -84,24 +84,15 @@ def _refine(
     contacts: Contacts, drive: Drive, balance: float, asked: Array, tolerance: float, progress: Progress
 ) -> tuple[Array, Array, Array, float, int, str]:
     """Slips (5, m), force and holding at the times asked for, error estimate, steps and reason for stopping short."""
-    unit, delay = contacts.mean_threshold, 0.0 if contacts.delay is None else contacts.delay.time
+    unit, delay = contacts.mean_threshold, contacts.waiting_time
     spring = float(drive.spring or 0.0)
     course = pieces(drive, balance)
     if not course:
         lives = make_lives(contacts)
         stands = np.full(asked.size, lives.pull[0]), np.full(asked.size, lives.held[0])
         return np.empty((5, 0)), *stands, lives.error, 0, ""
-    fresh = Contacts(
-        contacts.thresholds,
-        None if contacts.reforming is None else contacts.reforming.law,
-        contacts.thermal,
-        contacts.ageing,
-        contacts.delay,
-        reforming=None if contacts.reforming is None else contacts.reforming.law,
-        stiffness=contacts.stiffness,
-    )
     # steps of third order leave more than powers of their square
-    rough = uneven(contacts) or contacts.ageing is not None
+    rough = uneven(contacts) or contacts.ageing is not None or contacts.grains is not None
     scale = np.array([spring, 0.0, 0.0, 1.0, 1.0])[:, None] / unit
     plan: list[float] = []
     table, best = Extrapolation(rough), (np.inf, np.empty((5, 0)), np.empty(0), np.empty(0), 0)
@@ -113,7 +104,7 @@ def _refine(
     most = int(_FULL * most_steps(make_lives(contacts, _TELLING)) * 0.5**_TELLING)
     while True:
         length = COARSEST * lives.length
-        again = partial(make_lives, fresh, level)
+        again = partial(make_fresh, contacts, level)
         try:
             pull = Pull(lives, again, course, spring, drive.slip, delay, unit, length, level, plan, most)
         except TooLong as why:

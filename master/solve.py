@@ -66,22 +66,24 @@ def solve(
     Parameters
     ----------
     contacts : Contacts
-        Thresholds, starting stretches and any laws of a contact. Thresholds that grow with age are taken on a rigid
-        slider, the paper's closure of ageing alone and where a rigid one moves forward at one speed.
+        Thresholds, starting stretches and any laws of a contact. The paper's closure of ageing is taken alone and
+        where a rigid slider moves forward at one speed.
     path : array of shape (n,)
         Slider positions X (lengths), any spacing, straight between points; where they turn round contacts break at
         -x_s as well. With a spring, positions X_T of the drive, which begins where it balances the start.
     tolerance : float
         Largest error of the force wanted, in units of the mean threshold.
     velocity : float
-        Speed along the path (length per time); at T = 0 without ageing and delay nothing depends on it.
+        Speed along the path (length per time); at T = 0 nothing depends on it but ageing, delay and thresholds that
+        grow.
     time : array of shape (n,), optional
         When each point is reached, instead of the velocity: for holds and velocity steps.
     spring : float, optional
         K/(N_c <k>) of a soft slider; None: rigid.
     slip : "reset", "reform-after" or "instant"
         What a slip of a soft slider does. At the instability F'(X) = -K:
-        "reset": all contacts are drawn anew, relaxed, and X jumps to where K (X_T - X) = F (the paper's);
+        "reset": all contacts are drawn anew, relaxed, and X jumps to where K (X_T - X) = F (the paper's); where
+        thresholds grow with age they have just pinned;
         "reform-after": broken contacts stay out until the slip ends, those that hold stretch and may break;
         "instant": contacts re-form at once, and X goes to the first X' with F(X') + K X' = K X_T.
     progress : callable, optional
@@ -109,8 +111,7 @@ def solve(
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
         return solve_paper(contacts, drive, tolerance, progress)
-    takes = LAWS if drive.spring is None else tuple(law for law in LAWS if law != "grains")
-    check_contacts(contacts, "master.solve", takes)
+    check_contacts(contacts, "master.solve", LAWS)
     laws = (contacts.grains, contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
     plain = all(law is None for law in laws) and contacts.stiffness == "independent"
     if drive.spring is not None and not plain:

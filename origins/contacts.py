@@ -67,8 +67,8 @@ class Contacts:
     Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold: such contacts
     hold nothing; for linked stiffness with thermal closure "paper", which gives all contacts one rate, or with
     ageing or thresholds that grow, where the source does not say whether k_i follows; for thresholds that grow together
-    with temperature, ageing or re-forming at stretches at which they hold nothing yet; and for fresh thresholds where
-    the final law has no weight.
+    with the paper's closure of temperature, with ageing, which is another law of the same, or with re-forming at
+    stretches at which they hold nothing yet; and for fresh thresholds where the final law has no weight.
     """
 
     def __init__(
@@ -151,13 +151,24 @@ class Contacts:
             self._check_grains()
 
     def _check_grains(self) -> None:
-        if self.thermal is not None or self.ageing is not None:
-            name = "thermal" if self.ageing is None else "ageing"
-            raise InputError(f"{name}: not taken with thresholds that grow with their age; leave one of them out")
+        if self.thermal is not None and self.thermal.closure == "paper":
+            raise InputError(
+                'thermal: closure = "paper" averages the rate over one P_c for all contacts, and thresholds that grow '
+                'have another at each age; use closure = "exact"'
+            )
+        if self.ageing is not None:
+            raise InputError(
+                "ageing: thresholds that grow with their age do age, by a law of their own, from 0 where no fresh law "
+                "diffuses; leave one of them out"
+            )
         if self.reforming is not None:
-            raise InputError("reforming: contacts whose thresholds grow from 0 form again at x = 0; leave it out")
+            raise InputError(
+                "reforming: contacts form again as their grains pin, where all thresholds are 0: none exceeds |r|; "
+                "leave it out"
+            )
         if self.stiffness == "linked":
-            refuse("stiffness", "linked", "not defined with thresholds that grow: nothing says whether k_i follows")
+            rule = "not defined with thresholds that grow: <x_s> at birth is 0, and nothing says whether k_i follows"
+            refuse("stiffness", "linked", rule)
 
 
 def check_contacts(contacts: object, solver: str, takes: tuple[str, ...] = ()) -> None:

@@ -64,6 +64,14 @@ class Thermal:
         """h(x; x_s), per time."""
         return np.exp(self.log_rate(x, threshold, stiffness))
 
+    def plain_rate(self, x: Array, threshold: Array) -> Array:
+        """h of contacts of stiffness <k>, for sums over many: not checked, arrays that broadcast; as it goes on where a
+        soft contact's stretch exceeds its threshold."""
+        stretch = np.abs(x) if self.law == "soft" else np.minimum(np.abs(x), threshold)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_rate = _LAWS[self.law].log_rate(stretch, threshold, np.asarray(0.5 / self.temperature))
+            return np.asarray(self.attempt_frequency * np.exp(np.minimum(log_rate, _MOST_BEFORE)))
+
     def log_rate(self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0) -> Array:
         """ln h, finite where h underflows; -inf for a stiff contact at its threshold, where h = 0."""
         shape, (stretch, limit, spring) = self._prepare(threshold, stiffness, x=x)

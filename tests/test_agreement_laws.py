@@ -50,6 +50,7 @@ CASES = {
     ),
     "growing grains, delay": Case(Contacts(GRAINS, 0.1, delay=Delay(0.2)), tolerance=1e-5),
     "growing grains, loop": Case(Contacts(GRAINS), LOOP, tolerance=1e-4),
+    "growing grains, stiff": Case(Contacts(GRAINS, 0.1, STIFF)),
     "loop": Case(Contacts(GAUSSIAN, START), LOOP),
     "loop, soft": Case(Contacts(GAUSSIAN, thermal=SOFT), LOOP, tolerance=1e-5),
     "loop, delay": Case(Contacts(GAUSSIAN, delay=Delay(0.3)), LOOP, tolerance=1e-5),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from grain_references import psi
-from growing_contacts import deviation, pulled_steadily
+from growing_contacts import along, deviation
 from references import mp
 from scipy.optimize import minimize_scalar
 
@@ -49,7 +49,7 @@ def test_from_any_start_against_contacts_one_by_one(contacts: Contacts, velocity
     path = np.linspace(0.0, 4.0, 21)[1:]
     solved = master.solve(contacts, path, 1e-8, velocity=velocity)
     assert solved.success, solved.message
-    told = pulled_steadily(contacts, path, velocity, 10_000, 0.01 / velocity)
+    told = along(contacts, path, path / velocity, 6_000, 0.015 / velocity)
     assert deviation(contacts, solved, told) < 5.0
 
 

@@ -1,0 +1,80 @@
+"""Growing grains at a temperature and a steady speed, against contacts one by one and quadratures."""
+
+import numpy as np
+import pytest
+from growing_contacts import along, deviation, rate, thresholds
+
+import master
+from master.grain_passage import warmed
+from origins import Contacts, Delay, Thermal, gaussian_start, growing_grains
+
+GRAINS = growing_grains(1.0, 1.0, age=4.0)
+PATH = np.linspace(0.0, 4.0, 21)[1:]
+CASES = [
+    (Contacts(GRAINS, thermal=Thermal("soft", 0.1), delay=Delay(0.2)), 1.0),
+    (Contacts(GRAINS, -0.3, thermal=Thermal("stiff", 0.05, 3.0)), 1.0),
+    (Contacts(GRAINS, gaussian_start(0.3, 0.05), thermal=Thermal("soft", 0.03, 3.0)), 0.5),
+]
+
+
+@pytest.mark.parametrize("contacts, velocity", CASES)
+def test_from_any_start_against_contacts_one_by_one(contacts: Contacts, velocity: float) -> None:
+    solved = master.solve(contacts, PATH, 1e-7, velocity=velocity)
+    assert solved.success, solved.message
+    told = along(contacts, PATH, PATH / velocity, 4_000, 0.02 / velocity)
+    assert deviation(contacts, solved, told) < 5.0
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+@pytest.mark.parametrize("start", [0.0, 0.3])
+def test_first_breaks_by_quadrature(law: str, start: float) -> None:
+    """A start that stands alone: E is an average over quantiles of exp(-A), A by a fine sum along the way."""
+    velocity, contacts = 0.7, Contacts(GRAINS, start, thermal=Thermal(law, 0.1, 2.0))
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    before, travel = float(GRAINS.hazard(start, 4.0)), 0.5
+    least = max(float(GRAINS.hazard(start + travel, 4.0 + travel / velocity)), before)
+    # quantiles that hold so far, over the root of what is beyond the weakest of them
+    edges = np.array([0.0, 0.1, 0.3, 1.0, 2.0, 3.5, 5.0, 6.3])
+    root = (edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (nodes + 1.0)).ravel()
+    share = (np.diff(edges)[:, None] * 0.5 * weights).ravel() * 2.0 * root
+    hazard = least + root**2
+    # the way in the root of what is left of it, as stiff contacts have a root at their threshold
+    left = 0.5 * (nodes + 1.0)
+    way, part = travel * (1.0 - left**2), travel * weights * left
+    spent = sum(
+        rate(contacts, start + w, thresholds(contacts, hazard, 4.0 + w / velocity)) * p / velocity
+        for w, p in zip(way, part, strict=True)
+    )
+    held = float(share @ np.exp(before - hazard - spent))
+    found = warmed(contacts, velocity, start, 1e-9)
+    assert found.law.sf(travel) == pytest.approx(held, abs=3e-6) and found.error < 1e-9
+
+
+def test_steady_sliding_and_what_follows_from_it() -> None:
+    contacts, velocity = Contacts(GRAINS, thermal=Thermal("soft", 0.1)), 1.0
+    steady = master.steady_state(contacts, velocity=velocity)
+    far = master.solve(contacts, [30.0], 1e-9, velocity=velocity)
+    assert far.force[0] == pytest.approx(steady.force, abs=1e-8) and steady.force_error < 1e-10
+    assert far.holding[0] == pytest.approx(steady.holding, abs=1e-8)
+    curve = master.kinetic_curve(contacts, velocity, temperature=[0.0, 1e-3, 0.1, 1.0])
+    assert curve.force[2] == steady.force and (np.diff(curve.force) < 0.0).all()
+    assert curve.force[0] == master.steady_state(Contacts(GRAINS), velocity=velocity).force
+    told = master.propensity(contacts, velocity=velocity)
+    line = master.phase_line(contacts, velocity, temperature=[0.0, 0.1], tolerance=1e-8)
+    assert line.critical_spring[1] == pytest.approx(told.critical_spring, abs=1e-7)
+    # heat takes those that have just pinned too, which cold would bear what others drop
+    assert told.critical_spring_error < 1e-7 and line.critical_spring[0] < line.critical_spring[1]
+
+
+def test_error_of_the_survival_is_what_it_is_said_to_be() -> None:
+    generator, misses = np.random.default_rng(3), []
+    for _ in range(4):
+        heat, speed = float(10.0 ** generator.uniform(-1.7, 0.5)), float(10.0 ** generator.uniform(-0.7, 0.3))
+        often = float(10.0 ** generator.uniform(-1.0, 2.0))
+        contacts = Contacts(GRAINS, 0.0, thermal=Thermal("soft", heat, often))
+        origin = float(generator.uniform(-0.4, 0.4)) if generator.random() < 0.6 else None
+        loose, tight = (warmed(contacts, speed, origin, accuracy) for accuracy in (1e-6, 1e-11))
+        x = np.linspace(0.0, loose.law.support()[1], 100)
+        off = np.abs(loose.law.sf(x) - tight.law.sf(x)).max()
+        misses.append(off / (loose.error + tight.error + 1e-14))
+    assert max(misses) < 1.0, misses
