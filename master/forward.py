@@ -10,7 +10,7 @@ from master.cycle import Cycle
 from master.law import Law
 from master.outcome import outcome
 from master.powers import find_powers
-from master.problem import Problem, law_of
+from master.problem import POWERS_FELT, Problem, law_of
 from master.renewal import LaterReleased, bound
 from master.solution import Solution
 from master.steady import steady_of
@@ -27,6 +27,7 @@ _RESOLVED = 0.3
 _COARSER = 9.0  # 4 (1/0.1)^(1/3)
 _FAR_OFF = 1e4  # times the tolerance: the next lattice would not do either
 _LEAST_BELIEVED = 0.25  # part of a difference that the error left is never said to be below, beside jumps
+_FIRST_BELIEVED = 1.5  # the same for the first two lattices where J_1 is known but for what is smooth
 _SHARE = 0.3  # of the tolerance, for a law known by a numerical solution
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
 _FEWEST_NODES = 256
@@ -68,7 +69,7 @@ def _solve_spread(contacts: Contacts, path: Array, tolerance: float, law: Law, b
     where that does not reach the tolerance."""
     relaxed = Contacts(contacts.thresholds)
     end = float(path[-1]) / law.unit + max(contacts.start.span[1], 0.0) / law.unit
-    powers = find_powers(relaxed, law, end, 1e-2 * tolerance)
+    powers = find_powers(relaxed, law, end, POWERS_FELT * tolerance)
     if powers is None:
         return None
     from master.response import solve_from_relaxed
@@ -193,7 +194,7 @@ def refined(problem: Problem, x: Array, tolerance: float) -> tuple[Array, float,
                 diverges = problem.law.diverges and problem.powers is None
                 left = estimate(difference, before, least_share(problem, step), diverges)
                 if problem.powers is not None and not np.isfinite(before):
-                    left *= 2.0
+                    left = _FIRST_BELIEVED * difference
             else:
                 # two lattices that do not resolve the law may be closer to each other than to the truth
                 left = difference if step < _RESOLVED * problem.law.narrowest else 4.0 * difference
@@ -242,7 +243,7 @@ def least_share(problem: Problem, step: float) -> float:
     if not problem.rough:
         return SMOOTH
     if problem.powers is not None:
-        return 2.0  # errors of the fits beside powers fall fast until round-off sets in, and then no more
+        return 2.0 * _LEAST_BELIEVED
     tallest = np.abs(np.concatenate([problem.law.jump_sizes, problem.first.jump_sizes])).max(initial=0.0)
     # what stands between two jumps closer than some nodes is not resolved: there nothing falls evenly yet
     return 2.0 if tallest * step > 0.25 else _LEAST_BELIEVED
