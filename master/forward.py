@@ -28,6 +28,7 @@ _COARSER = 9.0  # 4 (1/0.1)^(1/3)
 _FAR_OFF = 1e4  # times the tolerance: the next lattice would not do either
 _LEAST_BELIEVED = 0.25  # part of a difference that the error left is never said to be below, beside jumps
 _FIRST_BELIEVED = 1.5  # the same for the first two lattices where J_1 is known but for what is smooth
+_CLOSE_ENOUGH = 1e-6  # error beside powers that tables of first breaks are hardly below
 _SHARE = 0.3  # of the tolerance, for a law known by a numerical solution
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
 _FEWEST_NODES = 256
@@ -66,7 +67,7 @@ def solve_forward(contacts: Contacts, path: Array, tolerance: float, velocity: f
 
 def _solve_spread(contacts: Contacts, path: Array, tolerance: float, law: Law, began: float) -> Solution | None:
     """From a start with a width by way of a relaxed one, which tells all about powers; None where P_c has none, or
-    where that does not reach the tolerance."""
+    where that is so far from the tolerance that the start's own first breaks may do better."""
     relaxed = Contacts(contacts.thresholds)
     end = float(path[-1]) / law.unit + max(contacts.start.span[1], 0.0) / law.unit
     powers = find_powers(relaxed, law, end, POWERS_FELT * tolerance)
@@ -76,7 +77,7 @@ def _solve_spread(contacts: Contacts, path: Array, tolerance: float, law: Law, b
 
     problem = Problem(relaxed, end, tolerance, law=law, powers=powers)
     spread = solve_from_relaxed(contacts, problem, path, tolerance, began)
-    return spread if spread.success else None
+    return spread if spread.success or spread.force_error < _CLOSE_ENOUGH else None
 
 
 def _is_far(end: float, tolerance: float) -> bool:

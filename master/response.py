@@ -37,7 +37,8 @@ Array = npt.NDArray[np.float64]
 _SHARE = 0.7  # of the tolerance, for the relaxed solution
 _GRID = 150  # positions at which that is judged
 _FINE = 1e-2  # of the tolerance: what tables may lack
-_EDGES = np.append(0.0, 0.5 ** np.arange(12.0, -1.0, -1.0))  # of panels towards the lower end of the law
+_HALVINGS = 12.0  # of panels towards the lower end of the law
+_EDGES = np.append(0.0, 0.5 ** np.arange(_HALVINGS, -1.0, -1.0))
 _TOWARDS = 3
 _PARTS = 12  # of the shifts, on each of which K is a polynomial where no place is near
 _NOTHING = 1e-10  # of a start at its ends
@@ -71,6 +72,8 @@ def solve_from_relaxed(contacts: Contacts, relaxed: Problem, path: Array, tolera
     force = shifts.mean + x - shifts.folded(table, x, places) + shifts.left_out(x)
     tails = shifts.highest * table.error + (1.0 + end) * shifts.error
     error = shifts.whole * error + tails + round_off(relaxed)
+    if not message:
+        message = f"starting stretches are summed over to {error:.1e} only, above the tolerance {tolerance:.1e}"
     success, message = outcome(contacts, error, tolerance, message)
     return SpreadSolution(
         path=path,
@@ -127,7 +130,10 @@ class _Shifts:
         order = relaxed.law.onset_order
         self._order = min(order, 1.0)
         # y as a power of what nodes are even in, and P_c dy, are smooth enough for few panels
-        even = order == round(order) or order < _LOW
+        even = bool(order == np.round(order)) or order < _LOW
+        # where they are not, as y^0.2 is not in y, the first of them is to weigh little
+        deeper = _HALVINGS if even or order < 1.0 else 2.0 * _HALVINGS
+        self._edges = np.append(0.0, 0.5 ** np.arange(deeper, -1.0, -1.0))
         ends = start.weight_at(np.array([start.low, start.high]))
         self._smooth = not contacts.start.breakpoints.size and float(ends.max()) * (start.high - start.low) < _NOTHING
         count = int(np.ceil((start.high - start.low) / start.widest)) + 1
@@ -148,7 +154,7 @@ class _Shifts:
         if length <= 0.0:
             return np.empty(0), np.empty(0)
         parts = np.linspace(0.0, 1.0, int(np.ceil(length / self._start.widest)) + 1)[1:] ** self._order
-        edges = np.append(_EDGES[parts[0] > _EDGES], parts)
+        edges = np.append(self._edges[parts[0] > self._edges], parts)
         nodes, masses = self._towards(np.array([length]), edges[None])
         return nodes[0], masses[0]
 
@@ -185,7 +191,7 @@ class _Shifts:
         if not w.size:
             return np.zeros(0)
         marks = (self._marks - w[:, None] - self._law.support[0]) / length[:, None]
-        some = _EDGES[-_ENOUGH if self._even else 1 :]
+        some = self._edges[-_ENOUGH if self._even else 1 :]
         own = np.broadcast_to(np.append(0.0, some), (w.size, some.size + 1))
         edges = np.sort(np.concatenate([own, np.clip(marks, 0.0, 1.0) ** self._order], axis=1), axis=1)
         y, masses = self._towards(length, edges)
