@@ -10,7 +10,7 @@ from master.cycle import Cycle
 from master.law import Law
 from master.outcome import Progress, outcome, unheard
 from master.powers import find_powers
-from master.problem import Problem, law_of
+from master.problem import POWERS_FELT, Problem, law_of
 from master.renewal import RESOLVED, LaterReleased, bound
 from master.solution import Solution
 from master.steady import steady_of
@@ -26,6 +26,8 @@ _CLOSE = 0.5**0.5  # ratio of the steps of two lattices whose difference is at l
 _COARSER = 9.0  # 4 (1/0.1)^(1/3)
 _FAR_OFF = 1e4  # times the tolerance: the next lattice would not do either
 _LEAST_BELIEVED = 0.25  # part of a difference that the error left is never said to be below, beside jumps
+_FIRST_BELIEVED = 1.5  # the same for the first two lattices where J_1 is known but for what is smooth
+_CLOSE_ENOUGH = 1e-6  # error beside powers that tables of first breaks are hardly below
 _SHARE = 0.3  # of the tolerance, for a law known by a numerical solution
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
 _FEWEST_NODES = 256
@@ -69,17 +71,17 @@ def _solve_spread(
     contacts: Contacts, path: Array, tolerance: float, law: Law, began: float, progress: Progress
 ) -> Solution | None:
     """From a start with a width by way of a relaxed one, which tells all about powers; None where P_c has none, or
-    where that does not reach the tolerance."""
+    where that is so far from the tolerance that the start's own first breaks may do better."""
     relaxed = Contacts(contacts.thresholds)
     end = float(path[-1]) / law.unit + max(contacts.start.span[1], 0.0) / law.unit
-    powers = find_powers(relaxed, law, end, 1e-2 * tolerance)
+    powers = find_powers(relaxed, law, end, POWERS_FELT * tolerance)
     if powers is None:
         return None
     from master.response import solve_from_relaxed
 
     problem = Problem(relaxed, end, tolerance, law=law, powers=powers)
     spread = solve_from_relaxed(contacts, problem, path, tolerance, began, progress)
-    return spread if spread.success else None
+    return spread if spread.success or spread.force_error < _CLOSE_ENOUGH else None
 
 
 def _is_far(end: float, tolerance: float) -> bool:
@@ -201,7 +203,7 @@ def refined(
                 diverges = problem.law.diverges and problem.powers is None
                 left = estimate(difference, before, least_share(problem, step), diverges)
                 if problem.powers is not None and not np.isfinite(before):
-                    left *= 2.0
+                    left = _FIRST_BELIEVED * difference
             else:
                 # two lattices that do not resolve the law may be closer to each other than to the truth
                 left = difference if step < RESOLVED * problem.law.narrowest else 4.0 * difference
@@ -252,7 +254,7 @@ def least_share(problem: Problem, step: float) -> float:
     if not problem.rough:
         return SMOOTH
     if problem.powers is not None:
-        return 2.0  # errors of the fits beside powers fall fast until round-off sets in, and then no more
+        return 2.0 * _LEAST_BELIEVED
     tallest = np.abs(np.concatenate([problem.law.jump_sizes, problem.first.jump_sizes])).max(initial=0.0)
     # what stands between two jumps closer than some nodes is not resolved: there nothing falls evenly yet
     return 2.0 if tallest * step > 0.25 else _LEAST_BELIEVED

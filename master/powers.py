@@ -32,7 +32,7 @@ _REACH = 0.4
 _SHARPER = 4
 _POWER = 1e-11
 _FITS = 0.3
-_RADIUS, _WIDEST = 0.2, 0.02
+_RADIUS, _WIDEST = 0.15, 0.02
 _HIGHEST_AT_0 = 12.0
 _BEYOND = 1.6  # times the path: how far all else is known
 # T_k(2 u - 1) -> coefficients of powers of u

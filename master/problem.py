@@ -15,6 +15,7 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
+POWERS_FELT = 0.1  # of the tolerance: what powers a lattice may smear
 _BEYOND = 1.7  # lattices reach past the last position, at most by 24 of the coarsest steps
 
 
@@ -48,7 +49,7 @@ class Problem:
         if powers is not None:
             self.powers = powers
         elif self.rough and cycle.law is contacts.thresholds:
-            self.powers = find_powers(contacts, self.law, end, 1e-2 * tolerance, cycle.release.stiffness)
+            self.powers = find_powers(contacts, self.law, end, POWERS_FELT * tolerance, cycle.release.stiffness)
         self.release = cycle.release
         self.chain = AtomicChain(self.law, self.first.atoms, self.first.atom_weights, end, self.release)
         self._standing = (self.first.mean_start, 1.0)

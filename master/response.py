@@ -36,13 +36,14 @@ Array = npt.NDArray[np.float64]
 
 _SHARE = 0.7  # of the tolerance, for the relaxed solution
 _GRID = 150  # positions at which that is judged
-_FINE = 1e-3  # of the tolerance: what tables may lack
-_EDGES = np.append(0.0, 0.5 ** np.arange(12.0, -1.0, -1.0))  # of panels towards the lower end of the law
+_FINE = 1e-2  # of the tolerance: what tables may lack
+_HALVINGS = 12.0  # of panels towards the lower end of the law
+_EDGES = np.append(0.0, 0.5 ** np.arange(_HALVINGS, -1.0, -1.0))
 _TOWARDS = 3
 _PARTS = 12  # of the shifts, on each of which K is a polynomial where no place is near
 _NOTHING = 1e-10  # of a start at its ends
-_LEAST = 1e-300
-_FEW = 9  # panels over a smooth start, and one
+_LEAST, _FELT = 1e-12, 1e-17
+_ENOUGH, _LOW = 4, 0.6  # of these edges, where q is smooth; order from which on y is no high power
 _CHUNK = 100_000  # nodes at a time
 
 
@@ -55,7 +56,8 @@ def solve_from_relaxed(
     # towards X = 0 as well, where K is a power
     grid = np.union1d(end / _GRID * np.arange(1.0, _GRID + 1.0), end / _GRID * _EDGES[1:] ** _TOWARDS)
     _, error, later, message = refined(relaxed, grid, _SHARE * tolerance, progress)
-    places = relaxed.powers.places if relaxed.powers is not None else np.empty(0)
+    later_places = relaxed.powers.places if relaxed.powers is not None else np.empty(0)
+    places = np.union1d(later_places, relaxed.law.breakpoints[relaxed.law.breakpoints > 0.0])
     shifts = _Shifts(contacts, relaxed, _FINE * tolerance)
 
     def given(x: Array) -> Array:
@@ -72,6 +74,8 @@ def solve_from_relaxed(
     force = shifts.mean + x - shifts.folded(table, x, places) + shifts.left_out(x)
     tails = shifts.highest * table.error + (1.0 + end) * shifts.error
     error = shifts.whole * error + tails + round_off(relaxed)
+    if not message:
+        message = f"starting stretches are summed over to {error:.1e} only, above the tolerance {tolerance:.1e}"
     success, message = outcome(contacts, error, tolerance, message)
     return SpreadSolution(
         path=path,
@@ -127,9 +131,16 @@ class _Shifts:
         marks = np.unique(marks[(marks >= lowest) & (marks <= start.high)])
         order = relaxed.law.onset_order
         self._order = min(order, 1.0)
+        # y as a power of what nodes are even in, and P_c dy, are smooth enough for few panels
+        even = bool(order == np.round(order)) or order < _LOW
+        # where they are not, as y^0.2 is not in y, the first of them is to weigh little
+        deeper = _HALVINGS if even or order < 1.0 else 2.0 * _HALVINGS
+        self._edges = np.append(0.0, 0.5 ** np.arange(deeper, -1.0, -1.0))
         ends = start.weight_at(np.array([start.low, start.high]))
         self._smooth = not contacts.start.breakpoints.size and float(ends.max()) * (start.high - start.low) < _NOTHING
-        self._marks = np.linspace(start.low, start.high, _FEW) if self._smooth else start.edges
+        count = int(np.ceil((start.high - start.low) / start.widest)) + 1
+        self._even = even and self._smooth
+        self._marks = np.linspace(start.low, start.high, count) if self._smooth else start.edges
         self._nodes, self._masses = self._below(max(start.high, -start.low))
         (self._table,) = tabulate(lambda w: self._density(w)[None], marks, accuracy)
         self._low, self._high = lowest, start.high
@@ -145,7 +156,7 @@ class _Shifts:
         if length <= 0.0:
             return np.empty(0), np.empty(0)
         parts = np.linspace(0.0, 1.0, int(np.ceil(length / self._start.widest)) + 1)[1:] ** self._order
-        edges = np.append(_EDGES[parts[0] > _EDGES], parts)
+        edges = np.append(self._edges[parts[0] > self._edges], parts)
         nodes, masses = self._towards(np.array([length]), edges[None])
         return nodes[0], masses[0]
 
@@ -172,15 +183,18 @@ class _Shifts:
         else:
             above = above[flat[above] < start.high - begin]
             total[above] = self._summed(flat[above], start.high - flat[above] - begin)
-        if self._crossing and below.size:
+        if self._crossing:
             # from x_0 < 0, y below half of |w|
             total[below] = self._summed(flat[below], -0.5 * flat[below] - begin)
         return np.asarray(out - total.reshape(w.shape))
 
     def _summed(self, w: Array, length: Array) -> Array:
         """Integral of P_c(y) q(w + y) over some lengths above the lower end of the law."""
+        if not w.size:
+            return np.zeros(0)
         marks = (self._marks - w[:, None] - self._law.support[0]) / length[:, None]
-        own = np.broadcast_to(_EDGES, (w.size, _EDGES.size))
+        some = self._edges[-_ENOUGH if self._even else 1 :]
+        own = np.broadcast_to(np.append(0.0, some), (w.size, some.size + 1))
         edges = np.sort(np.concatenate([own, np.clip(marks, 0.0, 1.0) ** self._order], axis=1), axis=1)
         y, masses = self._towards(length, edges)
         return np.asarray((masses * self._start.weight_at(w[:, None] + y)).sum(axis=1))
@@ -191,8 +205,9 @@ class _Shifts:
         width = parts[1] - parts[0]
         begin, end = np.searchsorted(np.append(0.0, places), np.stack([x + self._low - width, x + self._high + width]))
         out, rough = np.empty(x.size), end > begin
-        coarse, _ = gauss(parts[:-1], parts[1:])
-        out[~rough] = table(x[~rough, None] + coarse.ravel()) @ self._lumped(parts)
+        coarse, lumps = gauss(parts[:-1], parts[1:])[0].ravel(), self._lumped(parts)
+        felt = np.abs(lumps) > _FELT
+        out[~rough] = table(x[~rough, None] + coarse[felt]) @ lumps[felt]
         some = np.flatnonzero(rough)
         size = 8 * (table.edges.size + self._table.edges.size)
         for chunk in np.array_split(some, max(1, some.size * size // _CHUNK)):
@@ -215,9 +230,10 @@ class _Shifts:
         row, piece = np.nonzero(edges[:, 1:] - edges[:, :-1] > 1e-15)
         left, right = edges[row, piece], edges[row, piece + 1]
         nodes, weights = gauss(left, right)
-        panel = (np.searchsorted(self._table.edges, 0.5 * (left + right)) - 1).clip(0)
-        weights *= self._table.within(panel, nodes)
-        weights *= table(nodes + x[row, None])
+        middle, at = 0.5 * (left + right), x[row]
+        weights *= self._table.within((np.searchsorted(self._table.edges, middle) - 1).clip(0), nodes)
+        weights[at + middle < 0.0] = 0.0
+        weights *= table.within((np.searchsorted(table.edges, at + middle) - 1).clip(0), nodes + at[:, None])
         return np.asarray(np.bincount(row, weights=weights.sum(axis=1), minlength=x.size), dtype=float)
 
     def left_out(self, x: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Contacts whose thresholds grow with their age in the ensemble: its kernel against origins, rates and laws of an age."""
+"""Growing grains in the ensemble: its kernel against origins, breaks at a rate, and the law at each age."""
 
 import numpy as np
 import pytest

@@ -177,6 +177,11 @@ def every_origin() -> None:
         "scipy beta(.5, .5)": stats.beta(0.5, 0.5),
         "scipy beta(2, .7)": stats.beta(2.0, 0.7),
         "scipy beta(.3, .3)": stats.beta(0.3, 0.3),
+        "scipy beta(.7, .4)": stats.beta(0.7, 0.4),
+        "scipy beta(.5, 2)": stats.beta(0.5, 2.0),
+        "scipy beta(.4, .4), from .3 to 2.3": stats.beta(0.4, 0.4, 0.3, 2.0),
+        "scipy weibull_min(.5)": stats.weibull_min(0.5),
+        "scipy powerlaw(.5)": stats.powerlaw(0.5),
         "scipy arcsine, from 1 to 2": stats.arcsine(1.0),
     }
     head("every origin, 501 points to X = 5 <x_s>, tolerance 1e-8; goal: success in 50 ms")
