@@ -244,12 +244,16 @@ class _Shifts:
             weights = weights * start.weight_at(nodes)
             return float((weights * released(held(nodes).ravel()).reshape(nodes.shape)).sum())
 
-        edges = np.unique(np.append(start.edges, np.clip([-begin, begin], start.low, start.high)))
-        out = np.full(x.size, summed(edges, np.abs))
-        for k in np.flatnonzero(x < -2.0 * start.low):
+        edges = np.unique(np.append(start.edges, np.clip([-begin, 0.0, begin], start.low, start.high)))
+        out = np.full(x.size, summed(edges[edges >= 0.0], np.abs))
+        crossing = edges[edges <= 0.0]
+        out += summed(crossing, np.abs)
+        early = np.flatnonzero(x < -2.0 * start.low)
+        out[early] -= summed(crossing, np.abs)
+        for k in early:
             at = x[k]
-            cut = np.unique(np.append(edges, np.clip([-at, -0.5 * at, begin - at], start.low, start.high)))
-            out[k] = summed(cut, lambda y, at=at: np.where(y < 0.0, np.clip(at + y, 0.0, -y), y))  # type: ignore[misc]
+            cut = np.clip(np.append(crossing, [-at, -0.5 * at, begin - at]), max(-at, start.low), 0.0)
+            out[k] += summed(np.unique(cut), lambda y, at=at: np.minimum(at + y, -y))  # type: ignore[misc]
         return out
 
 
