@@ -35,8 +35,8 @@ from origins.quadrature import GAUSS_NODES, gauss
 Array = npt.NDArray[np.float64]
 
 _SHARE = 0.7  # of the tolerance, for the relaxed solution
-_GRID = 150  # positions at which that is judged
-_FINE = 1e-2  # of the tolerance: what tables may lack
+_GRID = 100  # positions at which that is judged
+_FINE = 5e-3  # of the tolerance: what tables may lack
 _HALVINGS = 12.0  # of panels towards the lower end of the law
 _EDGES = np.append(0.0, 0.5 ** np.arange(_HALVINGS, -1.0, -1.0))
 _TOWARDS = 3
