@@ -39,6 +39,10 @@ class Germ:
     def times(self, factor: float) -> "Germ":
         return replace(self, terms=factor * self.terms)
 
+    def cut(self, highest: float) -> "Germ":
+        """The same with fewer powers."""
+        return replace(self, terms=self.terms[: _kept(self.order, highest)], highest=highest)
+
     def folded(self, other: "Germ") -> "Germ":
         above, below = self.above + other.above, self.below + other.below
         kept = _kept(above + below, self.highest) if self.terms.size and other.terms.size else 0

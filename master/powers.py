@@ -141,12 +141,15 @@ def find_powers(contacts: Contacts, law: Law, end: float, tiny: float, stiffness
     if law.support[0] == 0.0:
         points = np.append(0.0, points)
     own: list[Germ] = []
+    onset: Germ | None = None  # at 0
     for point in points:
         for side in (-1.0, 1.0) if point else (1.0,):
-            germ = _beside(law, float(point), side, points)
+            germ = _beside(law, float(point), side, points, HIGHEST if point else _HIGHEST_AT_0)
             if germ is None:
                 return None
-            own += [germ] if germ.terms.size else []
+            if not point:
+                onset = germ
+            own += [germ.cut(HIGHEST)] if germ.terms.size else []
     if not any(germ.order < _SMOOTH and germ.order != round(germ.order) for germ in own):
         return None
     # what floating point cannot tell from a place where P_c diverges stands for it as an atom there
@@ -160,9 +163,8 @@ def find_powers(contacts: Contacts, law: Law, end: float, tiny: float, stiffness
         return None
     places, released = found
     begun: Sum | None = None
-    if contacts.start.span == (0.0, 0.0) and law.support[0] == 0.0:
-        onset = _beside(law, 0.0, 1.0, points, _HIGHEST_AT_0)
-        alone = None if onset is None else _of_later_breaks([onset], [onset], np.inf, stiffness)
+    if contacts.start.span == (0.0, 0.0) and onset is not None and onset.terms.size:
+        alone = _of_later_breaks([onset], [onset], np.inf, stiffness)
         begun = None if alone is None or not alone[1] else alone[1][0]
     kept = np.flatnonzero(places > 0.0)
     return Powers(places[kept], [released[k] for k in kept], begun, tiny)

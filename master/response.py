@@ -35,8 +35,8 @@ from origins.quadrature import GAUSS_NODES, gauss
 Array = npt.NDArray[np.float64]
 
 _SHARE = 0.7  # of the tolerance, for the relaxed solution
-_GRID = 150  # positions at which that is judged
-_FINE = 1e-2  # of the tolerance: what tables may lack
+_GRID = 100  # positions at which that is judged
+_FINE = 5e-3  # of the tolerance: what tables may lack
 _HALVINGS = 12.0  # of panels towards the lower end of the law
 _EDGES = np.append(0.0, 0.5 ** np.arange(_HALVINGS, -1.0, -1.0))
 _TOWARDS = 3
@@ -246,12 +246,16 @@ class _Shifts:
             weights = weights * start.weight_at(nodes)
             return float((weights * released(held(nodes).ravel()).reshape(nodes.shape)).sum())
 
-        edges = np.unique(np.append(start.edges, np.clip([-begin, begin], start.low, start.high)))
-        out = np.full(x.size, summed(edges, np.abs))
-        for k in np.flatnonzero(x < -2.0 * start.low):
+        edges = np.unique(np.append(start.edges, np.clip([-begin, 0.0, begin], start.low, start.high)))
+        out = np.full(x.size, summed(edges[edges >= 0.0], np.abs))
+        crossing = edges[edges <= 0.0]
+        out += summed(crossing, np.abs)
+        early = np.flatnonzero(x < -2.0 * start.low)
+        out[early] -= summed(crossing, np.abs)
+        for k in early:
             at = x[k]
-            cut = np.unique(np.append(edges, np.clip([-at, -0.5 * at, begin - at], start.low, start.high)))
-            out[k] = summed(cut, lambda y, at=at: np.where(y < 0.0, np.clip(at + y, 0.0, -y), y))  # type: ignore[misc]
+            cut = np.clip(np.append(crossing, [-at, -0.5 * at, begin - at]), max(-at, start.low), 0.0)
+            out[k] += summed(np.unique(cut), lambda y, at=at: np.minimum(at + y, -y))  # type: ignore[misc]
         return out
 
 
