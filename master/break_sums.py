@@ -21,24 +21,25 @@ Array = npt.NDArray[np.float64]
 _LEAST, _MOST = -32.0, 3.65  # ln e: little is spent below, nothing is left above
 _OVER = 7.0  # of ln e, where e to -e is 0 and e not yet large
 _EVEN = -1.0  # ln e down to which panels are even
-_WIDTH, _WIDER, _WIDEST = 0.6, 1.3, 4.0
+_WIDTH, _WIDER = 0.6, 1.3
 _CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])  # of the cube root of ln A below a stiff contact's last: x has power 2/3
+_TURNING = np.append(2.5 ** -np.arange(9.0), 0.0)  # where a stretch turns at 0, hardly breaking there any more
 _RUNG = 1.5  # in k_BT
 _UNTRIED, _TRIED = 1e-2, 1.0  # attempts on the way to a threshold, and the logarithm from one to the next edge
 _ACCURACY, _TAIL = 1e-12, 1e-80
 _COMMON, _SLIGHT, _BEYOND = 1e-20, 1e-3, 2.0  # shares of thresholds; of what a panel may miss; of what lies beyond
 _GOOD, _DEPTH = 1e-11, 40  # of the whole, at which a panel is not halved
-_INVERSE = 2e-12  # relative error of the sums over ln A, and of a short stretch found from its amount
 # width times the Legendre coefficients of a panel, from its nodes' shares of the sum
 _LEGENDRE = (2.0 * np.arange(NODES)[:, None] + 1.0) * legvander(2.0 * GAUSS_NODES - 1.0, NODES - 1).T
 _FALL = (2 * NODES - (NODES - 1.5)) / (NODES - 1.5)  # the sum misses the coefficient 2 NODES; the last two are known
 
 
 def summable(contacts: Contacts) -> bool:
-    """Whether breaks are by a rate of each contact's own and thresholds for life, and births relaxed."""
+    """Whether breaks are by a rate of each contact's own and thresholds for life, and births relaxed or spread over
+    many stretches."""
     thermal = contacts.thermal
-    exact = thermal is not None and thermal.closure == "exact"
-    return exact and contacts.reforming is None and contacts.ageing is None and contacts.grains is None
+    exact = thermal is not None and thermal.closure == "exact" and contacts.ageing is None and contacts.grains is None
+    return exact and (contacts.reforming is None or not contacts.reforming.law.is_single)
 
 
 def law_edges(law: Thresholds) -> Array:
@@ -52,31 +53,43 @@ def law_edges(law: Thresholds) -> Array:
 def summed(contacts: Contacts, speeds: Array, edges: Array | None = None) -> Array:
     """Force without a wait, its error, C and its error (lengths) at each speed, shape (4, n); of contacts that are
     `summable`, on panels from `edges`, those of the law where None."""
-    law, breaks = contacts.thresholds, _Breaks(contacts, speeds)
+    law, breaks = contacts.thresholds, _breaks(contacts, speeds)
     edges = law_edges(law) if edges is None else edges
     positions, shares = law.atoms
     whole, off = np.zeros((2, speeds.size)), np.zeros((2, speeds.size))
     if positions.size:
         whole += shares @ breaks(positions)
+        exact = 0.0 if breaks.missed is None else shares @ breaks.missed
     if edges.size:
         whole, off = _over_thresholds(contacts, breaks, _by_barriers(contacts, edges, float(speeds.min())), whole)
+    if positions.size:
+        off = off + exact
     (length, square), (length_off, square_off) = whole, off
-    # slow beyond all numbers contacts break at stretches whose squares are 0: then nothing is known
     with np.errstate(divide="ignore", invalid="ignore"):
         force = 0.5 * square / length
-        force_off = force * (square_off / square + length_off / length + _INVERSE)
-    return np.stack([force, force_off, length, length_off + _INVERSE * length])
+        # infinite where squares of stretches are below all numbers
+        force_off = 0.5 * square_off / length + np.abs(force) * (length_off / length + breaks.inverse)
+        force_off = np.where(square == 0.0, np.inf, force_off)
+    return np.stack([force, force_off, length, length_off + breaks.inverse * length])
 
 
-def _over_thresholds(contacts: Contacts, breaks: _Breaks, edges: Array, whole: Array) -> tuple[Array, Array]:
+def _breaks(contacts: Contacts, speeds: Array) -> Breaks:
+    if contacts.reforming is None:
+        return Breaks(contacts, speeds)
+    from master.reborn_sums import RebornBreaks
+
+    return RebornBreaks(contacts, speeds)
+
+
+def _over_thresholds(contacts: Contacts, breaks: Breaks, edges: Array, whole: Array) -> tuple[Array, Array]:
     """`whole`, of exact thresholds, and the sums over a density of others, and what these miss; shapes (2, speeds)."""
     law, off = contacts.thresholds, np.zeros_like(whole)
     # none breaks beyond its threshold: what rare ones count at most. Where all others have long broken that is a lot
-    weight = np.maximum(law.sf(edges[:-1]) - law.sf(edges[1:]), 0.0)
+    weight = np.maximum(law.sf(edges[:-1]) - law.sf(edges[1:]), 0.0) * breaks.share(edges[1:])
     limits = _limits(contacts, edges[1:], weight)
     common = weight > _COMMON
     for these in (common, ~common):
-        counts = these & (limits > _GOOD * _SLIGHT * whole.min(axis=1)[:, None]).any(axis=0)
+        counts = these & (limits > _GOOD * _SLIGHT * np.abs(whole).min(axis=1)[:, None]).any(axis=0)
         off = off + limits[:, these & ~counts].sum(axis=1)[:, None]
         left, right = edges[:-1][counts], edges[1:][counts]
         for depth in range(_DEPTH):
@@ -85,13 +98,16 @@ def _over_thresholds(contacts: Contacts, breaks: _Breaks, edges: Array, whole: A
             nodes, weights = gauss(left, right)
             mass = weights * finite_density(law, nodes)
             parts = mass[..., None] * breaks(nodes.ravel()).reshape(2, *nodes.shape, breaks.log_speeds.size)
-            sums, missed = parts.sum(axis=2), _missed(parts)
+            sums, lost = parts.sum(axis=2), missed(parts)
             middle = 0.5 * (left + right)
-            level = _GOOD * (whole + sums.sum(axis=1))[:, None]
-            open_ = (missed > level).any(axis=(0, 2)) & (middle > left) & (middle < right) & (depth < _DEPTH - 1)
-            whole, off = whole + sums[:, ~open_].sum(axis=1), off + missed[:, ~open_].sum(axis=1)
+            level = _GOOD * np.abs(whole + sums.sum(axis=1))[:, None]
+            open_ = (lost > level).any(axis=(0, 2)) & (middle > left) & (middle < right) & (depth < _DEPTH - 1)
+            whole, off = whole + sums[:, ~open_].sum(axis=1), off + lost[:, ~open_].sum(axis=1)
+            if isinstance(breaks.missed, np.ndarray):
+                over_births = mass[..., None] * breaks.missed.reshape(parts.shape)
+                off = off + over_births[:, ~open_].sum(axis=(1, 2))
             left, right = np.append(left[open_], middle[open_]), np.append(middle[open_], right[open_])
-    beyond = _limits(contacts, edges[-1:], np.asarray(law.sf(edges[-1:])))
+    beyond = _limits(contacts, edges[-1:], np.asarray(law.sf(edges[-1:])) * breaks.share(edges[-1:]))
     return whole, off + _BEYOND * beyond
 
 
@@ -100,7 +116,7 @@ def _limits(contacts: Contacts, thresholds: Array, weight: Array) -> Array:
     return weight * np.stack([thresholds, contacts.relative_stiffness(thresholds) * thresholds**2])
 
 
-def _missed(parts: Array) -> Array:
+def missed(parts: Array) -> Array:
     """What the sum of each panel misses, from its nodes' shares; (2, panels, nodes, speeds) to (2, panels, speeds)."""
     series = np.abs(_LEGENDRE @ parts)
     largest, last = series.max(axis=2), series[:, :, -2:].max(axis=2)
@@ -108,8 +124,12 @@ def _missed(parts: Array) -> Array:
     return np.asarray(last * fall**_FALL)
 
 
-class _Breaks:
-    """Mean x_b and k x_b^2 of contacts at given thresholds, at all speeds."""
+class Breaks:
+    """Mean x_b and k x_b^2 of relaxed contacts at given thresholds, at all speeds; `widest` panel over ln e."""
+
+    widest = 4.0
+    inverse = 2e-12  # relative error of the sums over ln A, and of a short stretch found from its amount
+    missed: Array | None = None  # by sums over births, at the last thresholds asked for
 
     def __init__(self, contacts: Contacts, speeds: Array) -> None:
         assert contacts.thermal is not None
@@ -117,9 +137,9 @@ class _Breaks:
         slow, fast = float(self.log_speeds.min()), float(self.log_speeds.max())
         top, bottom = fast + _MOST, slow + _EVEN
         even = np.linspace(bottom, top, 2 + int((top - bottom) / _WIDTH))
-        far = bottom - np.cumsum(np.minimum(_WIDTH * _WIDER ** np.arange(1.0, 40.0), _WIDEST))
+        far = bottom - np.cumsum(np.minimum(_WIDTH * _WIDER ** np.arange(1.0, 80.0), self.widest))
         lowest = slow + _LEAST
-        self.edges = np.concatenate([[lowest], far[far > lowest + 0.5 * _WIDEST][::-1], even])
+        self.edges = np.concatenate([[lowest], far[far > lowest + 0.5 * self.widest][::-1], even])
         nodes, weights = gauss(self.edges[:-1], self.edges[1:])
         self.log_amount = nodes.ravel()
         self.weights = weights.ravel()[:, None] * _weight(nodes.ravel()[:, None] - self.log_speeds)
@@ -130,37 +150,60 @@ class _Breaks:
     def __call__(self, thresholds: Array) -> Array:
         """Shape (2, thresholds, speeds)."""
         stiffness = np.asarray(self.contacts.relative_stiffness(thresholds))
-        ends = self.thermal.log_cumulative(thresholds, thresholds, stiffness=stiffness)
+        out = self.means(thresholds, stiffness, np.zeros(thresholds.size), thresholds)[0]
+        out[1] *= stiffness[:, None]
+        return out
+
+    def share(self, thresholds: Array) -> Array:
+        """Weight of the births that these thresholds hold, over the survival there: relaxed ones, all."""
+        return np.ones(thresholds.size)
+
+    def means(self, thresholds: Array, stiffness: Array, births: Array, goals: Array) -> tuple[Array, Array]:
+        """Means of x - r and x^2 - r^2 of contacts from r = `births` that break at x or get to `goals` = x - where a
+        stretch turns at 0, or at the threshold - shape (2, n, speeds); and A/v up to there, shape (n, speeds)."""
+        ends = self.thermal.log_cumulative(goals, thresholds, births, stiffness)
         count = np.searchsorted(self.usable_from, ends, side="right")
-        some = NODES * int(count.max())
-        x = self.thermal.inverse_from_rest(self.log_amount[:some], thresholds[:, None], stiffness[:, None])
-        x[np.arange(some) >= NODES * count[:, None]] = 0.0
+        some = NODES * int(count.max(initial=0))
+        row = [array[:, None] for array in (thresholds, stiffness, births)]
+        x = self._reached(self.log_amount[:some], ends[:, None], *row)
+        x = np.where(np.arange(some) >= NODES * count[:, None], births[:, None], x)
         weights = self.weights[:some]
-        rest = np.exp(-np.exp(np.minimum(ends[:, None] - self.log_speeds, _OVER)))
+        gone = np.exp(np.minimum(ends[:, None] - self.log_speeds, _OVER))
+        rest, travel = np.exp(-gone), x - births[:, None]
+        ahead = goals - births
         out = np.stack(
             [
-                x @ weights + rest * thresholds[:, None],
-                (x * x) @ weights + rest * (thresholds * thresholds)[:, None],
+                travel @ weights + rest * ahead[:, None],
+                (travel * (x + births[:, None])) @ weights + rest * (ahead * (goals + births))[:, None],
             ]
         )
         inside = np.flatnonzero((ends > self.edges[0]) & (count < self.edges.size - 1))
         if inside.size:
-            self._add_last(out, inside, self.edges[count[inside]], ends[inside], thresholds[inside], stiffness[inside])
-        out[1] *= stiffness[:, None]
-        return out
+            begin = self.edges[count[inside]]
+            self._add_last(out, inside, begin, ends[inside], [array[inside] for array in row], goals[inside])
+        return out, gone
+
+    def _reached(self, log_amount: Array, log_end: Array, threshold: Array, stiffness: Array, birth: Array) -> Array:
+        """Stretch at which contacts from `birth` have spent amounts up to that of the goal, e^log_end."""
+        if not birth.any():
+            return self.thermal.inverse_from_rest(log_amount, threshold, stiffness)
+        return self.thermal.inverse_from(np.minimum(log_amount, log_end), threshold, birth, stiffness)
 
     def _add_last(
-        self, out: Array, rows: npt.NDArray[np.intp], begin: Array, end: Array, thresholds: Array, stiffness: Array
+        self, out: Array, rows: npt.NDArray[np.intp], begin: Array, end: Array, of: list[Array], goals: Array
     ) -> None:
-        """What breaks between the last panel and the threshold."""
-        if self.thermal.law == "stiff":
+        """What breaks between the last panel and the goal."""
+        if self.thermal.law == "stiff" and (goals > 0.0).all():
             roots = np.cbrt(end - begin)[:, None] * _CUTS
             nodes, weights = (part.reshape(rows.size, -1) for part in gauss(roots[:, 1:], roots[:, :-1]))
             nodes, weights = end[:, None] - nodes**3, 3.0 * nodes * nodes * weights
         else:
-            nodes, weights = gauss(begin, end)
-        x = self.thermal.inverse_from_rest(nodes, thresholds[:, None], stiffness[:, None])
-        first, second = weights * x, weights * x * x
+            cuts = _TURNING if (goals == 0.0).any() else _TURNING[[0, -1]]
+            parts = end[:, None] - (end - begin)[:, None] * cuts
+            nodes, weights = (part.reshape(rows.size, -1) for part in gauss(parts[:, :-1], parts[:, 1:]))
+        x = self._reached(nodes, end[:, None], *of)
+        births = of[-1]
+        first, second = weights * (x - births), weights * (x - births) * (x + births)
         for i, log_speed in enumerate(self.log_speeds):
             felt = np.flatnonzero((begin < log_speed + _MOST) & (end > log_speed + _LEAST))
             weight = _weight(nodes[felt] - log_speed)

@@ -30,6 +30,7 @@ MOST_NODES = 2**18
 _ASTRAY = 3.0  # from a guess: other guesses are nearer to what lies there
 _TABLE = 1e-13  # error of a survival known by tables
 _NOISE = 1e-15  # of the terms of p^
+_BROAD, _OF_LONGEST = 1e4, 300.0  # means, and |s| times the longest life
 _RESOLVED, _TIMES = 4.0, 6.0  # |s| that the nodes resolve beside a guess, and as many times the guess if that is less
 
 
@@ -37,7 +38,8 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
     """X* (a length) of the slowest term e^{-X/X*}, and its error; inf where nothing decays exponentially.
 
     That is so for a law of exact values alone (periodic, or as close to it as one likes) and for one whose tail falls
-    slower than any exponential. Where exact values hold a share of the weight, no root may be slower than those that
+    slower than any exponential. Where a few live more than 10,000 times as long as the mean, and too few to tell, the
+    error is inf. Where exact values hold a share of the weight, no root may be slower than those that
     crowd about the rate of their own.
     """
     cycle = Cycle(contacts) if cycle is None else cycle
@@ -134,13 +136,16 @@ def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
     reach = min(0.9 * rate, _REACH)
     edges = tail_edges(law, cycle, reach)
     best = complex(-reach)
-    for start in _dips(law) + _slow(law) + _own_waves(law):
+    broad = float(law.edges[-1]) > _BROAD
+    for start in _slow(law) if broad else _dips(law) + _slow(law) + _own_waves(law):
         best = _better(best, newton(law, edges, start, 1))
-    if best.real < -0.3:  # roots this far from the axis leave no dip on it
+    if best.real < -0.3 and not broad:  # roots this far from the axis leave no dip on it
         for start in _grid(law, edges, -best.real):
             if start.real < best.real - 0.5:
                 break
             best = _better(best, newton(law, edges, start, 1))
+    if best == -reach and broad:
+        return 1.0 / float(law.edges[-1]), np.inf  # so few live for so long that tables do not tell them from none
     if best == -reach:
         return (2.0 * _REACH, _REACH) if rate > _REACH else (np.inf, 0.0)
     fine = newton(law, edges, best, 2)
@@ -194,7 +199,9 @@ def _slow(law: Law) -> list[complex]:
     longest = float(law.edges[-1])
     if longest < 6.0:
         return []
-    radius, angle = np.meshgrid(np.geomspace(0.5 / longest, 1.5, 8), np.array([1.7, 2.1, 2.5, 2.9]))
+    # lives of all lengths, as of hot contacts: what decays slowly has to do with the longest
+    fastest = _OF_LONGEST / longest if longest > _BROAD else 1.5
+    radius, angle = np.meshgrid(np.geomspace(0.5 / longest, fastest, 8), np.array([1.7, 2.1, 2.5, 2.9]))
     return [complex(guess) for guess in (radius * np.exp(1j * angle)).ravel()]
 
 

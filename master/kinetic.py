@@ -20,10 +20,11 @@ from master.points import Points, changed
 from master.steady import steady_state
 from origins import Contacts
 from origins.contacts import check_contacts
+from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-_TOLERANCE = 1e-9
+_TOLERANCE, _SPREAD = 1e-9, 1e-3  # of births at many stretches single points take far longer, slow ones minutes
 _ROUND_OFF = 4e-16
 
 
@@ -78,11 +79,13 @@ def kinetic_curve(
         In place of the contacts' own: T >= 0 of their thermal law, D >= 0 of their ageing, τ_m >= 0, whether they have
         a delay or not; 0: none. None: their own. Arrays broadcast: velocity[:, None] and temperature give a table.
 
-    Temperature with closure "exact" and relaxed births is summed over all speeds together; where that is not good to
-    1e-9 of the force, and with every other law that the speed tells, each point is solved for by itself.
+    Temperature with closure "exact" is summed over all speeds together; where that is not good to 1e-9 of the force (of
+    contacts that form again at many stretches to 1e-3), and with every other law that the speed tells, as with births
+    at one stretch that is not 0, each point is solved for by itself.
 
     Raises InputError as `steady_state` does, for values that are not finite or too small, for shapes that do not fit,
-    and for a temperature or a rate of contacts without that law.
+    for a temperature or a rate of contacts without that law, and for speeds so low that squares of stretches at a
+    break are below all numbers.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.kinetic_curve", LAWS)
@@ -138,8 +141,15 @@ def _at_once(contacts: Contacts, speeds: Array, edges: Array | None) -> Array:
     out = np.full((4, speeds.size), np.nan)
     if summable(contacts):
         sums = summed(contacts, speeds, edges)
-        sure = sums[1] <= _TOLERANCE * sums[0]
+        sure = sums[1] <= (_TOLERANCE if contacts.reforming is None else _SPREAD) * sums[0]
         out[:, sure] = sums[:, sure]
+        if np.isinf(sums[1]).any():
+            refuse(
+                "velocity",
+                float(speeds[np.isinf(sums[1])].max()),
+                "contacts break within stretches whose squares are below all numbers; slide faster, and of many speeds "
+                "leave such ones out",
+            )
     for i in np.flatnonzero(np.isnan(out[0])):
         steady = steady_state(contacts, velocity=float(speeds[i]))
         unit = contacts.mean_threshold

@@ -24,6 +24,7 @@ _ZOOMS = 12
 _JUST_BESIDE = 1e-12
 _BESIDE_ERROR = 4e-12
 _FURTHEST = 1000.0
+_BROAD, _LIVES = 1e4, 2.0
 _UNSTRETCHED = 1e-12
 _AROUND = 0.45 * np.arange(-7.0, 8.0)  # steps of a lattice
 
@@ -110,6 +111,8 @@ def _horizon(contacts: Contacts, cycle: Cycle) -> float:
     low, high = (float(end) / unit for end in contacts.start.span)
     if longest - low < 2.0 * shortest - high:
         return longest - max(low, 0.0)
+    if cycle.breaking is not None and longest > _BROAD:
+        return _LIVES * longest  # of contacts with lives of all lengths the longest-lived bear the force
     return max(10.0, min(float(law.isf(1e-6)) / unit, _FURTHEST) + 1.0)
 
 

@@ -143,7 +143,7 @@ def _summed(
 ) -> tuple[float, float, float, float]:
     """Force, C and their errors (lengths) by sums over contacts, where those apply and are better than what is `known`:
     tables of cold stretches at which contacts break are narrower than x is known."""
-    if not summable(contacts):
+    if contacts.reforming is not None or not summable(contacts):
         return known
     force, off, length, length_off = (float(row[0]) for row in summed(contacts, np.array([cycle.velocity])))
     wait = cycle.release.delay * cycle.unit

@@ -123,7 +123,12 @@ class GrainContact:
         law = self._sliding(velocity, rest)
         if law.held_fraction < _LEAST:
             fraction = f"exp(-{law.lost_hazard:.4g})"
-            refuse("velocity", velocity, f"none holds but a fraction {fraction}; slide more slowly, or give rest")
+            refuse(
+                "velocity",
+                velocity,
+                f"none holds but a fraction {fraction}: they are stretched before their grains have grown; slide more "
+                "slowly, and of many speeds leave such ones out",
+            )
         return law
 
     def survival(self, x: npt.ArrayLike, velocity: float, rest: float = 0.0) -> Array:

@@ -167,6 +167,22 @@ class Thermal:
             goal, spring = log_amount - np.log(self.attempt_frequency), stiffness / (2.0 * self.temperature)
             return np.asarray(_LAWS[self.law].from_rest(goal, threshold, spring))
 
+    def inverse_from(self, log_amount: Array, threshold: Array, start: Array, stiffness: Array) -> Array:
+        """The same from any stretch, those behind 0 up to x = 0 alone."""
+        arrays = np.broadcast_arrays(
+            log_amount - np.log(self.attempt_frequency), start, threshold, stiffness / (2.0 * self.temperature)
+        )
+        goal, begin, limit, spring = (array.ravel() for array in arrays)
+        law, behind = _LAWS[self.law], begin < 0.0
+        out = np.empty(goal.size)
+        with np.errstate(divide="ignore", over="ignore", under="ignore"):
+            ahead = ~behind
+            out[ahead] = law.advance(goal[ahead], begin[ahead], limit[ahead], spring[ahead])
+            goal, begin, limit, spring = (row[behind] for row in (goal, -begin, limit, spring))
+            share = goal - law.log_between(np.zeros_like(begin), begin, limit, spring)
+            out[behind] = -law.retreat(np.minimum(share, 0.0), begin, limit, spring)
+        return out.reshape(arrays[0].shape)
+
     def _prepare(
         self, threshold: npt.ArrayLike, stiffness: npt.ArrayLike, **more: npt.ArrayLike
     ) -> tuple[tuple[int, ...], list[Array]]:

@@ -15,12 +15,14 @@ from origins import (
     Delay,
     InputError,
     Thermal,
+    boltzmann_reforming,
     gaussian,
     gw_elastic,
     identical,
     mixture,
     rectangular,
 )
+from origins.quadrature import gauss
 
 SPEEDS = np.geomspace(1e-6, 1e4, 200)
 NARROW = gaussian(1.0, 0.05)
@@ -223,3 +225,32 @@ def test_temperatures_share_the_panels_of_their_law() -> None:
         single = [master.kinetic_curve(contacts, 0.1, temperature=float(t)).force for t in heat]
         np.testing.assert_array_equal(together.force, single)
         assert (together.force_error < 1e-10).all()
+
+
+@pytest.mark.parametrize(("law", "stiffness"), [("soft", "independent"), ("stiff", "linked")])
+def test_births_at_many_stretches_at_any_speed(law: str, stiffness: str) -> None:
+    """Against integrals over stretches and births."""
+    thermal, births = Thermal(law, 0.03), boltzmann_reforming(0.03)  # type: ignore[arg-type]
+    contacts = Contacts(identical(1.0), thermal=thermal, reforming=births, stiffness=stiffness)  # type: ignore[arg-type]
+    speeds = np.array([1.0, 1e-3, 1e-7])
+    found = master.kinetic_curve(contacts, speeds)
+    nodes, weights = (part.ravel() for part in gauss(*(np.linspace(-1.0, 1.0, 41)[k : 40 + k] for k in (0, 1))))
+    lengths, areas = np.zeros(3), np.zeros(3)
+    for r, weight in zip(nodes, weights * births.pdf(nodes), strict=True):
+        # close to both ends in smaller steps
+        away = (1.0 - r) * np.geomspace(1e-9, 0.5, 60)
+        cuts = np.unique(np.concatenate([[r, 1.0, max(r, 0.0)], r + away, 1.0 - away]))
+        x, w = (part.ravel() for part in gauss(cuts[:-1], cuts[1:]))
+        held = w * np.exp(-thermal.cumulative(x, 1.0, r) / speeds[:, None])
+        lengths += weight * held.sum(axis=1)
+        areas += weight * held @ x
+    assert (np.abs(found.force - areas / lengths) <= found.force_error).all()
+    assert found.force_error.max() < 1e-5
+
+
+def test_speeds_beyond_numbers_are_told() -> None:
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))
+    slow = master.kinetic_curve(contacts, [1e-30, 1e-100])
+    assert np.isfinite(slow.force).all() and (slow.force_error < 2e-15).all()
+    with pytest.raises(InputError, match=r"velocity = 1e-200: contacts break within .* slide faster"):
+        master.kinetic_curve(contacts, [1e-200, 1.0])

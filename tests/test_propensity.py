@@ -510,3 +510,14 @@ def test_a_density_that_nears_1_over_x_is_answered_or_refused() -> None:
             with pytest.raises(origins.InputError, match=r"^thresholds: a weight of .* lies below 1e-290 of the mean"):
                 solver(contacts)
     assert time.perf_counter() - began < 3.0
+
+
+def test_lives_of_all_lengths_are_followed_to_the_longest() -> None:
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=origins.Thermal("stiff", 0.1, 1e8))
+    found = master.propensity(contacts)
+    solved = master.solve(contacts, np.linspace(0.0, 3.0, 1501))
+    static = solved.force.max() / master.steady_state(contacts).force
+    assert static > 1.0 + 1e-7  # F goes beyond F_k only where nearly all have broken thousands of times
+    assert abs(found.static_to_kinetic - static) < 1e-8 + found.static_to_kinetic_error
+    steepest = -np.diff(solved.force).min() / 2e-3
+    assert abs(found.critical_spring - steepest) < 1e-2 * steepest + found.critical_spring_error < 0.1 * steepest + 1e-6
