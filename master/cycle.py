@@ -1,5 +1,7 @@
 """What becomes of a contact from one birth to the next, on a slider that moves steadily forward."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,7 +62,8 @@ class Cycle:
         self.births = as_start(None) if contacts.reforming is None else contacts.reforming.law
         self.law: Thresholds = contacts.thresholds
         self.unit = contacts.mean_threshold
-        self.breaking: Breaking | None = None
+        self._breaking: Breaking | None = None
+        self._later: Callable[[], Breaking] | None = None
         self.grown = contacts.grains is not None
         self.error = 0.0
         if contacts.ageing is not None:
@@ -77,31 +80,39 @@ class Cycle:
                     'that age have no such law; use closure = "exact"'
                 )
             ageing = AgeingBreaking(contacts, velocity, accuracy)
-            self.law, self.breaking, self.error = ageing.effective, ageing, ageing.error
+            self.law, self._breaking, self.error = ageing.effective, ageing, ageing.error
             self.unit = self.law.mean()
         elif contacts.grains is not None and contacts.thermal is not None:
             from master.grain_breaking import BornGrains
             from master.grain_heat import GrainHeat
             from master.grain_passage import warmed
 
-            heat, born = GrainHeat(contacts, velocity, accuracy), warmed(contacts, velocity, None, accuracy)
+            born = warmed(contacts, velocity, None, accuracy)
             self.law = grown = BornGrains(contacts.grains, velocity, born.law)
-            self.breaking, self.unit, self.error = heat, grown.unit, born.error
+            self.unit, self.error = grown.unit, born.error
+            self._later = partial(GrainHeat, contacts, velocity, accuracy)
         elif contacts.thermal is not None:
             from master.breaking_law import BreakingLaw
 
             law = BreakingLaw(contacts, velocity)
-            self.law, self.breaking, self.unit = law, law.breaking, law.mean()
+            self.law, self._breaking, self.unit = law, law.breaking, law.mean()
         elif contacts.grains is not None:
             from master.grain_breaking import BornGrains, GrainBreaking
 
             self.law = grown = BornGrains(contacts.grains, velocity)
-            self.breaking, self.unit = GrainBreaking(contacts, velocity), grown.unit
-        self.tabulated = self.breaking is not None and (contacts.thermal is not None or contacts.ageing is not None)
+            self._breaking, self.unit = GrainBreaking(contacts, velocity), grown.unit
+        self.tabulated = contacts.thermal is not None or contacts.ageing is not None
         self.relaxed, self.release = self.law, PLAIN
         again, linked = contacts.reforming, contacts.stiffness == "linked"
         if again is not None or contacts.waiting_time > 0.0 or linked:
             self._release(contacts, velocity)
+
+    @property
+    def breaking(self) -> "Breaking | None":
+        """See above; of contacts at X = 0 that break by a law of their own it is found when it is asked for."""
+        if self._breaking is None and self._later is not None:
+            self._breaking = self._later()
+        return self._breaking
 
     def _release(self, contacts: Contacts, velocity: float) -> None:
         """All that is there but temperature."""

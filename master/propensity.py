@@ -122,7 +122,7 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
     # what breaks without a stretch takes no force away, however many they are
     at_once = np.abs(problem.release.force_at(problem.law.poles)) > _UNSTRETCHED
     drops = problem.chain.weights.size > 0 or bool(at_once.any())
-    if problem.law.atomic and problem.first.single:
+    if problem.law.atomic and problem.first.single and problem.chain.births.size:
         at = problem.chain.births
         before = at * (1.0 - _JUST_BESIDE)
         force = problem.known(before) + (at - before) - problem.chain.released(before)

@@ -89,6 +89,10 @@ class GrainContact:
             out = slope * (root_b * (s / k)) - grown
         return np.where(left > 0.0, out, np.inf)[()]
 
+    def holds_at(self, velocity: float) -> bool:
+        """Whether any fraction to speak of holds at all where sliding begins as they pin."""
+        return float(np.exp(-self.lost_hazard(velocity))) >= _LEAST
+
     def lost_hazard(self, velocity: float) -> float:
         """(9/2) B (velocity tau_m)²: exp(-this) is the fraction of contacts that hold at all where sliding begins as
         they pin."""
