@@ -105,10 +105,14 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float) -> Found:
             over = 1.0 if found.lacks > _SAME * lacked else _OVER
             error = max(left(changes), over * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
         lacked = found.lacks
-        if best is None or error < best.error:
+        if best is None or error < best.error or len(changes) == 2:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = worked + found.work * _FINER**2
-        if best.error <= tolerance or error < _HARDLY * lives.error or hopeless or (changes and more > _MOST_WORK):
+        # few panels may have changed from the first answer to the second; of strands that age all steps do
+        known = len(changes) > 1 or contacts.ageing is not None
+        if known and (best.error <= tolerance or error < _HARDLY * lives.error):
+            break
+        if hopeless or (changes and more > _MOST_WORK):
             break
         fine *= _FINER
     assert best is not None
