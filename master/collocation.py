@@ -10,12 +10,17 @@ for which this is so at the panel's nodes.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
 from master.break_counts import Breaks
-from master.generations import Generations
 from master.panels import Panel
+
+if TYPE_CHECKING:
+    from master.ageing_generations import AgeingGenerations
+    from master.generations import Generations
 
 Array = npt.NDArray[np.float64]
 
@@ -36,7 +41,12 @@ class Course:
     """
 
     def __init__(
-        self, lives: Generations, panels: list[Panel], delay: float, accuracy: float, most: float = np.inf
+        self,
+        lives: Generations | AgeingGenerations,
+        panels: list[Panel],
+        delay: float,
+        accuracy: float,
+        most: float = np.inf,
     ) -> None:
         self.panels: list[Panel] = []
         self.lives, self.breaks = lives, Breaks(delay)

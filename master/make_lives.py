@@ -12,6 +12,7 @@ from master.starting import StartSum
 from origins import Contacts
 
 if TYPE_CHECKING:
+    from master.ageing_generations import AgeingGenerations
     from master.generations import Generations
     from master.timeline import Piece
     from master.wear import Wear
@@ -58,10 +59,14 @@ def _growing(contacts: Contacts, start: Nodes, age: float, level: int) -> Lives:
     return WarmGrainLives(contacts, gathered(*start, _STARTS + 8 * level), age, level)
 
 
-def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) -> "Generations":
-    """The same contacts, none born yet, on panels; but for those whose thresholds change."""
+def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) -> "Generations | AgeingGenerations":
+    """The same contacts, none born yet, on panels; but for those whose thresholds grow."""
     from master.generations import Generations
 
+    if contacts.ageing is not None:
+        from master.ageing_generations import AgeingGenerations
+
+        return AgeingGenerations(contacts, level, *_ageing_nodes(contacts, level))
     law = contacts.thresholds
     limits = np.append(law.breakpoints, law.atoms[0]) if law.breakpoints.size <= _MOST_LIMITS else law.atoms[0]
     rough = contacts.reforming is None and law.support()[0] == 0.0 and not float(law.onset_power).is_integer()
@@ -98,11 +103,16 @@ def _ageing(contacts: Contacts, level: int) -> Lives:
     """Cohorts that carry their thresholds' density."""
     from master.ageing_lives import AgeingLives
 
+    return AgeingLives(contacts, level, *_ageing_nodes(contacts, level))
+
+
+def _ageing_nodes(contacts: Contacts, level: int) -> tuple[Nodes, Nodes]:
+    """Stretches of the start and of births, and weights of sum 1."""
     law, again = Law(contacts, np.inf), (np.zeros(1), np.ones(1))
     start = gathered(*_nodes(contacts, law), _STARTS + 8 * level)
     if contacts.reforming is not None:
         again = gathered(*_nodes(Contacts(contacts.thresholds, contacts.reforming.law), law), _BIRTHS + 4 * level)
-    return AgeingLives(contacts, level, start, again)
+    return start, again
 
 
 def _warm(contacts: Contacts, length: float, furthest: float, longest: float) -> "Wear":

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.collocation import Course
-from master.generations import between, grades
+from master.generations import Generations, between, grades
 from master.panels import Panel
 from master.pot import Pot
 from master.replay import lived
@@ -46,7 +46,7 @@ class MomentDistribution:
         for panel in _before(self._course.panels, self._time):
             if panel.travel == 0.0 or _at_once(panel, self._course):
                 continue
-            birth = self._place - flat + self._course.lives.again[0][0]
+            birth = self._place - flat + self._lives.again[0][0]
             share = (birth - panel.before) / panel.travel
             time = panel.begin + panel.duration * share
             born = np.flatnonzero((share > 0.0) & (share <= 1.0) & (time <= self._time))
@@ -65,13 +65,20 @@ class MomentDistribution:
         out[here] = share * self._left(origin[here], np.zeros(here.size), np.zeros(here.size))
         return out
 
+    @property
+    def _lives(self) -> Generations:
+        # contacts that age are refused before
+        lives = self._course.lives
+        assert isinstance(lives, Generations)
+        return lives
+
     def _born(self, time: Array, place: Array) -> Array:
-        stretch, share = self._course.lives.again
+        stretch, share = self._lives.again
         return self._left(np.full(time.size, stretch[0]), time, place) * share[0]
 
     def _left(self, stretch: Array, time: Array, place: Array) -> Array:
         """What is left of contacts that formed at these, times S(|r|)."""
-        wear, out = self._course.lives.wear, np.empty(time.size)
+        wear, out = self._lives.wear, np.empty(time.size)
         for some in np.array_split(np.arange(time.size), 1 + time.size * wear.width // _CHUNK):
             now, there = np.full(some.size, self._time), np.full(some.size, self._place)
             worn, birth = wear.fresh(stretch[some]), (time[some], place[some])
@@ -80,7 +87,7 @@ class MomentDistribution:
 
     def _from_one(self) -> tuple[Array, Array]:
         """Stretches and weights of what started from one stretch, or was born at one jump or in one hold."""
-        zero, again = np.zeros(1), self._course.lives.again[0]
+        zero, again = np.zeros(1), self._lives.again[0]
         stretch, weight = [], []
         if self._contacts.start.is_single:
             origin = np.array([self._contacts.start.mean()])
@@ -99,11 +106,11 @@ class MomentDistribution:
                     births = _births(panel, self._course)
                     weight.append(births * self._born(np.array([panel.end]), np.array([panel.after])))
                 continue
-            pot = pot or Pot(self._course.lives.wear, self._course.lives.again)
+            pot = pot or Pot(self._lives.wear, self._lives.again)
             last = panel
             end = min(panel.end, self._time)
             part = Panel(panel.begin, end, panel.before, panel.after, panel.count)
-            time, share = between(part, np.unique(grades(part, end, self._course.lives.wear.time)))
+            time, share = between(part, np.unique(grades(part, end, self._lives.wear.time)))
             pot.add(part.duration, end - time, share * self._course.breaks.rate(time))
         if pot is not None:
             stretch.append(again)
@@ -112,7 +119,7 @@ class MomentDistribution:
 
     def _since(self, pot: Pot, hold: Panel) -> Array:
         """What is left of contacts born in a hold that is over."""
-        lives = self._course.lives
+        lives = self._lives
         births, worn = pot.merged()
         if births <= 0.0:
             return np.zeros(1)

@@ -22,14 +22,17 @@ Array = npt.NDArray[np.float64]
 
 _COARSEST, _FINER = 0.4, 1.3
 _ACCURACY, _FALLS = 3e-4, 0.12
-_OVER = 0.07  # of what B may lack on a panel
-_SUDDEN, _SURE = 0.08, 1.1
+_OVER, _SAME = 0.1, 0.5  # of what B may lack on a panel; all of it where it hardly fell
+_SUDDEN, _SURE = 0.12, 1.1
+_STUCK, _MORE = 0.5, 1.3  # changes that do not fall
+_STEADY, _BETTER = 0.3, 0.4  # and those that do, again and again
 _LENGTH = 1.5  # widths of the law
 _FIRST = 0.5  # of k_BT/<k x>
 _RATE = 1.0
 _ORDERS = 2
 _WATCH = 4
 _MOST_WORK = 2.5e9  # takes some fifteen seconds
+_LEFT = 4.0  # of the error of strands that age one part in so many is left with each level
 _FIRST_WORK = 0.3  # of the most
 _MOST_PANELS = 5_000
 _GLANCE = 0.03  # of the most, where even these would not do
@@ -52,7 +55,7 @@ class Found:
 
 
 def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard) -> Found:
-    """Force on a rigid slider that moves as the drive says, for contacts with any laws but ageing."""
+    """Force on a rigid slider that moves as the drive says, for contacts with any laws but growing thresholds."""
     unit, delay = contacts.mean_threshold, 0.0 if contacts.delay is None else contacts.delay.time
     asked, course = times(drive), pieces(drive)
     lives = make_generations(contacts, course)
@@ -72,7 +75,8 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     rounding = _EPSILON * speed * float(asked[-1]) / unit
     best: Found | None = None
     before: Array | None = None
-    worked = 0.0
+    raw: list[Array] = []
+    worked, lacked = 0.0, np.inf
     changes: list[float] = []
     for level in range(_MOST_LEVELS):
         cut = panels(course, edges[1:-1], slivers, scales, fine)
@@ -89,19 +93,28 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         worked += found.work
         count = sum(panel.count for panel in found.panels)
         answer = np.stack([read(found, everywhere, place, row) for row in (found.force, found.holding)])
-        if before is not None:
+        if contacts.ageing is not None:
+            raw.append(answer)
+            if len(raw) > 1:
+                answer = answer + (answer - raw[-2]) / (_LEFT - 1.0)
+        if before is not None and (len(raw) > 2 or contacts.ageing is None):
             changes.append(float((np.abs(answer - before).max(axis=1) / [unit, 1.0]).max()))
         before = answer
         error = np.inf
         if not lost:
-            # answers on the same panels do not change, though they are not exact
-            over = 1.0 if best is not None and best.course is not None and best.course.panels == found.panels else _OVER
+            # answers on much the same panels do not change, though they are not exact
+            over = 1.0 if found.lacks > _SAME * lacked else _OVER
             error = max(left(changes), over * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
         progress(error)
-        if best is None or error < best.error:
+        lacked = found.lacks
+        if best is None or error < best.error or len(changes) == 2:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = worked + found.work * _FINER**2
-        if best.error <= tolerance or error < _HARDLY * lives.error or lost or (level and more > _MOST_WORK):
+        # few panels may have changed from the first answer to the second; of strands that age all steps do
+        known = len(changes) > 1 or contacts.ageing is not None
+        if known and (best.error <= tolerance or error < _HARDLY * lives.error):
+            break
+        if lost or (changes and more > _MOST_WORK):
             break
         fine *= _FINER
     assert best is not None
@@ -110,9 +123,14 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
 
 def left(changes: list[float]) -> float:
     """What the last answer is off by, from the changes of answers that get better and better."""
-    if not changes:
-        return np.inf
-    return max(_SURE * changes[-1], _SUDDEN * changes[-2] if len(changes) > 1 else 0.0)
+    if len(changes) < 2:
+        return _SURE * changes[0] if changes else np.inf
+    before, last = changes[-2:]
+    out = max(_SURE * last, _SUDDEN * before)
+    if last > _STUCK * before:
+        return _MORE * out
+    steady = len(changes) > 2 and last < _STEADY * before and before < _STEADY * changes[-3]
+    return _BETTER * out if steady else out
 
 
 def too_long(contacts: Contacts, course: list[Piece], steps: float, most: str, rate: float) -> NoReturn:

@@ -1,5 +1,5 @@
-"""Any path in time: collocation on panels (master.on_panels), or for contacts that age steps halved until the force
-along it, extrapolated, changes by less than the tolerance."""
+"""Any path in time: collocation on panels (master.on_panels), or for contacts whose thresholds grow steps halved until
+the force along it, extrapolated, changes by less than the tolerance."""
 
 import time as clocks
 from dataclasses import dataclass, field
@@ -89,14 +89,14 @@ def solve_timed(
 ) -> TimedSolution:
     """Force on a rigid slider that moves as the drive says, for contacts with any laws; arguments checked before.
 
-    On panels of eight nodes, cut up where breaks change fast; for contacts that age by marches of second order in the
-    step, on steps halved again and again; what they tell is extrapolated to step 0.
+    On panels of eight nodes, cut up where breaks change fast; for contacts whose thresholds grow by marches of second
+    order in the step, on steps halved again and again; what they tell is extrapolated to step 0.
     """
     prepare(contacts)
     began = clocks.perf_counter()
     asked = times(drive)
     path: Course | None = None
-    if contacts.ageing is None and contacts.grains is None:
+    if contacts.grains is None:
         found = follow(contacts, drive, tolerance, progress)
         force, holding, error, nodes, message = found.force, found.holding, found.error, found.nodes, found.message
         path = found.course

@@ -139,15 +139,20 @@ def test_the_paper_closure_forgets_after_a_turn() -> None:
 
 def test_compiled_costs_are_those_of_numpy() -> None:
     for contacts in (Contacts(WIDE, thermal=STIFF), Contacts(WIDE, thermal=SOFT, stiffness="linked")):
-        cut = CutLaw(contacts, resolved(contacts, 2.0, 1.0), 1e-16)
+        cut = CutLaw(contacts, resolved(contacts, 2.0, 1.0), 1e-16, rooted=contacts.stiffness == "independent")
         wear = SpentWear(contacts, cut, 0.2)
         begin = np.array([-0.5, 0.0, 0.3, 0.2, -0.1])
         worn, first = wear.fresh(begin), np.full(5, 40)
         wear.advance(worn, begin, begin + 0.3, np.abs(begin), 2.0)
         both = [wear.at_nodes(worn, begin + 0.3, first), wear._compiled.spent(*wear._strands(worn, begin + 0.3, first))]
         np.testing.assert_allclose(both[1], both[0], rtol=1e-9, atol=1e-15)
-        wear.settle(worn, begin + 0.3, np.maximum(np.abs(begin), begin + 0.3))
+        furthest = np.maximum(np.abs(begin), begin + 0.3)
+        wear.settle(worn, begin + 0.3, furthest)
         wear.advance(worn, begin + 0.3, begin + 0.3, np.abs(begin) + 0.3, 50.0)
+        plain, left = (
+            SpentWear(contacts, cut, 0.2, plain=plain).left(worn, begin + 0.3, furthest) for plain in (True, False)
+        )
+        np.testing.assert_allclose([left.held, left.edge], [plain.held, plain.edge], rtol=1e-9)
         both = [wear.at_nodes(worn, begin + 0.3, first), wear._compiled.spent(*wear._strands(worn, begin + 0.3, first))]
         np.testing.assert_allclose(both[1], both[0], rtol=1e-9, atol=1e-15)
 
