@@ -24,6 +24,7 @@ _COARSEST, _FINER = 0.4, 1.3
 _ACCURACY, _FALLS = 3e-4, 0.12
 _OVER, _SAME = 0.1, 0.5  # of what B may lack on a panel; all of it where it hardly fell
 _SUDDEN, _SURE = 0.12, 1.1
+_SLIGHT = 0.01  # of what B lacks: a first change that tells nothing
 _STUCK, _MORE = 0.5, 1.3  # changes that do not fall
 _STEADY, _BETTER = 0.3, 0.4  # and those that do, again and again
 _LENGTH = 1.5  # widths of the law
@@ -110,8 +111,8 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         if best is None or error < best.error or len(changes) == 2:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = worked + found.work * _FINER**2
-        # few panels may have changed from the first answer to the second; of strands that age all steps do
-        known = len(changes) > 1 or contacts.ageing is not None
+        # the panels that matter may be the same in the first two answers
+        known = len(changes) != 1 or changes[0] > _SLIGHT * found.lacks
         if known and (best.error <= tolerance or error < _HARDLY * lives.error):
             break
         if lost or (changes and more > _MOST_WORK):
