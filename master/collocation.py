@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 _DEPTH = 14
-_SEEN, _SURELY = 0.02, 8.0  # part of the most work after which what is ahead is judged; how far beyond it is to be
+_SEEN = 0.02  # part of the most work after which what is ahead is judged
+_LIKELY, _SURELY = 2.0, 8.0  # how far beyond the most it is to be, if all panels are as these were, and if they grow
 
 
 class TooMuch(Exception):
@@ -56,10 +57,10 @@ class Course:
         last, before = lives.start, 0.0
         for done, whole in enumerate(panels):
             if lives.work > _SEEN * most:
-                # as each panel asks all contacts born before; where many break for good, as the last one does
+                # as each panel asks all contacts born before; where many break for good, as the last ones do
                 ahead = len(panels) / max(done, 1)
-                alike = lives.work + (lives.work - before) * (len(panels) - done)
-                if alike > most or lives.work * ahead**2 > _SURELY * most:
+                alike = min(lives.work + (lives.work - before) * (len(panels) - done), lives.work * ahead)
+                if alike > _LIKELY * most or lives.work * ahead**2 > _SURELY * most:
                     raise TooMuch
             before = lives.work
             left = [(whole, 0)]
