@@ -13,7 +13,7 @@ from master.forward import ROUND_OFF
 from master.jumps import jumps
 from master.make_lives import make_generations
 from master.outcome import Progress, unheard
-from master.panels import MOST_NODES, Panel, Scales, panels, radau
+from master.panels import MOST_NODES, SLOW, Panel, Scales, panels, radau
 from master.timeline import Piece, pieces, times, where
 from origins import Contacts, Drive
 from origins.errors import refuse
@@ -22,7 +22,7 @@ Array = npt.NDArray[np.float64]
 
 _COARSEST, _FINER = 0.4, 1.3
 _ACCURACY, _FALLS = 3e-4, 0.12
-_OVER, _SAME = 0.1, 0.5  # of what B may lack on a panel; all of it where it hardly fell
+_SAME = 0.5  # where what B may lack on a panel fell no further, changes do not tell it
 _SUDDEN, _SURE = 0.12, 1.1
 _SLIGHT = 0.01  # of what B lacks: a first change that tells nothing
 _STUCK, _MORE = 0.5, 1.3  # changes that do not fall
@@ -104,8 +104,8 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         error = np.inf
         if not lost:
             # answers on much the same panels do not change, though they are not exact
-            over = 1.0 if found.lacks > _SAME * lacked else _OVER
-            error = max(left(changes), over * found.lacks) + rounding + ROUND_OFF * (1.0 + count) + lives.error
+            own = max(found.lacks if found.lacks > _SAME * lacked else 0.0, unread(found, asked, unit))
+            error = max(left(changes), own) + rounding + ROUND_OFF * (1.0 + count) + lives.error
         progress(error)
         lacked = found.lacks
         if best is None or error < best.error or len(changes) == 2:
@@ -205,6 +205,16 @@ def read(course: Course, time: Array, place: Array, rows: list[Array]) -> Array:
         else:
             out[mine] = radau(panel.count).values(_share(panel, time[mine], place[mine])) @ rows[k]
     return out
+
+
+def unread(course: Course, time: Array, unit: float) -> float:
+    """What the force lacks between nodes, where it is read at times, in units of a length."""
+    out = 0.0
+    for panel, force in zip(course.panels, course.force, strict=True):
+        inner = (time > panel.begin) & (time < panel.end)
+        if panel.count > 1 and inner.any():
+            out = max(out, radau(panel.count).tail(force))
+    return SLOW * out / unit
 
 
 def _share(panel: Panel, time: Array, place: Array) -> Array:

@@ -17,8 +17,8 @@ from master.timeline import Piece
 Array = npt.NDArray[np.float64]
 
 MOST_NODES = 8
-_SLOW = 0.25  # of a panel's length over that on which things change: what its polynomials' next term is smaller by
-_SHARE = _SLOW**MOST_NODES
+SLOW = 0.25  # of a panel's length over that on which things change: what its polynomials' next term is smaller by
+_SHARE = SLOW**MOST_NODES
 _GROWTH = 2.0
 _MORE = 3
 _MOST_PANELS = 1e9
@@ -85,7 +85,7 @@ class Radau:
         """How large the last terms of the polynomial through values at 0 and the nodes are, as a series of Legendre's;
         no less than what it lacks, where they fall."""
         last = np.abs(self._last @ values)
-        return float(max(last[1], _SLOW * last[0]))
+        return float(max(last[1], SLOW * last[0]))
 
     def values(self, at: Array) -> Array:
         """Weights of the values at 0 and the nodes in the polynomial's at shares `at`, shape (m, count + 1)."""
@@ -161,7 +161,7 @@ def panels(course: list[Piece], bends: Array, slivers: Array | None, scales: Sca
 
 def _count(share: float) -> int:
     """Nodes for a panel of this share of the longest."""
-    return int(np.clip(np.ceil(np.log(_SHARE) / np.log(_SLOW * min(share, 1.0))), 2, MOST_NODES))
+    return int(np.clip(np.ceil(np.log(_SHARE) / np.log(SLOW * min(share, 1.0))), 2, MOST_NODES))
 
 
 def _moving(begin: float, end: float, first: float, longest: float, growth: float) -> Array:
