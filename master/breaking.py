@@ -12,6 +12,7 @@ and the released stretch is the same with w + y under the integral. Forward moti
 import numpy as np
 import numpy.typing as npt
 
+from master.bunches import Level, bunched
 from master.cohort import SLACK, Cohort
 from master.corners import bends
 from master.first import FirstBreaks
@@ -19,21 +20,28 @@ from master.law import Law
 from master.piecewise import Piecewise, tabulate
 
 Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.intp]
 
 _X, _W = np.polynomial.legendre.leggauss(16)
 _X, _W = 0.5 * (_X + 1.0), 0.5 * _W
 _NEGLIGIBLE = 1e-19
+_CLOSER = 0.5 ** np.arange(40.0)
+_SMALL = 0.1  # of what series are good to: births that may be left out
+_LOST = 5e-14  # births in all that rounding of a lattice leaves where there are none
 _CHUNK = 400_000
 _MOST_SEEDS = 400
 _JUMP = 1e-11
 
 
 class Standing:
-    """A cohort as a leg finds it: stretches w along the leg, counted from the leg's beginning."""
+    """A cohort as a leg finds it: stretches w along the leg, counted from the leg's beginning.
 
-    def __init__(self, cohort: Cohort, turn: float, direction: int, law: Law) -> None:
-        front, back = (cohort.high, cohort.low) if direction > 0 else (cohort.low, cohort.high)
-        self.ahead = max(direction * (front - turn), 0.0)
+    Its smallest births, up to `lost` in all, are left out; `self.lost` says how many were.
+    """
+
+    def __init__(self, cohort: Cohort, turn: float, direction: int, law: Law, lost: float) -> None:
+        back = cohort.low if direction > 0 else cohort.high
+        self.ahead = _ahead(cohort, turn, direction)
         self.behind = max(direction * (turn - back), 0.0)
         by = direction * turn
         self.table = cohort.table.seen(-direction, by)
@@ -43,26 +51,37 @@ class Standing:
         self._law = law
         left, right = self.table.edges[:-1], self.table.edges[1:]
         width = right - left
-        self._nodes = left[:, None] + width[:, None] * _X
-        self._mass = self.table(self._nodes) * (width[:, None] * _W)
-        self._left, self._right = left, right
-        edges = law.edges_for(0.125 * float(width.max(initial=0.0)))
-        heavy = law.cdf(edges) > _NEGLIGIBLE
-        first = max(int(np.argmax(heavy)) - 1, 0) if heavy.any() else 0
-        self._edges = edges[first:]
+        size = np.abs(self.table.coefficients).sum(axis=0) * width
+        order = np.argsort(size)
+        added = np.cumsum(size[order])
+        nothing = order[added <= max(_LOST, lost)]
+        self.lost = float(size[nothing].sum())
+        born = np.isin(np.arange(size.size), nothing, invert=True) & (size > _NEGLIGIBLE)
+        left, right, width = left[born], right[born], width[born]
+        nodes = left[:, None] + width[:, None] * _X
+        self._levels: list[Level] = []
+        if left.size and law.edges.size:
+            mass = self.table.within(np.flatnonzero(born), nodes) * (width[:, None] * _W)
+            self._levels = bunched(law, left, right, nodes, mass)
+            edges = self._levels[0].edges
+            below, above = np.flatnonzero(law.cdf(edges) <= _NEGLIGIBLE), np.flatnonzero(law.sf(edges) <= _NEGLIGIBLE)
+            self._edges = edges = edges[below[-1] if below.size else 0 : above[0] + 1 if above.size else None]
+            # the first panel of a narrow law is as wide as all that lies below it
+            closer = edges[1] - (edges[1] - edges[0]) * _CLOSER if edges.size > 1 else edges[:1]
+            self._begins = float(closer[law.cdf(closer) <= _NEGLIGIBLE].max(initial=edges[0]))
 
     def flux(self, y: Array) -> Array:
         """f at travels y > 0, and the same weighted by the released stretch; shape (2, n)."""
         out = np.zeros((2, y.size))
         on = y > self.ahead
-        if self._left.size and self._edges.size:
-            rows = max(1, _CHUNK // self._nodes.size)
+        if self._levels:
+            rows = max(1, _CHUNK // self._levels[-1].nodes.size)
             at = np.flatnonzero(on)
             for part in np.array_split(at, 1 + at.size // rows):
                 if part.size:
                     out[:, part] = self._spread(y[part])
         law = self._law
-        if self._left.size:
+        if self.table.edges.size > 1:
             for atom, weight in zip(law.atoms, law.atom_weights, strict=True):
                 birth = atom - y
                 share = np.where(on & (atom > self.behind - birth), weight * self.table(birth), 0.0)
@@ -75,46 +94,56 @@ class Standing:
         return out
 
     def _spread(self, y: Array) -> Array:
-        """Births spread over w, thresholds spread over x: by 16 nodes on every panel, cut where anything bends."""
+        """Births spread over w, thresholds spread over x: by 16 nodes on every interval, the widest that do."""
         edges, law = self._edges, self._law
-        x = y[:, None]
-        low = np.maximum(0.5 * (self.behind - x), edges[0] - x)
-        left = np.maximum(self._left, low)
-        right = np.minimum(self._right, edges[-1] - x)
-        first = np.searchsorted(edges, left + x, side="right")
-        inner = np.maximum(np.searchsorted(edges, right + x, side="left") - first, 0)
-        live = right - left > 1e-15 * (1.0 + np.abs(left))
-        whole = live & (left == self._left) & (right == self._right) & (inner == 0)
+        low, high = np.maximum(0.5 * (self.behind - y), self._begins - y), edges[-1] - y
         out = np.zeros((2, y.size))
-        row, panel = np.nonzero(whole)
+        row, at = self._levels[-1].between(low, high)
+        for depth in range(len(self._levels) - 1, -1, -1):
+            level = self._levels[depth]
+            left, right, shift = level.left[at], level.right[at], y[row]
+            live = (right > low[row]) & (left < high[row])
+            row, at, left, right, shift = row[live], at[live], left[live], right[live], shift[live]
+            before = np.searchsorted(level.edges, left + shift, side="right")
+            whole = np.searchsorted(level.edges, right + shift, side="left") <= before
+            whole &= (left >= low[row]) & (right <= high[row])
+            if whole.any():
+                here = at[whole]
+                stretch = level.nodes[here] + shift[whole, None]
+                out += _sums(row[whole], level.mass[here] * law.pdf(stretch), stretch, y.size)
+            row, at = row[~whole], at[~whole]
+            if depth:
+                row, at = level.split(row, at)
         if row.size:
-            stretch = self._nodes[panel] + y[row, None]
-            density = self._mass[panel] * law.pdf(stretch)
-            out += _sums(row, density, stretch, y.size)
-        row, panel = np.nonzero(live & ~whole)
-        if row.size:
-            count = inner[row, panel] + 1
-            pair = np.repeat(np.arange(row.size), count)
-            place = np.arange(pair.size) - np.repeat(np.cumsum(count) - count, count)
-            row, panel = row[pair], panel[pair]
-            next_edge = first[row, panel] + place
-            begin = np.where(place == 0, left[row, panel], edges[np.minimum(next_edge - 1, edges.size - 1)] - y[row])
-            end = np.where(
-                place == count[pair] - 1, right[row, panel], edges[np.minimum(next_edge, edges.size - 1)] - y[row]
-            )
-            width = np.maximum(end - begin, 0.0)[:, None]
-            nodes = begin[:, None] + width * _X
-            stretch = nodes + y[row, None]
-            density = width * _W * self.table(nodes) * law.pdf(stretch)
-            out += _sums(row, density, stretch, y.size)
+            out += self._cut(y, row, at, low, high)
         return out
+
+    def _cut(self, y: Array, row: Whole, panel: Whole, low: Array, high: Array) -> Array:
+        """The same of pairs of travels y[row] and panels, each cut where anything bends."""
+        edges, finest = self._edges, self._levels[0]
+        left = np.maximum(finest.left[panel], low[row])
+        right = np.minimum(finest.right[panel], high[row])
+        live = right - left > 1e-15 * (1.0 + np.abs(left))
+        row, left, right = row[live], left[live], right[live]
+        first = np.searchsorted(edges, left + y[row], side="right")
+        count = np.maximum(np.searchsorted(edges, right + y[row], side="left") - first, 0) + 1
+        pair = np.repeat(np.arange(row.size), count)
+        place = np.arange(pair.size) - np.repeat(np.cumsum(count) - count, count)
+        row, next_edge = row[pair], first[pair] + place
+        begin = np.where(place == 0, left[pair], edges[np.minimum(next_edge - 1, edges.size - 1)] - y[row])
+        end = np.where(place == count[pair] - 1, right[pair], edges[np.minimum(next_edge, edges.size - 1)] - y[row])
+        width = np.maximum(end - begin, 0.0)[:, None]
+        nodes = begin[:, None] + width * _X
+        stretch = nodes + y[row, None]
+        density = width * _W * self.table(nodes) * self._law.pdf(stretch)
+        return _sums(row, density, stretch, y.size)
 
     def seeds(self, end: float) -> Array:
         """Travels up to `end` at which f may not be smooth."""
         law = self._law
         marks = np.concatenate([law.breakpoints, law.jumps, law.atoms])
         sums = [np.array([self.ahead]), 2.0 * marks - self.behind]
-        if self._left.size:
+        if self.table.edges.size > 1:
             sums += [self.behind - 2.0 * self.corners, (marks[:, None] - self.corners).ravel()]
         if self.positions.size:
             w = self.positions[:_MOST_SEEDS]
@@ -145,9 +174,13 @@ class CohortBreaks(FirstBreaks):
         self._accuracy = max(accuracy, 2e-15)
         self._defect = 0.0
         self._law = law
-        self._standing = [Standing(cohort, turn, direction, law) for cohort in cohorts]
+        # those that have been further ahead than this leg goes do not break on it
+        breaking = [cohort for cohort in cohorts if _ahead(cohort, turn, direction) < end]
+        lost = _SMALL * self._accuracy / max(len(breaking), 1)
+        self._standing = [Standing(cohort, turn, direction, law, lost) for cohort in breaking]
+        self.lost = sum(standing.lost for standing in self._standing)
         self.mean_start = direction * sum(cohort.held(law, turn)[1] for cohort in cohorts)
-        atoms = [standing.atoms() for standing in self._standing]
+        atoms = [(np.empty(0),) * 3, *(standing.atoms() for standing in self._standing)]
         self.atoms, self.atom_weights, self.atom_released = (np.concatenate(part) for part in zip(*atoms, strict=True))
         self._order = np.argsort(self.atoms, kind="stable")
         self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
@@ -214,6 +247,12 @@ class CohortBreaks(FirstBreaks):
         known = np.isin(table.edges[:-1], self.seeds) & (np.abs(size) > _JUMP)
         known[0] = True
         return table.edges[:-1][known], size[known]
+
+
+def _ahead(cohort: Cohort, turn: float, direction: int) -> float:
+    """How far ahead of a turning point the slider has been since the births."""
+    front = cohort.high if direction > 0 else cohort.low
+    return max(direction * (front - turn), 0.0)
 
 
 def _sums(row: npt.NDArray[np.intp], density: Array, stretch: Array, size: int) -> Array:

@@ -1,5 +1,6 @@
 """Paths that turn round: exact hysteresis, closed forms after one and two turns, a simulation, the paper's way."""
 
+import time
 from collections.abc import Callable
 from itertools import pairwise
 
@@ -11,6 +12,7 @@ from test_force_error import LAWS, Draw
 
 import master
 import origins
+from master.bunches import bunched
 from master.cohort import starting
 from master.cohorts import Course, solve_cohorts
 from master.explicit import explicit
@@ -18,6 +20,7 @@ from master.explicit_loop import explicit_loop
 from master.law import Law
 from master.leg import State
 from master.moves import moves
+from origins.quadrature import gauss
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]
 
@@ -332,6 +335,40 @@ def test_births_where_thresholds_diverge_are_kept():
     assert abs(stretch - solution.force[-1] / contacts.mean_threshold) <= 2e-8
     # and what is missing all the same is told
     assert state.whole(law).error >= abs(weight - 1.0)
+
+
+def test_a_corner_in_the_cell_of_a_point_is_no_luck():
+    """Two lattices in a row are off by the same 1e-10 here, 3e-11 apart from each other."""
+    parts = [origins.identical(0.747044852887886), origins.identical(1.4613837891376376), origins.gaussian(1.0, 0.1)]
+    contacts = origins.Contacts(origins.mixture(parts, [0.2, 0.3, 0.5]), 0.5421173351609287)
+    claimed, true = claimed_and_true(contacts, np.linspace(0.0, 0.7474624273749357, 5), 2.54e-10, 1e-12)
+    assert 5e-11 <= true <= claimed <= 2.6e-10
+
+
+def test_bunched_births_are_the_births_on_their_panels():
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.1))
+    law = Law(contacts, 3.0)
+    edges = np.sort(np.append(np.random.default_rng(4).uniform(-0.5, 0.7, 300), [-0.5, 0.7]))
+    nodes, weights = gauss(edges[:-1], edges[1:])
+    mass = weights * np.where(nodes > 0.1, np.exp(-nodes), nodes**2)
+    levels = bunched(law, edges[:-1], edges[1:], nodes, mass)
+    assert levels[-1].left.size < 30
+    for y in (0.3, 0.8, 1.1):
+        exact = (mass * law.pdf(nodes + y)).sum()
+        for level in levels:
+            assert abs((level.mass * law.pdf(level.nodes + y)).sum() - exact) <= 1e-12
+        rows, at = levels[-1].split(np.zeros(levels[-1].left.size, dtype=int), np.arange(levels[-1].left.size))
+        assert (rows == 0).all() and (at == np.arange(levels[-2].left.size)).all()
+
+
+def test_a_law_far_narrower_than_the_path_takes_no_longer():
+    """Births of such a law lie on thousands of panels, all but empty: only what weighs is looked at."""
+    contacts = origins.Contacts(origins.gaussian(1.0, 1e-4))
+    began = time.process_time()
+    solution = solve_cohorts(contacts, through([0.0, 1.3, -0.8, 0.9], 20), 1e-6)
+    assert time.process_time() - began <= 5.0
+    assert solution.success
+    assert np.abs(solution.force - walk(0.0, solution.path, 1.0)).max() <= 1e-6
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1e9])
