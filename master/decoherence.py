@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.fft import next_fast_len, rfft
 
-from master.births import TravelLaw
 from master.cycle import Cycle
 from master.lattice import deposit_atoms, lay
 from master.law import Law
-from master.long_wait import LONG, slowest_wave
+from master.long_wait import LONG, Waves, slowest_wave
 from origins import Contacts
 from origins.quadrature import gauss
 
@@ -64,11 +63,11 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
 def _waiting(contacts: Contacts, cycle: Cycle) -> tuple[float, float] | None:
     """The same where the wait is long; None where no wave decays more slowly than the law without it tells."""
     wait, unit = cycle.release.delay, cycle.unit
-    law = Law(contacts, np.inf, TravelLaw(cycle.relaxed, cycle.release.born, 0.0, unit), unit)
+    law = Law(contacts, np.inf, cycle.without_wait().law, unit)
     if law.atomic:
         return None
     nodes, log_mass = wave_nodes(law, law.edges, 2.0 / min(law.narrowest, 1.0))
-    slowest, error = slowest_wave(nodes, np.exp(log_mass), wait, law.narrowest)
+    slowest, error = slowest_wave(Waves(nodes, np.exp(log_mass), wait), law.narrowest)
     error += survival_error(cycle) * slowest * (float(law.edges[-1]) / min(law.narrowest, 1.0)) ** 2
     return (unit / slowest, unit * error / slowest**2) if slowest < _NOWHERE / wait else None
 
