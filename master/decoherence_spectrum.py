@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cycle import LAWS, Cycle
-from master.decoherence import crowding_rate, known_edges, survival_error, tail_edges, tail_rate
+from master.decoherence import BROAD, crowding_rate, known_edges, survival_error, tail_edges, tail_rate
 from master.decoherence_rest import rest_beyond
 from master.decoherence_roots import Complex, Lines, leading_roots
 from master.decoherence_terms import term
@@ -37,6 +37,7 @@ _SPARE = 3
 _LITTLE = 1e-2
 _ACCURACY = 1e-8
 _ROUND_OFF = 1e-15
+_NONE = 1e-14
 _HIGH = 10.0
 _COUNTED = 400.0  # wait in mean travels: beyond, |p^| is nearly 1 at so many frequencies that roots are told one by one
 _LONGEST = 1e12
@@ -149,6 +150,8 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
             f"contacts wait for {wait:.3g} times as long as they hold: roots are told up to {_LONGEST:g} times; "
             "use a shorter one",
         )
+    if contacts.grains is not None and float(cycle.law.atoms[1].sum()) > 1.0 - _NONE:
+        refuse("velocity", velocity, "fewer than 1e-14 of new grains hold at all, without waves; slide more slowly")
     crowded = wait > _COUNTED
     problem = _problem(contacts, cycle.without_wait() if crowded else cycle)
     noise = survival_error(problem.cycle)
@@ -174,6 +177,11 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
         # waves of contacts that wait are slower
         lines = Lines(problem, edges, 2.0 * np.pi * count * _HIGH / (1.0 + wait))
         found = leading_roots(problem, edges, lines, count, limit)
+        if not found.searched > 0.0 and law.edges[-1] > BROAD:
+            raise InputError(
+                f"thermal: contacts live for all lengths up to {law.edges[-1]:.1g} times the mean: among so many no "
+                "leading oscillating wave can be resolved; master.propensity gives X*, or says that it is not known"
+            )
         if not found.searched > 0.0:
             raise InputError(
                 "thresholds: so much of their weight is exact, or nearly so, that no root can be told from those at "

@@ -17,6 +17,7 @@ from origins import (
     Thermal,
     gaussian,
     gaussian_start,
+    growing_grains,
     identical,
     lubricated,
     mixture,
@@ -196,6 +197,10 @@ def test_what_has_no_spectrum_is_said() -> None:
     aged = Contacts(gaussian(0.5, 0.1), ageing=Ageing(WIDE, 1e-4, closure="paper"))
     with pytest.raises(InputError, match="single contacts have no law of their own"):
         master.decoherence_spectrum(aged)
+    with pytest.raises(InputError, match="fewer than 1e-14 of new grains hold at all"):
+        master.decoherence_spectrum(Contacts(growing_grains(1.0, 1.0, age=4.0)), velocity=10.0)
+    with pytest.raises(InputError, match="among so many no leading oscillating wave"):
+        master.decoherence_spectrum(Contacts(gaussian(1.0, 0.1), thermal=Thermal("soft", 0.1, 1e12)))
     with pytest.raises(InputError, match="n_roots"):
         master.decoherence_spectrum(Contacts(WIDE), n_roots=0)
     with pytest.raises(InputError, match=r"contacts wait for 1e\+13 times as long as they hold"):
