@@ -1,6 +1,8 @@
 """What becomes of a contact from one birth to the next, on a slider that moves steadily forward."""
 
 from collections.abc import Callable
+from copy import copy
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -140,6 +142,15 @@ class Cycle:
         )
         if after is not None or wait > 0.0:
             self.law = TravelLaw(self.relaxed, after, wait, unit)
+
+    def without_wait(self) -> "Cycle":
+        """The same where broken contacts form again at once."""
+        from master.births import TravelLaw
+
+        still, born = copy(self), self.release.born
+        still.release = replace(self.release, delay=0.0)
+        still.law = self.relaxed if born is None else TravelLaw(self.relaxed, born, 0.0, self.unit)
+        return still
 
     def survived(self, start: Start, origin: Array, x: Array) -> Array:
         """Fraction of the contacts that stood at `origin`, stretches of `start`, which hold at x; 0 where no threshold

@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.fft import next_fast_len, rfft
 
-from master.births import TravelLaw
 from master.cycle import Cycle
 from master.lattice import deposit_atoms, lay
 from master.law import Law
-from master.long_wait import LONG, slowest_wave
+from master.long_wait import LONG, Waves, slowest_wave
 from origins import Contacts
 from origins.quadrature import gauss
 
@@ -30,7 +29,7 @@ MOST_NODES = 2**18
 _ASTRAY = 3.0  # from a guess: other guesses are nearer to what lies there
 _TABLE = 1e-13  # error of a survival known by tables
 _NOISE = 1e-15  # of the terms of p^
-_BROAD, _OF_LONGEST = 1e4, 300.0  # means, and |s| times the longest life
+BROAD, _OF_LONGEST = 1e4, 300.0  # means, and |s| times the longest life
 _RESOLVED, _TIMES = 4.0, 6.0  # |s| that the nodes resolve beside a guess, and as many times the guess if that is less
 
 
@@ -39,15 +38,15 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
 
     That is so for a law of exact values alone (periodic, or as close to it as one likes) and for one whose tail falls
     slower than any exponential. Where a few live more than 10,000 times as long as the mean, and too few to tell, the
-    error is inf. Where exact values hold a share of the weight, no root may be slower than those that
-    crowd about the rate of their own.
+    error is inf, as where fewer than 1e-14 of growing grains hold at all. Where exact values hold a share of the
+    weight, no root may be slower than those that crowd about the rate of their own.
     """
     cycle = Cycle(contacts) if cycle is None else cycle
     if cycle.release.delay > LONG and (found := _waiting(contacts, cycle)) is not None:
         return found
     law = Law(contacts, np.inf, cycle.law, cycle.unit)
-    if law.atomic:
-        return np.inf, 0.0
+    if law.atomic:  # of grains that hardly ever hold nothing is known of the few that do
+        return np.inf, 0.0 if contacts.grains is None else np.inf
     rate, rate_error = tail_rate(cycle)
     rate, rate_error = rate * law.unit, rate_error * law.unit
     if (crowd := crowding_rate(law)) < rate:
@@ -64,11 +63,11 @@ def decoherence_length(contacts: Contacts, cycle: Cycle | None = None) -> tuple[
 def _waiting(contacts: Contacts, cycle: Cycle) -> tuple[float, float] | None:
     """The same where the wait is long; None where no wave decays more slowly than the law without it tells."""
     wait, unit = cycle.release.delay, cycle.unit
-    law = Law(contacts, np.inf, TravelLaw(cycle.relaxed, cycle.release.born, 0.0, unit), unit)
+    law = Law(contacts, np.inf, cycle.without_wait().law, unit)
     if law.atomic:
         return None
     nodes, log_mass = wave_nodes(law, law.edges, 2.0 / min(law.narrowest, 1.0))
-    slowest, error = slowest_wave(nodes, np.exp(log_mass), wait, law.narrowest)
+    slowest, error = slowest_wave(Waves(nodes, np.exp(log_mass), wait), law.narrowest)
     error += survival_error(cycle) * slowest * (float(law.edges[-1]) / min(law.narrowest, 1.0)) ** 2
     return (unit / slowest, unit * error / slowest**2) if slowest < _NOWHERE / wait else None
 
@@ -136,7 +135,7 @@ def _slowest_root(law: Law, cycle: Cycle, rate: float) -> tuple[float, float]:
     reach = min(0.9 * rate, _REACH)
     edges = tail_edges(law, cycle, reach)
     best = complex(-reach)
-    broad = float(law.edges[-1]) > _BROAD
+    broad = float(law.edges[-1]) > BROAD
     for start in _slow(law) if broad else _dips(law) + _slow(law) + _own_waves(law):
         best = _better(best, newton(law, edges, start, 1))
     if best.real < -0.3 and not broad:  # roots this far from the axis leave no dip on it
@@ -200,7 +199,7 @@ def _slow(law: Law) -> list[complex]:
     if longest < 6.0:
         return []
     # lives of all lengths, as of hot contacts: what decays slowly has to do with the longest
-    fastest = _OF_LONGEST / longest if longest > _BROAD else 1.5
+    fastest = _OF_LONGEST / longest if longest > BROAD else 1.5
     radius, angle = np.meshgrid(np.geomspace(0.5 / longest, fastest, 8), np.array([1.7, 2.1, 2.5, 2.9]))
     return [complex(guess) for guess in (radius * np.exp(1j * angle)).ravel()]
 

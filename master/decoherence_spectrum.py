@@ -18,10 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cycle import LAWS, Cycle
-from master.decoherence import crowding_rate, known_edges, survival_error, tail_edges, tail_rate
+from master.decoherence import BROAD, crowding_rate, known_edges, survival_error, tail_edges, tail_rate
 from master.decoherence_rest import rest_beyond
 from master.decoherence_roots import Complex, Lines, leading_roots
 from master.decoherence_terms import term
+from master.decoherence_waiting import waiting_terms
 from master.problem import Problem
 from master.steady import steady_state
 from origins import Contacts
@@ -36,8 +37,10 @@ _SPARE = 3
 _LITTLE = 1e-2
 _ACCURACY = 1e-8
 _ROUND_OFF = 1e-15
+_NONE = 1e-14
 _HIGH = 10.0
-_LONGEST = 400.0  # wait in mean travels: |p^| is nearly 1 at so many frequencies that to count roots takes minutes
+_COUNTED = 400.0  # wait in mean travels: beyond, |p^| is nearly 1 at so many frequencies that roots are told one by one
+_LONGEST = 1e12
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,7 @@ class DecoherenceSpectrum:
     roots_error: Array
     amplitude: Complex
     amplitude_error: Array
+    decay_length_error: Array
     kinetic_force: float
     kinetic_force_error: float
     beyond: float
@@ -90,11 +94,6 @@ class DecoherenceSpectrum:
         """-1/Re s_n, lengths."""
         return -1.0 / self.roots.real
 
-    @property
-    def decay_length_error(self) -> Array:
-        """Its error, lengths."""
-        return self.roots_error / self.roots.real**2
-
     def force(self, x: npt.ArrayLike) -> Array:
         """F_k and the sum of the terms at positions X >= 0 (lengths); same shape."""
         x = np.asarray(x, dtype=float)
@@ -109,7 +108,9 @@ class DecoherenceSpectrum:
         """
         x = np.asarray(x, dtype=float)
         size = np.exp(np.multiply.outer(x, self.roots.real))
-        off = self.amplitude_error + np.abs(self.amplitude) * np.multiply.outer(x, self.roots_error)
+        # waves drift apart by no more than their size
+        drift = np.minimum(np.multiply.outer(x, self.roots_error), 2.0)
+        off = self.amplitude_error + np.abs(self.amplitude) * drift
         further, amplitudes = self._further
         rest = (np.abs(amplitudes) * np.exp(np.multiply.outer(x, further.real))).sum(axis=-1)
         with np.errstate(over="ignore", under="ignore"):
@@ -133,23 +134,28 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     values infinitely many roots crowd about one rate.
 
     Raises InputError for thresholds of exact values alone, or nearly so, whose roots come as near to Re s = 0 as one
-    likes; for contacts that wait for more than 400 times as long as they hold; for the paper's closure of ageing, where
-    contacts do not break by a law of their own; and as `steady_state` does.
+    likes; for contacts that wait for more than 1e12 times as long as they hold; for the paper's closure of ageing,
+    where contacts do not break by a law of their own; and as `steady_state` does.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     steady = steady_state(contacts, velocity=velocity)
-    problem = _problem(contacts, velocity)
-    noise = survival_error(problem.cycle)
-    law, wait = problem.law, problem.release.delay
+    cycle = Cycle(contacts, velocity)
+    wait = cycle.release.delay
     if contacts.delay is not None and wait > _LONGEST:
         refuse(
             "delay",
             contacts.delay.time,
-            f"contacts wait for {wait:.3g} times as long as they hold, and roots are counted up to {_LONGEST:g} times; "
-            "use a shorter one, or master.propensity, which gives X* at any delay",
+            f"contacts wait for {wait:.3g} times as long as they hold: roots are told up to {_LONGEST:g} times; "
+            "use a shorter one",
         )
+    if contacts.grains is not None and float(cycle.law.atoms[1].sum()) > 1.0 - _NONE:
+        refuse("velocity", velocity, "fewer than 1e-14 of new grains hold at all, without waves; slide more slowly")
+    crowded = wait > _COUNTED
+    problem = _problem(contacts, cycle.without_wait() if crowded else cycle)
+    noise = survival_error(problem.cycle)
+    law = problem.law
     if law.atomic:
         raise InputError(
             "thresholds: are exact values alone: their roots come as near to Re s = 0 as one likes and none is the "
@@ -163,23 +169,33 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
         edges = known_edges(edges, problem.cycle, noise)
         # further left what is not known of the law is no longer little
         limit = min(limit, float(np.log(_LITTLE / noise)) / edges[-1])
-    # waves of contacts that wait are slower
-    lines = Lines(problem, edges, 2.0 * np.pi * (n_roots + _SPARE) * _HIGH / (1.0 + problem.release.delay))
-    found = leading_roots(problem, edges, lines, n_roots + _SPARE, limit)
-    if not found.searched > 0.0:
-        raise InputError(
-            "thresholds: so much of their weight is exact, or nearly so, that no root can be told from those at "
-            "Re s = 0; master.propensity gives X*, and master.solve follows F(X)"
-        )
-    unit = problem.unit
-    gamma, left = rest_beyond(problem, lines, found, min(n_roots, found.roots.size), steady.force / unit)
-    terms = [term(problem, edges, complex(s), noise) for s in found.roots if -s.real < gamma]
+    unit, count = problem.unit, n_roots + _SPARE
+    if crowded:
+        terms, gamma, left = waiting_terms(problem, edges, wait, count, limit)
+        problem = problem.with_release(cycle.release)
+    else:
+        # waves of contacts that wait are slower
+        lines = Lines(problem, edges, 2.0 * np.pi * count * _HIGH / (1.0 + wait))
+        found = leading_roots(problem, edges, lines, count, limit)
+        if not found.searched > 0.0 and law.edges[-1] > BROAD:
+            raise InputError(
+                f"thermal: contacts live for all lengths up to {law.edges[-1]:.1g} times the mean: among so many no "
+                "leading oscillating wave can be resolved; master.propensity gives X*, or says that it is not known"
+            )
+        if not found.searched > 0.0:
+            raise InputError(
+                "thresholds: so much of their weight is exact, or nearly so, that no root can be told from those at "
+                "Re s = 0; master.propensity gives X*, and master.solve follows F(X)"
+            )
+        gamma, left = rest_beyond(problem, lines, found, min(n_roots, found.roots.size), steady.force / unit)
+        terms = [term(problem, edges, complex(s), noise) for s in found.roots if -s.real < gamma]
     kept, further = terms[:n_roots], terms[n_roots:]
     return DecoherenceSpectrum(
         roots=_complex([one.root for one in kept]) / unit,
         roots_error=np.array([one.root_error for one in kept]) / unit,
         amplitude=_complex([one.amplitude for one in kept]) * unit,
         amplitude_error=np.array([one.amplitude_error for one in kept]) * unit,
+        decay_length_error=np.array([one.decay_error / one.root.real**2 for one in kept]) * unit,
         kinetic_force=steady.force,
         kinetic_force_error=steady.force_error,
         beyond=unit / gamma if gamma > 0.0 else np.inf,
@@ -191,9 +207,8 @@ def decoherence_spectrum(contacts: Contacts, *, velocity: float = 1.0, n_roots: 
     )
 
 
-def _problem(contacts: Contacts, velocity: float) -> Problem:
+def _problem(contacts: Contacts, cycle: Cycle) -> Problem:
     """The problem up to where all first breaks are over."""
-    cycle = Cycle(contacts, velocity)
     reach = float(cycle.law.isf(_ROUND_OFF)) - min(contacts.start.span[0], 0.0)
     return Problem(contacts, reach / cycle.unit, _ACCURACY, cycle)
 

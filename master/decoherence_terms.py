@@ -30,6 +30,7 @@ class Term:
     root_error: float
     amplitude: complex
     amplitude_error: float
+    decay_error: float  # of -Re s
 
 
 def term(problem: Problem, edges: Array, s: complex, noise: float) -> Term:
@@ -54,12 +55,12 @@ def term(problem: Problem, edges: Array, s: complex, noise: float) -> Term:
         waited = np.exp(-root * release.delay)
         force = slope
         if not release.plain:
-            forces, stiffness = _released(problem, nodes)
+            forces, stiffness = released_by(problem, nodes)
             released = complex((wave * forces).sum())
             softened = complex((wave * stiffness).sum())
             force = released - release.birth_force * waited
             force -= (release.birth_stiffness * waited - softened) / root
-        begun, begun_error = _first(problem, root, finer)
+        begun, begun_error = first_breaks(problem, root, finer, release.delay)
         amplitudes.append(-2.0 * force / root * begun / slope)
         ends.append(root)
         off = lost / abs(slope)
@@ -67,10 +68,10 @@ def term(problem: Problem, edges: Array, s: complex, noise: float) -> Term:
     c = amplitudes[1]
     scale = float(np.abs((wave * nodes**2).sum())) / abs(slope)
     change = abs(c) * ((scale + 1.0 / abs(s)) * root_error + begun_error / max(abs(begun), 1e-300) + _ROUND_OFF)
-    return Term(ends[1], root_error, c, abs(c - amplitudes[0]) + change)
+    return Term(ends[1], root_error, c, abs(c - amplitudes[0]) + change, root_error)
 
 
-def _released(problem: Problem, nodes: Array) -> tuple[Array, Array]:
+def released_by(problem: Problem, nodes: Array) -> tuple[Array, Array]:
     """Force and stiffness that a break at each of the nodes releases."""
     law, release = problem.law, problem.release
     density = law.pdf(nodes)
@@ -82,12 +83,12 @@ def _released(problem: Problem, nodes: Array) -> tuple[Array, Array]:
     return force, stiffness
 
 
-def _first(problem: Problem, s: complex, finer: int) -> tuple[complex, float]:
-    """b_0^(s) and its error."""
+def first_breaks(problem: Problem, s: complex, finer: int, wait: float) -> tuple[complex, float]:
+    """b_0^(s) at a root s, and its error; contacts wait for `wait`."""
     first, release = problem.first, problem.release
     if problem.contacts.start.span == (0.0, 0.0) and release.born is None:
         # the first breaks come as the later ones do, without a wait
-        return complex(np.exp(s * release.delay)), 0.0
+        return complex(np.exp(s * wait)), 0.0
     table: Piecewise = first.density
     total, off = 0.0 + 0.0j, 0.0
     if table.edges.size > 1:

@@ -23,13 +23,15 @@ _MOST, _MOST_AT_ONCE = 2_000, 300  # places
 
 class Kinks:
     """Corrections of the rate of later breaks and of what they release, on a lattice of `step` up to X = `end`; those
-    that J_1 would feel by less than `tiny` are left out, and those of least height where there are thousands."""
+    that J_1 would feel by less than `tiny` are left out, and those of least height where there are thousands; `dropped`
+    is the sum of them all, and of what would have followed from them."""
 
     def __init__(self, problem: Problem, step: float, end: float, tiny: float) -> None:
         law, first = problem.law, problem.first
         force_at, self._force_at = problem.release.force_at, problem.release.force_at
         self._step, self._tiny = step, tiny
         self._end = end / step
+        self._lost = 0.0
         self._atoms, self._weights = law.atoms / step, law.atom_weights
         self._births, self._birth_weights = problem.chain.births / step, problem.chain.weights
         self._later: list[Singular] = []
@@ -68,6 +70,12 @@ class Kinks:
             more = units(order + 1.0, np.array([lowest])).times(height * slope * self._step ** (order + 1.0))
             self._released.append(self._after_chain(more))
 
+    @property
+    def dropped(self) -> float:
+        """See above; inf where all weight is exact."""
+        others = 1.0 - float(self._weights.sum())
+        return self._lost / others if others > 0.0 else np.inf
+
     def released(self, x: Array) -> Array:
         """What J_1 as read from the lattice lacks at x."""
         return self._sum(x, self._released, True)
@@ -101,9 +109,12 @@ class Kinks:
         if not self._births.size:
             return seeds[:0]
         heights = np.abs(seeds.height[:, None] * self._birth_weights)
+        taken = heights > self._tiny
         if heights.size > _MOST:
-            heights[heights < np.partition(heights.ravel(), -_MOST)[-_MOST]] = 0.0
-        seed, birth = np.nonzero(heights > self._tiny)
+            taken &= heights >= np.partition(heights.ravel(), -_MOST)[-_MOST]
+        within = seeds.position[:, None] + self._births < self._end + AHEAD
+        self._lost += float(heights[within & ~taken].sum())
+        seed, birth = np.nonzero(taken)
         return self._kept(seeds[seed].times(self._birth_weights[birth]).after(self._births[birth]))
 
     def _follow(self, first: list[Singular], later: list[Singular]) -> Singular:
@@ -114,7 +125,8 @@ class Kinks:
         found, carried, released = [pending[:0]], list(later), []
         count, atoms = 0, self._atoms.size
         while atoms and pending.height.size and count < _MOST:
-            pending = pending.largest(_MOST_AT_ONCE)
+            every, pending = pending, pending.largest(_MOST_AT_ONCE)
+            self._lost += float(every.size.sum() - pending.size.sum())
             now = pending.position < pending.position.min() + float(self._atoms.min())
             ready = pending[now]
             count += ready.height.size * atoms
@@ -123,18 +135,23 @@ class Kinks:
             atom = np.tile(np.arange(atoms), ready.height.size)
             more = ready[rows].times(self._weights[atom])
             felt = self._felt(more)
+            within = more.position + self._atoms[atom] < self._end + AHEAD
+            self._lost += float(more.size[within & ~felt].sum())
             more, atom = more[felt], atom[felt]
             more = more.after(self._atoms[atom])
             carried.append(more)
             released.append(more.times(self._force_at(self._atoms[atom] * self._step)))
             pending = self._kept(merge(join(order, [pending[~now], more])))
+        self._lost += float(pending.size.sum())
         self._later.append(join(order, carried))
         self._released.append(join(order, released))
         return join(order, [*found, pending])
 
     def _kept(self, singular: Singular) -> Singular:
         """Those that are felt and within the path."""
-        return singular[self._felt(singular) & (singular.position < self._end + AHEAD)]
+        felt, within = self._felt(singular), singular.position < self._end + AHEAD
+        self._lost += float(singular.size[within & ~felt].sum())
+        return singular[felt & within]
 
     def _felt(self, singular: Singular) -> npt.NDArray[np.bool_]:
         """Those that are felt, and that round-off allows to put right."""

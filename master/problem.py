@@ -1,5 +1,7 @@
 """One scene in units of its mean stretch at a break: the law, the first breaks, the atomic chain."""
 
+from copy import copy
+
 import numpy as np
 import numpy.typing as npt
 
@@ -63,6 +65,12 @@ class Problem:
         if self.first.single and self.first.mean_start == 0.0:
             return self.first.density
         return FirstBreaks(Contacts(self.contacts.thresholds), self.law, end, accuracy).density
+
+    def with_release(self, release: Release) -> "Problem":
+        """The same where breaks and births do other things to the force."""
+        other = copy(self)
+        other.release = release
+        return other
 
     def known(self, x: Array) -> Array:
         """F at x as the starting contacts and the births after their breaks, as if these never broke, make it."""

@@ -23,9 +23,11 @@ _BRACKETS = 12
 _ZOOMS = 12
 _JUST_BESIDE = 1e-12
 _BESIDE_ERROR = 4e-12
-_FURTHEST = 1000.0
+_FEW, _TURNS = 1e-6, 8
 _BROAD, _LIVES = 1e4, 2.0
+_FAR_OUT = np.logspace(0.0, -12.0, 200)
 _UNSTRETCHED = 1e-12
+_SAFE = 2.0
 _AROUND = 0.45 * np.arange(-7.0, 8.0)  # steps of a lattice
 
 
@@ -64,7 +66,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     time; only rates, ageing and delay tell).
 
     F(X) is followed for ten mean thresholds (of the stretches at which contacts break, where that is by a rate), and
-    beyond the one that one in a million exceeds (at most 1,000 means), on lattices refined until K* (relative to
+    beyond the one that one in a million of those that hold exceed (at most 10,000 means; what may come beyond
+    is in the errors), on lattices refined until K* (relative to
     1 + K*) and F_s/F_k change by less than `tolerance`, or as far as a million nodes allow; the errors say how far.
 
     Of contacts that age, those that start beside their thresholds break at a rate without bound as X = 0 is left, few
@@ -98,7 +101,15 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
 def extremes(contacts: Contacts, cycle: Cycle, tolerance: float) -> tuple[float, float, float, float]:
     """K*/(N_c <k>), its error, the largest force and its error, these in units of the cycle's length."""
     lowest = min(contacts.start.span[0] / cycle.unit, 0.0)
-    return _extremes(Problem(contacts, _horizon(contacts, cycle) - lowest, tolerance, cycle), tolerance)
+    horizon = _horizon(contacts, cycle)
+    problem = Problem(contacts, horizon - lowest, tolerance, cycle)
+    spring, spring_error, static, static_error = _extremes(problem, tolerance)
+    if horizon * float(cycle.law.sf(horizon * cycle.unit)) > 2.0 * _FEW:
+        kinetic = steady_of(contacts, cycle).force / cycle.unit
+        fall, excess = _beyond(cycle, horizon, kinetic)
+        spring_error = max(spring_error, fall - spring)
+        static_error = max(static_error, kinetic + excess - static)
+    return spring, spring_error, static, static_error
 
 
 def _horizon(contacts: Contacts, cycle: Cycle) -> float:
@@ -113,7 +124,27 @@ def _horizon(contacts: Contacts, cycle: Cycle) -> float:
         return longest - max(low, 0.0)
     if cycle.breaking is not None and longest > _BROAD:
         return _LIVES * longest  # of contacts with lives of all lengths the longest-lived bear the force
-    return max(10.0, min(float(law.isf(1e-6)) / unit, _FURTHEST) + 1.0)
+    # of those that hold at a time one in a million is older: the older, the longer a contact is there to be met
+    last = 1.0
+    for _ in range(_TURNS):
+        last = max(float(law.isf(_FEW / last)) / unit, 1.0)
+    return max(10.0, min(last, _BROAD) + 1.0)
+
+
+def _beyond(cycle: Cycle, horizon: float, kinetic: float) -> tuple[float, float]:
+    """How fast F may fall, and by what it may exceed F_k, where it is not followed.
+
+    From -dF/dX = integral of x p (u - 1), u being the breaks per contact: (u - 1) has an integral of about F_k, and
+    falls to what the lives beyond make.
+    """
+    law, unit = cycle.law, cycle.unit
+    half = 0.5 * horizon
+    x = law.isf(float(law.sf(half * unit)) * _FAR_OUT) / unit
+    x = np.unique(np.append(x[np.isfinite(x)], half))
+    density, held = law.pdf(x * unit) * unit, law.sf(x * unit)
+    older = float(np.trapezoid(held * x, np.log(x)))
+    fall = float((x * density).max()) * kinetic + older
+    return _SAFE * fall, _SAFE * (float((x * held).max()) + older) * kinetic
 
 
 def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, float]:

@@ -30,6 +30,7 @@ _FEW = 1e-11
 _BESIDE = np.linspace(1.0, 1.25, 200)
 RESOLVED = 0.3  # of the narrowest width: steps above it may miss a wave
 _LESS = 3.0
+_SMALLER, _SMALLEST = 1e-3, 1e-15  # kinks cost little and are put right to far below what is asked
 
 
 class Renewal:
@@ -96,7 +97,7 @@ class Renewal:
         self._fits: Fits = {}  # beside powers
         self._kinks: Kinks | None = None
         if self._powers is None and (law.jumps.size or law.atoms.size):
-            self._kinks = Kinks(problem, step, end, tiny)
+            self._kinks = Kinks(problem, step, end, max(_SMALLER * tiny, _SMALLEST))
         self._kernel, self._breaks = kernel, breaks
 
     def _beside(
@@ -147,6 +148,11 @@ class Renewal:
     def counted(self) -> Array:
         """Later breaks up to the nodes, chains of atoms left out."""
         return integrate(self._from_chain + convolve(self._kernel, self._breaks, self.size))
+
+    @property
+    def kinks_dropped(self) -> float:
+        """What the kinks that are too small to be put right add up to."""
+        return np.inf if self._kinks is None else self._kinks.dropped
 
     def count_at(self, x: Array) -> Array:
         """Later breaks up to positions x, those of the chain at its atoms left out."""
@@ -228,7 +234,8 @@ class LaterReleased:
                 self.unseen = max(self.unseen, float(change.max()))
             lattice = finer
         if problem.law.atoms.size and problem.law.jumps.size:  # which lead to ever more and smaller kinks
-            self.left_out += _LESS * tiny
+            lost = sum(lattice.kinks_dropped for _, lattice in self._pieces)
+            self.left_out += _LESS * min(tiny, lost)
 
     def step_at(self, x: Array) -> Array:
         """Step of the lattice that answers at each x."""

@@ -1,8 +1,12 @@
 """The decay towards smooth sliding: roots, what they carry, and the rate of a law's own tail."""
 
+import sys
+
+import mpmath as mp
 import numpy as np
 import pytest
 import scipy.stats as stats
+from scipy.special import gammaln
 
 import master
 from origins import (
@@ -13,6 +17,7 @@ from origins import (
     Thermal,
     gaussian,
     gaussian_start,
+    growing_grains,
     identical,
     lubricated,
     mixture,
@@ -192,7 +197,69 @@ def test_what_has_no_spectrum_is_said() -> None:
     aged = Contacts(gaussian(0.5, 0.1), ageing=Ageing(WIDE, 1e-4, closure="paper"))
     with pytest.raises(InputError, match="single contacts have no law of their own"):
         master.decoherence_spectrum(aged)
+    with pytest.raises(InputError, match="fewer than 1e-14 of new grains hold at all"):
+        master.decoherence_spectrum(Contacts(growing_grains(1.0, 1.0, age=4.0)), velocity=10.0)
+    with pytest.raises(InputError, match="among so many no leading oscillating wave"):
+        master.decoherence_spectrum(Contacts(gaussian(1.0, 0.1), thermal=Thermal("soft", 0.1, 1e12)))
     with pytest.raises(InputError, match="n_roots"):
         master.decoherence_spectrum(Contacts(WIDE), n_roots=0)
-    with pytest.raises(InputError, match=r"delay = 500\.0: contacts wait for 500 times as long as they hold"):
-        master.decoherence_spectrum(Contacts(gaussian(1.0, 0.05), delay=Delay(500.0)))
+    with pytest.raises(InputError, match=r"contacts wait for 1e\+13 times as long as they hold"):
+        master.decoherence_spectrum(Contacts(gaussian(1.0, 0.05), delay=Delay(1e13)))
+
+
+@pytest.mark.parametrize("wait", [401.0, 1e6, 1e12])
+def test_long_waits_in_closed_form(wait: float) -> None:
+    """Gaussian: s (1 + d) = s²σ²/2 + 2πin; exponential: (1 + s) e^{sd} = 1, each with what its root carries."""
+    count, std = 5, mp.mpf(0.1)
+    with mp.workdps(70):
+        turns = [2j * mp.pi * n for n in range(1, count + 1)]
+        whole = 1 + mp.mpf(wait)
+        bells = [2 * turn / (whole + mp.sqrt(whole**2 - 2 * turn * std**2)) for turn in turns]
+        tails = [mp.findroot(lambda s, t=t: mp.log1p(s) + s * wait - t, t / whole) for t in turns]
+        moved = []
+        for s in bells:
+            law = mp.exp(-s + (s * std) ** 2 / 2)
+            mean = 1 - std**2 * s
+            moved.append(2 * (1 - law - s * mean * law) / s**2 / (wait + mean))
+        gone = [2 / (1 + s) ** 2 / (wait + 1 / (1 + s)) for s in tails]
+        for law, roots, amplitudes in ((gaussian(1.0, 0.1), bells, moved), (stats.expon(), tails, gone)):
+            found = master.decoherence_spectrum(Contacts(law, delay=Delay(wait)), n_roots=count)
+            assert found.roots.size == count
+            for n, (s, c) in enumerate(zip(roots, amplitudes, strict=True)):
+                assert abs(s - mp.mpc(complex(found.roots[n]))) <= found.roots_error[n] < 1e-14 * abs(s)
+                length, error = found.decay_length[n], found.decay_length_error[n]
+                assert abs(length + 1 / s.real) <= error < 1e-13 * length
+                assert abs(c - mp.mpc(complex(found.amplitude[n]))) <= found.amplitude_error[n] < 1e-12 * abs(c)
+
+
+def test_the_sum_of_terms_after_a_long_wait_is_the_late_force() -> None:
+    """Exponential thresholds: F of each generation is a gamma density, u^{j+1} e^{-u}/(j+1)! at u = X - jd."""
+    wait = 401.0
+    found = master.decoherence_spectrum(Contacts(stats.expon(), delay=Delay(wait)), n_roots=6)
+    for x in np.array([1e-5, 0.01, 0.1, 0.3, 1.0]) * found.decay_length[0]:
+        j = np.arange(int(x / wait) + 1.0)
+        u = x - j * wait
+        force = float(np.exp((j + 1.0) * np.log(u) - u - gammaln(j + 2.0)).sum())
+        error = found.force_error(x)
+        assert abs(found.force(x) - force) <= error + 1e-13
+    assert error < 1e-12
+
+
+@pytest.mark.parametrize("name", ["narrow peaks", "start", "reborn", "linked, warm"])
+def test_roots_told_one_by_one_are_those_that_are_counted(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    peaks = mixture([gaussian(0.95, 0.01), gaussian(1.05, 0.01)], [0.5, 0.5])
+    wait = Delay(40.0)
+    contacts = {
+        "narrow peaks": Contacts(peaks, 0.1, delay=wait),
+        "start": Contacts(WIDE, gaussian_start(0.1, 0.05), delay=wait),
+        "reborn": Contacts(WIDE, 0.1, reforming=gaussian_start(0.05, 0.05), delay=wait),
+        "linked, warm": Contacts(WIDE, 0.1, thermal=Thermal("soft", 0.1), stiffness="linked", delay=wait),
+    }[name]
+    one = master.decoherence_spectrum(contacts, n_roots=6)
+    monkeypatch.setattr(sys.modules["master.decoherence_spectrum"], "_COUNTED", 0.0)
+    other = master.decoherence_spectrum(contacts, n_roots=6)
+    assert (np.abs(one.roots - other.roots) <= one.roots_error + other.roots_error).all()
+    assert (np.abs(one.amplitude - other.amplitude) <= one.amplitude_error + other.amplitude_error).all()
+    np.testing.assert_allclose(one.decay_length, other.decay_length, rtol=1e-6)
+    x = np.array([0.5, 5.0, 200.0, 3000.0])
+    assert (np.abs(one.force(x) - other.force(x)) <= one.force_error(x) + other.force_error(x)).all()

@@ -521,3 +521,18 @@ def test_lives_of_all_lengths_are_followed_to_the_longest() -> None:
     assert abs(found.static_to_kinetic - static) < 1e-8 + found.static_to_kinetic_error
     steepest = -np.diff(solved.force).min() / 2e-3
     assert abs(found.critical_spring - steepest) < 1e-2 * steepest + found.critical_spring_error < 0.1 * steepest + 1e-6
+
+
+def test_few_that_live_for_thousands_of_means_are_followed_too() -> None:
+    """Two in ten thousand have a threshold of 1,250 means: met now and then they pile up, and break together."""
+    hardly, much = origins.gaussian(0.003, 3e-4), origins.gaussian(5.0, 0.5)
+    contacts = origins.Contacts(origins.mixture([hardly, much], [0.9998, 0.0002]))
+    found = master.propensity(contacts, 1e-6)
+    solved = master.solve(contacts, np.linspace(5.5, 5.7, 9), 1e-6)
+    static = solved.force.max() / master.steady_state(contacts).force
+    assert static > 1.1 and abs(found.static_to_kinetic - static) < 1e-5
+
+
+def test_what_may_come_beyond_the_last_stretch_followed_is_an_error() -> None:
+    found = master.propensity(origins.Contacts(scipy.stats.lognorm(2.0)))
+    assert found.critical_spring == 0.0 and 1e-6 < found.critical_spring_error < 1e-2

@@ -78,3 +78,17 @@ def test_error_of_the_survival_is_what_it_is_said_to_be() -> None:
         off = np.abs(loose.law.sf(x) - tight.law.sf(x)).max()
         misses.append(off / (loose.error + tight.error + 1e-14))
     assert max(misses) < 1.0, misses
+
+
+def test_grains_that_hardly_ever_hold_leave_nothing_known_of_their_waves() -> None:
+    contacts = Contacts(GRAINS)
+    assert master.decoherence.decoherence_length(contacts, master.cycle.Cycle(contacts, 10.0)) == (np.inf, np.inf)
+
+
+def test_errors_are_near_the_true_ones_at_a_temperature() -> None:
+    """What is left out of kinks is counted: before, it was all that was told."""
+    contacts = Contacts(GRAINS, thermal=Thermal("soft", 0.1))
+    solved = master.solve(contacts, PATH, 1e-8)
+    finer = master.solve(contacts, PATH, 1e-11)
+    off = np.abs(solved.force - finer.force).max() / contacts.mean_threshold
+    assert off < solved.force_error + finer.force_error and solved.force_error < 3e-10
