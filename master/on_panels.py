@@ -22,7 +22,7 @@ Array = npt.NDArray[np.float64]
 
 _COARSEST, _FINER = 0.4, 1.3
 _ACCURACY, _FALLS = 3e-4, 0.12
-_SAME = 0.5  # where what B may lack on a panel fell no further, changes do not tell it
+_SAME = 0.5  # where what B may lack on a panel fell no further, changes do not tell it; a first change hardly does
 _SUDDEN, _SURE = 0.12, 1.1
 _SLIGHT = 0.01  # of what B lacks: a first change that tells nothing
 _STUCK, _MORE = 0.5, 1.3  # changes that do not fall
@@ -104,7 +104,8 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         error = np.inf
         if not lost:
             # answers on much the same panels do not change, though they are not exact
-            own = max(found.lacks if found.lacks > _SAME * lacked else 0.0, unread(found, asked, unit))
+            share = 1.0 if found.lacks > _SAME * lacked else SLOW if len(changes) < 2 else 0.0
+            own = max(share * found.lacks, unread(found, asked, unit))
             error = max(left(changes), own) + rounding + ROUND_OFF * (1.0 + count) + lives.error
         progress(error)
         lacked = found.lacks
