@@ -162,13 +162,14 @@ def soften(n, start, work, levels, constant, a, cells):  # type: ignore[no-untyp
         x = work[start + i]
         y = np.float64(levels[i]) * LEVEL_UNIT + constant + (a * np.float64(x)) ** 2
         bits = bits_of(y)
-        k = min(max((bits >> shift) - first, np.int64(0)), last)
+        cell = (bits >> shift) - first
+        k = min(max(cell, np.int64(0)), last)
         t = double_of((bits & ((np.int64(1) << shift) - np.int64(1))) | (np.int64(1023) << np.int64(52))) - 1.0
         t *= 2.0**CELL_BITS
         w = cells[k, 0] + t * (cells[k, 1] + t * (cells[k, 2] + t * cells[k, 3]))
         own = np.int64(w * unit + 0.5)
         own = own if own < x else x
-        missing = (x >= MISSING) | (levels[i] >= MISSING) | (y < 1.0)
+        missing = (x >= MISSING) | (levels[i] >= MISSING) | (y < 1.0) | (cell > last)
         work[start + i] = MISSING if missing else own
 
 

@@ -16,7 +16,7 @@ Array = npt.NDArray[np.float64]
 
 _KINDS = {"soft": 1, "stiff": 2}
 _STEP = 1.0 / 128.0
-_OCTAVES = 21
+_OCTAVES = 80  # levels up to 1e24 k_BT: those of the coldest contacts there may be, at 100 times the mean threshold
 
 
 class LogBearing:

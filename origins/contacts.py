@@ -18,6 +18,7 @@ from origins.thermal import Thermal
 from origins.thresholds import Array
 
 _UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
+_COLDEST = 1e-20  # k_BT/<k> of <x_s>²: barriers are beyond all that rates could tell
 
 
 class Contacts:
@@ -120,6 +121,10 @@ class Contacts:
     def _check_laws(self) -> None:
         if self.thermal is not None and not isinstance(self.thermal, Thermal):
             refuse("thermal", self.thermal, 'must be an origins.Thermal, such as Thermal("soft", temperature=0.1)')
+        if self.thermal is not None and self.thermal.temperature < _COLDEST * self.mean_threshold**2:
+            share = f"{self.thermal.temperature / self.mean_threshold**2:.1g} of <x_s>²"
+            rule = f"is {share}; below {_COLDEST:g} of it contacts break at their thresholds: leave thermal out"
+            refuse("thermal.temperature", self.thermal.temperature, rule)
         if self.ageing is not None and not isinstance(self.ageing, Ageing):
             refuse("ageing", self.ageing, "must be an origins.Ageing, such as Ageing(gaussian(1.0, 0.02), rate=5e-4)")
         if self.delay is not None and not isinstance(self.delay, Delay):

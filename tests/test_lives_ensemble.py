@@ -101,6 +101,18 @@ def test_two_engines_agree_where_both_can() -> None:
     assert np.abs(one.force_standard_error / other.force_standard_error - 1.0).max() < 0.05
 
 
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_cold_contacts_break_at_their_thresholds(law: Any) -> None:
+    """Steadily forward as on a path in time, where barriers are beyond all that breaks by themselves."""
+    path, thresholds = np.linspace(0.1, 3.0, 12), origins.lubricated(1.0)
+    cold = eq_model.simulate(Contacts(thresholds), path, n_contacts=4000)
+    for temperature in (1e-5, 1e-7, 1e-12, 1e-19):
+        found = eq_model.simulate(Contacts(thresholds, thermal=Thermal(law, temperature)), path, n_contacts=4000)
+        assert np.abs(found.force - cold.force).max() < 1e-9
+    with pytest.raises(origins.InputError, match=r"thermal.temperature = 1e-21: is .*: leave thermal out"):
+        Contacts(thresholds, thermal=Thermal(law, 1e-21))
+
+
 def test_sums_do_not_depend_on_the_cutting() -> None:
     contacts = Contacts(
         GAUSSIAN,
