@@ -38,6 +38,7 @@ _FIRST_WORK = 0.3  # of the most
 _MOST_PANELS = 5_000
 _GLANCE = 0.03  # of the most, where even these would not do
 _MOST_LEVELS = 12
+_TORN = 1e-3  # more than that is left where rounding decides what breaks
 _HARDLY = 2.0  # times what is known of single contacts: steps have nothing to add
 _EPSILON = float(np.finfo(float).eps)
 
@@ -66,7 +67,7 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     scales = Scales(_LENGTH * lives.length, _first(contacts, lives.length), lives.time, lives.rate / _RATE)
     edges, slivers = _edges(contacts, course, delay)
     needed, fine = _needed(course, scales), _COARSEST
-    lost = slivers is None
+    lost, torn = slivers is None, _torn(course, slivers)
     if needed > _MOST_PANELS:
         too_long(contacts, course, MOST_NODES * needed, f"{MOST_NODES * _MOST_PANELS:,} are the most", scales.rate)
     watch = np.concatenate([_watched(a, b) for a, b in pairwise(edges.tolist())])
@@ -116,11 +117,12 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         known = len(changes) != 1 or changes[0] > _SLIGHT * found.lacks
         if known and (best.error <= tolerance or error < _HARDLY * lives.error):
             break
-        if lost or (changes and more > _MOST_WORK):
+        stuck = torn is not None and level > 1 and best.error > _TORN
+        if lost or stuck or (changes and more > _MOST_WORK):
             break
         fine *= _FINER
     assert best is not None
-    return replace(best, message=_words(best, tolerance, lives.error))
+    return replace(best, message=_words(best, tolerance, lives.error, torn))
 
 
 def left(changes: list[float]) -> float:
@@ -154,10 +156,23 @@ def too_long(contacts: Contacts, course: list[Piece], steps: float, most: str, r
     )
 
 
-def _words(found: Found, tolerance: float, known: float) -> str:
+def _torn(course: list[Piece], slivers: Array | None) -> float | None:
+    """When the path turns or stops just as many contacts are stretched to their thresholds: whether they break rounding
+    decides."""
+    ends = np.array([piece.end for piece in course[:-1]])
+    for begin, end in np.empty((0, 2)) if slivers is None else slivers:
+        inside = ends[(ends >= begin) & (ends <= end)]
+        if inside.size:
+            return float(inside[0])
+    return None
+
+
+def _words(found: Found, tolerance: float, known: float, torn: float | None) -> str:
     if not np.isfinite(found.error):
         return "breaks at exact thresholds come at more times than can be followed; give the values a width"
     reached = f"error estimate {found.error:.1e} with {found.nodes} steps in time, above the tolerance {tolerance:.1e}"
+    if torn is not None:
+        return f"{reached}: at t = {torn:.6g} the path changes just as exact thresholds are met; move that point a bit"
     if found.error < _HARDLY * known:
         return f"{reached}: how much of each threshold is left is known to {known:.1e} only; loosen the tolerance"
     return f"{reached}; loosen the tolerance, or end the path sooner"

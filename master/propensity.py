@@ -20,6 +20,7 @@ from origins.errors import TOLERANCE, positive
 Array = npt.NDArray[np.float64]
 
 _BRACKETS = 12
+_TOGETHER = 1e-8  # of X: no further apart are points on both sides of a jump
 _ZOOMS = 12
 _JUST_BESIDE = 1e-12
 _BESIDE_ERROR = 4e-12
@@ -128,7 +129,11 @@ def _horizon(contacts: Contacts, cycle: Cycle) -> float:
     last = 1.0
     for _ in range(_TURNS):
         last = max(float(law.isf(_FEW / last)) / unit, 1.0)
-    return max(10.0, min(last, _BROAD) + 1.0)
+    followed = max(10.0, min(last, _BROAD) + 1.0)
+    if contacts.grains is not None and contacts.grains.age is not None:
+        # those that hold at X = 0 are the older, and stronger than all that come after them
+        followed = max(followed, contacts.grains.reach(contacts.grains.age, cycle.velocity) / unit - low)
+    return followed
 
 
 def _beyond(cycle: Cycle, horizon: float, kinetic: float) -> tuple[float, float]:
@@ -226,7 +231,12 @@ def _maximum(function: Callable[[Array], Array], x: Array) -> tuple[float, float
     best, place = float(values[at]), float(x[at])
     inner = np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:])) + 1
     inner = inner[np.argsort(-values[inner])][:_BRACKETS]
-    left, right = x[inner - 1], x[inner + 1]
+    # across two points beside a jump as well, which may bend there only
+    last = x.size - 1
+    before = np.where(x[inner] - x[inner - 1] < _TOGETHER * x[inner], np.maximum(inner - 2, 0), inner - 1)
+    after = np.where(x[inner + 1] - x[inner] < _TOGETHER * x[inner], np.minimum(inner + 2, last), inner + 1)
+    ends = np.unique(np.stack([np.append(inner - 1, before), np.append(inner + 1, after)], axis=1), axis=0)
+    left, right = x[ends].T
     for _ in range(_ZOOMS if inner.size else 0):
         grid = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, 9)
         values = function(grid.ravel())

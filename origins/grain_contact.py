@@ -17,6 +17,7 @@ from origins.thresholds import Array, Thresholds
 _FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m)
 _STEPS = 100
 _LEAST = 1e-300
+_FEWEST = 1e-10
 _SEEN = 400
 
 
@@ -90,8 +91,18 @@ class GrainContact:
         return np.where(left > 0.0, out, np.inf)[()]
 
     def holds_at(self, velocity: float) -> bool:
-        """Whether any fraction to speak of holds at all where sliding begins as they pin."""
-        return float(np.exp(-self.lost_hazard(velocity))) >= _LEAST
+        """Whether any fraction to speak of beside 1 holds at all where sliding begins as they pin."""
+        return float(np.exp(-self.lost_hazard(velocity))) >= _FEWEST
+
+    def reach(self, age: float, velocity: float) -> float:
+        """The largest stretch (a length) of a contact of `age` that is stretched at `velocity` from 0 on."""
+        low = high = float(self.quantile(1.0, age))
+        while float(self.quantile(1.0, age + high / velocity)) > high:
+            low, high = high, 2.0 * high
+        for _ in range(_STEPS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if float(self.quantile(1.0, age + middle / velocity)) > middle else (low, middle)
+        return high
 
     def lost_hazard(self, velocity: float) -> float:
         """(9/2) B (velocity tau_m)²: exp(-this) is the fraction of contacts that hold at all where sliding begins as

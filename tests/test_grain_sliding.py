@@ -110,3 +110,16 @@ def test_speeds_beyond_floating_point_are_refused(velocity: float) -> None:
     contacts = Contacts(origins.growing_grains(1.0, 1.0, age=4.0))
     with pytest.raises(origins.InputError, match=r"^velocity = .*: is [\d.e+-]+ of that at which thresholds grow"):
         master.kinetic_curve(contacts, velocity)
+
+
+@pytest.mark.parametrize("age, velocity", [(100.0, 2.0), (4.0, 3.0)])
+def test_the_start_of_old_contacts_is_followed_to_its_end(age: float, velocity: float) -> None:
+    """Those that form later break at a small part of the stretch of those that were there."""
+    contacts = Contacts(growing_grains(1.0, 1.0, age=age))
+    told = master.propensity(contacts, velocity=velocity)
+    path = np.linspace(0.0, 1.2 * contacts.grains.reach(age, velocity), 2001)[1:]
+    solved = master.solve(contacts, path, 1e-8, velocity=velocity)
+    falls = -np.gradient(solved.force, path)
+    assert told.critical_spring == pytest.approx(falls.max(), rel=1e-4)
+    kinetic = master.steady_state(contacts, velocity=velocity).force
+    assert told.static_to_kinetic == pytest.approx(solved.force.max() / kinetic, rel=1e-5)

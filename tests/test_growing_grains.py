@@ -73,6 +73,9 @@ def test_so_fast_that_none_holds_which_pins_on_the_way() -> None:
     for solved in (quick, quickest):
         assert abs(solved.force[2]) <= solved.force_error * contacts.mean_threshold < 1e-2
     assert quickest.holding[2] < 1e-12
+    # some hold, but fewer than sums beside 1 can tell
+    fast = master.solve(contacts, [0.5, 4.0, 6.0], 1e-4, velocity=10.0)
+    assert fast.success and fast.force[0] > 0.1 and np.abs(fast.force[1:]).max() < 1e-6
     fast = master.propensity(contacts, velocity=30.0)
     assert fast.critical_spring == pytest.approx(master.propensity(contacts, velocity=10.0).critical_spring, rel=0.01)
     with pytest.raises(InputError, match="none holds but a fraction"):

@@ -83,3 +83,10 @@ def test_panels_and_cohorts_agree_without_laws(law: object) -> None:
     known = master.solve(contacts, path, 1e-9)
     assert known.success and found.error < 1e-7
     assert np.abs(found.force - known.force).max() < (found.error + known.force_error) * contacts.mean_threshold
+
+
+def test_an_exact_threshold_met_just_as_the_path_turns_is_told() -> None:
+    contacts = Contacts(identical(0.7), delay=Delay(0.2))
+    turned = master.solve(contacts, [0.0, 2.5, 1.0], 1e-3, time=[0.0, 2.5, 4.0])
+    assert not turned.success and "at t = 2.5 the path changes just as exact thresholds are met" in turned.message
+    assert master.solve(contacts, [0.0, 2.45, 1.0], 1e-6, time=[0.0, 2.45, 4.0]).success

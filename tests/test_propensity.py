@@ -536,3 +536,12 @@ def test_few_that_live_for_thousands_of_means_are_followed_too() -> None:
 def test_what_may_come_beyond_the_last_stretch_followed_is_an_error() -> None:
     found = master.propensity(origins.Contacts(scipy.stats.lognorm(2.0)))
     assert found.critical_spring == 0.0 and 1e-6 < found.critical_spring_error < 1e-2
+
+
+def test_a_steepest_fall_right_before_a_jump_is_not_passed_over() -> None:
+    """Whatever point of the lattice falls on the bracket's other side."""
+    warm = origins.Thermal("soft", temperature=2.2e-5, attempt_frequency=1e12)
+    contacts, velocity = origins.Contacts(origins.persson(1.0, 0.5), thermal=warm), 0.10594630943592952
+    found, close = (master.propensity(contacts, tolerance, velocity=velocity) for tolerance in (1e-8, 1e-10))
+    off = abs(found.critical_spring - close.critical_spring)
+    assert off <= found.critical_spring_error + close.critical_spring_error < 1e-9
