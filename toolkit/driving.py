@@ -25,7 +25,7 @@ def make_drive(table: "DriveTable") -> Drive:
         refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
     if (table.to is None) == (table.turns is None):
         both = "both are given" if table.to is not None else "neither is given"
-        raise InputError(f"drive: needs one of to = 5.0 and turns = [3.0, -3.0, 3.0], and {both}")
+        raise InputError(f"drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; {both}")
     if table.slip is not None and table.spring is None:
         rule = "is what a slip of a soft slider does, and without drive.spring the slider is rigid; give one or neither"
         refuse("drive.slip", table.slip, rule)

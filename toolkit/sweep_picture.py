@@ -53,7 +53,8 @@ def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
     if result.sweep is not None and result.sweep.critical_spring is not None:
         values = np.where(np.isfinite(result.sweep.critical_spring), result.sweep.critical_spring, np.nan)
         _draw(axes, result, result.sweep, values)
-        axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$", ylim=(0.0, None))
+        top = 1.05 * float(np.nanmax(values, initial=0.0))
+        axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$", ylim=(0.0, top or None))
     return axes
 
 

@@ -5,6 +5,8 @@ import sys
 from contextlib import closing
 from typing import Any
 
+_FELT, _APART = 0.3, 6.0  # of a standard error, and so many of them
+
 ALL_RANKS = True
 
 
@@ -107,7 +109,10 @@ def report(result: Any) -> list[str]:
         if apart is None:
             lines.append(f"eq less master: not compared: {why_not_compared(result)}")
         else:
-            lines.append(f"eq less master: at most {apart:.1f} standard errors over the path; chance makes about 3")
+            own = result.master.force_error * result.mean_threshold / float(result.eq.force_standard_error.max())
+            besides = f" (each with master's own error, {own:.1g} of one)" if own > _FELT else ""
+            chance = "chance makes about 3" + ("" if apart < _APART else ": they do not agree, please report it")
+            lines.append(f"eq less master: at most {apart:.1f} standard errors{besides} over the path; {chance}")
     return [*lines, *(f"note    {note}" for note in result.notes)]
 
 
