@@ -122,7 +122,7 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
     ("drive", "tables", "says"),
     [
         ({"points": 11}, {}, "drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; neither"),
-        ({"points": 11, "to": 1.0, "turns": [1.0]}, {}, "and both are given"),
+        ({"points": 11, "to": 1.0, "turns": [1.0]}, {}, "; both are given"),
         ({"points": 3, "turns": [1.0, -1.0, 1.0]}, {}, "fewer than drive.points = 3"),
         ({"points": 11, "turns": []}, {}, "must hold a position at least"),
         ({"points": 11, "turns": [1.0, 1.0]}, {}, "drive.turns[1] = 1.0: is where the path already stands"),
