@@ -135,21 +135,6 @@ def test_compiled_step_is_that_of_a_banded_system() -> None:
         np.testing.assert_allclose(found[i], exact, atol=1e-13)
 
 
-def test_static_force_grows_with_the_time_at_rest() -> None:
-    """Slide, hold, slide: the force relaxes a little while contacts rest, then its peak is higher the longer that was,
-    up to that of contacts that are all old."""
-    contacts = Contacts(FRESH, 0.1, ageing=Ageing(FINAL, 1e-3))
-    before, after = np.array([0.5, 0.8]), np.linspace(0.9, 1.5, 25)
-    path = np.concatenate([before, [0.8], after])
-    relaxed, peak = [], []
-    for hold in (0.3, 30.0):
-        solved = master.solve(contacts, path, 1e-3, time=np.concatenate([before, [0.8 + hold], hold + after]))
-        assert solved.success, solved.message
-        relaxed.append(solved.force[2] - solved.force[1])
-        peak.append(solved.force[3:].max())
-    assert (np.array(relaxed) < 0.0).all() and (np.diff(peak) > 0.02).all(), (relaxed, peak)
-
-
 def test_soft_slider_whose_contacts_barely_age_slips_as_if_they_did_not() -> None:
     drive = np.linspace(0.1, 1.5, 15)
     plain = master.solve(Contacts(FRESH), drive, 1e-6, spring=0.6)

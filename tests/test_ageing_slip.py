@@ -33,7 +33,7 @@ def test_critical_velocity_of_figure_a06_paper() -> None:
     assert critical.velocity == pytest.approx(2.0692, abs=2e-4) and 0.0 < critical.velocity_error < 1e-4
     path = critical.position + np.linspace(-0.02, 0.02, 41)
     coarse, fine = (
-        paper_transient(figure_a06("paper"), path, h, velocity=critical.velocity, cells=8).force for h in (1e-3, 5e-4)
+        paper_transient(figure_a06("paper"), path, h, velocity=critical.velocity, cells=8).force for h in (2e-3, 1e-3)
     )
     x = path - path.mean()
     slope = -np.polyval(np.polyder(np.polyfit(x, (4.0 * fine - coarse) / 3.0, 6)), x)

@@ -136,7 +136,7 @@ def test_density_jumps_where_contacts_turn_plastic(law: str, jump: float) -> Non
 
 
 def test_samples_on_both_sides_of_the_jump() -> None:
-    """Kolmogorov-Smirnov and the count beyond the quantiles of 100 draws, at 1e6 draws and more on both sides of the jump."""
+    """Kolmogorov-Smirnov and the count beyond the quantiles of 100 draws, on both sides of the jump."""
     p, generator = origins.gw_gaussian(0.5, 1.0, "amontons", "mixed", 9.0), np.random.default_rng(3)
     assert 0.3 < p.sf(p.breakpoints[1]) < 0.5
     draws = np.sort(np.concatenate([p.rvs(1_000_000, generator) for _ in range(4)]))
