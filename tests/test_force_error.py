@@ -1,7 +1,7 @@
 """The promise on force_error: over 1,000 random cases it bounds the true error, and not by much too much.
 
 Contacts that break at their thresholds alone, on 1,000 cases; contacts with temperature, delay, re-forming, linked
-stiffness or ageing on 40, and but for ageing on 20 paths that turn, change speed and wait, or on as many as
+stiffness or ageing on 24, and but for ageing on 20 paths that turn, change speed and wait, or on as many as
 FORCE_ERROR_CASES says (paths that turn round without laws: tests/test_cohorts.py):
 
     FORCE_ERROR_CASES=1000 python -m pytest tests/test_force_error.py -k laws
@@ -20,7 +20,7 @@ import master
 import origins
 
 CASES = 1000
-CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "40"))
+CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "24"))
 CASES_IN_TIME = int(os.environ.get("FORCE_ERROR_CASES", "20"))
 SEED = 20100902
 ROUND_OFF = 1e-13
