@@ -67,9 +67,9 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     time; only rates, ageing and delay tell).
 
     F(X) is followed for ten mean thresholds (of the stretches at which contacts break, where that is by a rate), and
-    beyond the one that one in a million of those that hold exceed (at most 10,000 means; what may come beyond
-    is in the errors), on lattices refined until K* (relative to
-    1 + K*) and F_s/F_k change by less than `tolerance`, or as far as a million nodes allow; the errors say how far.
+    beyond the one that one in a million of those that hold exceed (at most 10,000 means; what may come beyond is in
+    the errors), on lattices refined until K* (relative to 1 + K*) and F_s/F_k change by less than `tolerance`, or as
+    far as a million nodes allow; the errors say how far.
 
     Of contacts that age, those that start beside their thresholds break at a rate without bound as X = 0 is left, few
     as they may be: there F' is looked at from X = tolerance <x_s> on.
@@ -132,7 +132,8 @@ def _horizon(contacts: Contacts, cycle: Cycle) -> float:
     followed = max(10.0, min(last, _BROAD) + 1.0)
     if contacts.grains is not None and contacts.grains.age is not None:
         # those that hold at X = 0 are the older, and stronger than all that come after them
-        followed = max(followed, contacts.grains.reach(contacts.grains.age, cycle.velocity) / unit - low)
+        older = contacts.grains.age - contacts.grains.growth.first_pinning_time
+        followed = max(followed, contacts.grains.breaking(cycle.velocity, older).support()[1] / unit - low)
     return followed
 
 

@@ -122,7 +122,7 @@ def solve(
         from master.soft import solve_soft
 
         return solve_soft(contacts, drive.path, drive.spring, drive.slip, tolerance, progress)
-    # so fast that no contact holds that pins on the way, none has a law of its own
+    # so fast that next to none holds that pins on the way, their law is lost beside 1
     fleeting = contacts.grains is not None and not contacts.grains.holds_at(drive.velocity)
     if drive.forward and (drive.time is None or plain) and not fleeting:
         return solve_forward(contacts, drive.path, tolerance, drive.velocity, progress)

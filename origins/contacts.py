@@ -69,7 +69,8 @@ class Contacts:
     hold nothing; for linked stiffness with thermal closure "paper", which gives all contacts one rate, or with
     ageing or thresholds that grow, where the source does not say whether k_i follows; for thresholds that grow together
     with the paper's closure of temperature, with ageing, which is another law of the same, or with re-forming at
-    stretches at which they hold nothing yet; and for fresh thresholds where the final law has no weight.
+    stretches at which they hold nothing yet; for fresh thresholds where the final law has no weight; and for
+    temperatures below 1e-20 <x_s>², at which rates tell nothing.
     """
 
     def __init__(

@@ -94,16 +94,6 @@ class GrainContact:
         """Whether any fraction to speak of beside 1 holds at all where sliding begins as they pin."""
         return float(np.exp(-self.lost_hazard(velocity))) >= _FEWEST
 
-    def reach(self, age: float, velocity: float) -> float:
-        """The largest stretch (a length) of a contact of `age` that is stretched at `velocity` from 0 on."""
-        low = high = float(self.quantile(1.0, age))
-        while float(self.quantile(1.0, age + high / velocity)) > high:
-            low, high = high, 2.0 * high
-        for _ in range(_STEPS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if float(self.quantile(1.0, age + middle / velocity)) > middle else (low, middle)
-        return high
-
     def lost_hazard(self, velocity: float) -> float:
         """(9/2) B (velocity tau_m)²: exp(-this) is the fraction of contacts that hold at all where sliding begins as
         they pin."""

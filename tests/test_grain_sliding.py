@@ -117,7 +117,8 @@ def test_the_start_of_old_contacts_is_followed_to_its_end(age: float, velocity: 
     """Those that form later break at a small part of the stretch of those that were there."""
     contacts = Contacts(growing_grains(1.0, 1.0, age=age))
     told = master.propensity(contacts, velocity=velocity)
-    path = np.linspace(0.0, 1.2 * contacts.grains.reach(age, velocity), 2001)[1:]
+    last = GRAINS.breaking(velocity, age - GRAINS.growth.first_pinning_time).support()[1]
+    path = np.linspace(0.0, 1.2 * last, 2001)[1:]
     solved = master.solve(contacts, path, 1e-8, velocity=velocity)
     falls = -np.gradient(solved.force, path)
     assert told.critical_spring == pytest.approx(falls.max(), rel=1e-4)

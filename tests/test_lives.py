@@ -206,8 +206,8 @@ def test_after_long_holds_the_force_is_that_of_discrete_contacts(thermal: Therma
         found = master.solve(contacts, path, 1e-3, time=time)
         assert found.success, found.message
         peaks.append(found.force[2:].max())
-        if hold < 1e5:  # or they break too often for an ensemble
-            seen = eq_model.simulate(contacts, path, time=time, n_contacts=2000)
+        if hold < 1e5 or thermal.temperature < 0.1:  # or they break too often for an ensemble
+            seen = eq_model.simulate(contacts, path, time=time, n_contacts=2000 if hold < 1e5 else 100)
             off = np.abs(found.force - seen.force)
             assert (off < found.force_error + 5.0 * seen.force_standard_error).all()
     # strengthening with the time's logarithm, until it is in balance
