@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from master.break_counts import Breaks
 from master.generations import Young, between
-from master.panels import Panel, radau
+from master.panels import MOST_NODES, Panel, radau
 from master.threshold_cells import Cells
 from origins import Contacts
 
@@ -96,7 +96,7 @@ class AgeingGenerations:
         stretch, share = self._again
         ends, held, pull, times = panel.nodes, [], [], []
         for now, at in zip(ends.tolist(), panel.place(ends).tolist(), strict=True):
-            time, weight = between(Panel(panel.begin, now, panel.before, at, panel.count), np.empty(0))
+            time, weight = between(Panel(panel.begin, now, panel.before, at, panel.count), np.empty(0), MOST_NODES + 1)
             place = panel.place(time)
             born = self._born(time, place, np.tile(share, (time.size, 1)))
             begun = np.repeat(place, stretch.size), np.repeat(time, stretch.size)

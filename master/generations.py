@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.break_counts import Breaks
-from master.panels import MOST_NODES, Panel, radau
+from master.panels import MOST_NODES, Panel, gauss, radau
 from master.pot import Pot
 from master.replay import replay
 from master.timeline import Piece
@@ -23,8 +23,6 @@ Array = npt.NDArray[np.float64]
 Nodes = tuple[Array, Array]
 Numbers = npt.NDArray[np.intp]
 
-_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(MOST_NODES + 1)
-_GAUSS, _WEIGHTS = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHTS
 _CLOSE = 1e-12
 _TOUCH = 1e-9
 _MOST_GRADES = 8
@@ -40,14 +38,19 @@ class Generations:
         Stretches of the contacts that hold at X = 0, and of births (lengths); with each its weight over S(|r|).
     limits : stretches at which P_c bends or jumps
     rough : whether what is left of births changes as a broken power of the stretch where they form
+    level : sums over parts of a panel have one more node with each
 
     Attributes
     ----------
     wear, again : as given
     """
 
-    def __init__(self, wear: Wear, start: Nodes, again: Nodes, course: list[Piece], limits: Array, rough: bool) -> None:
+    def __init__(
+        self, wear: Wear, start: Nodes, again: Nodes, course: list[Piece], limits: Array, rough: bool, level: int
+    ) -> None:
         self._shortest = 0.0 if rough else wear.time
+        self.nodes = MOST_NODES + 1 + level
+        self._still = not np.isfinite(wear.time)  # at rest nothing breaks
         self.wear, self._course, self.again, self._limits = wear, course, again, limits
         self._strands = Strands(wear)
         first = wear.fresh(start[0])
@@ -98,7 +101,7 @@ class Generations:
         times, weights = [], []
         for now, at in zip(ends.tolist(), places.tolist(), strict=True):
             part = Panel(panel.begin, now, panel.before, at, panel.count)
-            time, weight = between(part, self._splits(part, now, at, at, at))
+            time, weight = between(part, self._splits(part, now, at, at, at), self.nodes)
             times.append(time)
             weights.append(weight)
         sizes = [time.size for time in times]
@@ -117,7 +120,7 @@ class Generations:
         self._pots.advance(self._at, panel.after, panel.duration)
         self._at = panel.after
         if self._pot is not None:
-            time, weight = between(panel, self._splits(panel, panel.end, self._at, self._at, self._at))
+            time, weight = between(panel, self._splits(panel, panel.end, self._at, self._at, self._at), self.nodes)
             self._pot.add(panel.duration, panel.end - time, weight * breaks.rate(time))
             return
         self._table[:, 2] = np.maximum(self._table[:, 2], self._at)
@@ -135,7 +138,7 @@ class Generations:
         splits = self._splits(panel, now, self._at, most, least)
         if not splits.size:
             return False
-        birth, _ = between(panel, splits)
+        birth, _ = between(panel, splits, self.nodes)
         held, _ = self._replay(birth, panel.place(birth), np.full(birth.size, now), np.full(birth.size, self._at))
         return bool((held > _DEAD).any())
 
@@ -161,7 +164,7 @@ class Generations:
         for i, k in np.argwhere(self._suspects(time, at, most, least)).tolist():
             panel = self._panels[k]
             splits = self._splits(panel, float(time[i]), float(at[i]), float(most[i, k]), float(least[i, k]))
-            birth, weight = between(panel, splits)
+            birth, weight = between(panel, splits, self.nodes)
             bent[i, k] = True
             parts.append((i, birth, weight, panel.place(birth)))
         if not parts:
@@ -185,6 +188,9 @@ class Generations:
         out = np.zeros(most.shape, dtype=bool)
         for x in self._candidates(time[:, None], at[:, None], most, least):
             out |= (x > low - close) & (x < high + close)
+        if self._still:
+            reach = np.maximum(most - self._table[:, 1], self._table[:, 1] - least)
+            return (out | (reach < high - low)) & self._alive if not self._shortest else out & self._alive
         for k in range(max(low.size - 2, 0), low.size):
             panel = self._panels[k]
             if panel.count > 1 and panel.duration > self._shortest:
@@ -222,7 +228,10 @@ class Generations:
                     steps = _FINER ** -np.arange(1.0, _MOST_GRADES + 1.0)
                     both = np.concatenate([share - steps, share + steps])
                     out += (panel.begin + both[(both > 0.0) & (both < 1.0)] * panel.duration).tolist()
-        return np.unique(out + grades(panel, now, self._shortest))
+        since = now - panel.end
+        if self._still and panel.travel != 0.0:
+            since = max(most - panel.after, panel.after - least) * (panel.duration / abs(panel.travel))
+        return np.unique(out + grades(panel, since, self._shortest))
 
 
 @dataclass(frozen=True)
@@ -296,10 +305,9 @@ class Strands:
             self._worn, self.origin = self._worn[alive], self.origin[alive]
 
 
-def grades(panel: Panel, now: float, shortest: float) -> list[float]:
-    """Times in a panel between which what is left at a time `now` changes as little: births break the faster the
-    weaker they are, some at once."""
-    age = now - panel.end
+def grades(panel: Panel, age: float, shortest: float) -> list[float]:
+    """Times in a panel between which what is left changes as little, a time `age` after its end: births break the
+    faster the weaker they are, some at once."""
     if panel.count == 1 or panel.duration <= shortest or age >= panel.duration:
         return []
     most = _MOST_GRADES if panel.travel != 0.0 else np.inf
@@ -308,8 +316,9 @@ def grades(panel: Panel, now: float, shortest: float) -> list[float]:
     return (panel.end - share[share * panel.duration > 0.5 * age] * panel.duration).tolist()
 
 
-def between(panel: Panel, splits: Array) -> tuple[Array, Array]:
-    """Nodes in time on the parts of a panel, and their weights."""
+def between(panel: Panel, splits: Array, count: int) -> tuple[Array, Array]:
+    """`count` nodes in time on each part of a panel, and their weights."""
+    nodes, weights = gauss(count)
     edges = np.concatenate([[panel.begin], splits, [panel.end]])
     width = np.diff(edges)[:, None]
-    return (edges[:-1, None] + width * _GAUSS).ravel(), (width * _WEIGHTS).ravel()
+    return (edges[:-1, None] + width * nodes).ravel(), (width * weights).ravel()

@@ -25,6 +25,7 @@ _BIRTHS = 8
 _STARTS = 24
 _TAIL = 1e-19
 _MOST_LIMITS = 12
+_NEAR = 0.3  # of the width of the law: births so close to its broken power feel it
 
 
 def make_lives(contacts: Contacts, level: int = 0) -> Lives:
@@ -69,12 +70,14 @@ def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) 
         return AgeingGenerations(contacts, level, *_ageing_nodes(contacts, level))
     law = contacts.thresholds
     limits = np.append(law.breakpoints, law.atoms[0]) if law.breakpoints.size <= _MOST_LIMITS else law.atoms[0]
-    rough = contacts.reforming is None and law.support()[0] == 0.0 and not float(law.onset_power).is_integer()
     places = np.array([0.0, *(piece.after for piece in course)])
     again = 0.0 if contacts.reforming is None else float(np.abs(contacts.reforming.law.span).max())
     furthest = float(np.ptp(places)) + max(float(np.abs(contacts.start.span).max()), again)
     longest = course[-1].end if course else 1.0
-    return Generations(*_ingredients(contacts, level, furthest, longest), course, limits[limits > 0.0], rough)
+    wear, start, births = _ingredients(contacts, level, furthest, longest)
+    rough = law.support()[0] == 0.0 and not float(law.onset_power).is_integer()
+    rough &= bool(np.abs(births[0]).min() < _NEAR * wear.length)
+    return Generations(wear, start, births, course, limits[limits > 0.0], rough, level)
 
 
 def _ingredients(

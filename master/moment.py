@@ -110,7 +110,7 @@ class MomentDistribution:
             last = panel
             end = min(panel.end, self._time)
             part = Panel(panel.begin, end, panel.before, panel.after, panel.count)
-            time, share = between(part, np.unique(grades(part, end, self._lives.wear.time)))
+            time, share = between(part, np.unique(grades(part, 0.0, self._lives.wear.time)), self._lives.nodes)
             pot.add(part.duration, end - time, share * self._course.breaks.rate(time))
         if pot is not None:
             stretch.append(again)

@@ -20,13 +20,13 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-_COARSEST, _FINER = 0.4, 1.3
+_COARSEST, _FINER = 0.4, 1.15
 _ACCURACY, _FALLS = 3e-4, 0.12
-_SAME = 0.5  # where what B may lack on a panel fell no further, changes do not tell it; a first change hardly does
-_SUDDEN, _SURE = 0.12, 1.1
+_SURE, _SUDDEN = 1.1, 0.05  # of the last change, and of the one before
+_BOTH, _LACKS = 0.8, 0.1  # of the last change and what B lacks, multiplied; of what B lacks
+_UNREAD = 0.3
 _SLIGHT = 0.01  # of what B lacks: a first change that tells nothing
 _STUCK, _MORE = 0.5, 1.3  # changes that do not fall
-_STEADY, _BETTER = 0.3, 0.4  # and those that do, again and again
 _LENGTH = 1.5  # widths of the law
 _FIRST = 0.5  # of k_BT/<k x>
 _RATE = 1.0
@@ -78,10 +78,10 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     best: Found | None = None
     before: Array | None = None
     raw: list[Array] = []
-    worked, lacked = 0.0, np.inf
+    worked = 0.0
     changes: list[float] = []
     for level in range(_MOST_LEVELS):
-        cut = panels(course, edges[1:-1], slivers, scales, fine)
+        cut = panels(course, edges[1:-1], slivers, scales, fine, level)
         if level:
             lives = make_generations(contacts, course, level)
         accuracy = np.inf if lost else max(_ACCURACY * _FALLS**level, lives.error, 10.0 * rounding)
@@ -100,16 +100,13 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
             if len(raw) > 1:
                 answer = answer + (answer - raw[-2]) / (_LEFT - 1.0)
         if before is not None and (len(raw) > 2 or contacts.ageing is None):
-            changes.append(float((np.abs(answer - before).max(axis=1) / [unit, 1.0]).max()))
+            changes.append(float(np.abs(answer - before)[0].max()) / unit)
         before = answer
         error = np.inf
         if not lost:
-            # answers on much the same panels do not change, though they are not exact
-            share = 1.0 if found.lacks > _SAME * lacked else SLOW if len(changes) < 2 else 0.0
-            own = max(share * found.lacks, unread(found, asked, unit))
-            error = max(left(changes), own) + rounding + ROUND_OFF * (1.0 + count) + lives.error
+            error = max(left(changes, found.lacks), _UNREAD * unread(found, asked, unit))
+            error += rounding + ROUND_OFF * (1.0 + count) + lives.error
         progress(error)
-        lacked = found.lacks
         if best is None or error < best.error or len(changes) == 2:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = worked + found.work * _FINER**2
@@ -125,16 +122,14 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     return replace(best, message=_words(best, tolerance, lives.error, torn))
 
 
-def left(changes: list[float]) -> float:
-    """What the last answer is off by, from the changes of answers that get better and better."""
-    if len(changes) < 2:
-        return _SURE * changes[0] if changes else np.inf
-    before, last = changes[-2:]
-    out = max(_SURE * last, _SUDDEN * before)
-    if last > _STUCK * before:
-        return _MORE * out
-    steady = len(changes) > 2 and last < _STEADY * before and before < _STEADY * changes[-3]
-    return _BETTER * out if steady else out
+def left(changes: list[float], lacks: float) -> float:
+    """What the last answer is off by, from the changes of answers that get better and better, and from what the
+    polynomials lack; each alone is at times small by chance."""
+    if not changes:
+        return np.inf
+    before, last = [0.0, *changes][-2:]
+    sure = _MORE if last > _STUCK * before > 0.0 else _SURE
+    return max(sure * last, _SUDDEN * before, _BOTH * float(np.sqrt(last * lacks)), _LACKS * lacks)
 
 
 def too_long(contacts: Contacts, course: list[Piece], steps: float, most: str, rate: float) -> NoReturn:

@@ -110,6 +110,13 @@ def radau(count: int) -> Radau:
     return Radau(count)
 
 
+@lru_cache
+def gauss(count: int) -> tuple[Array, Array]:
+    """Gauss's nodes on (0, 1), and weights."""
+    nodes, weights = legendre.leggauss(count)
+    return 0.5 * (nodes + 1.0), 0.5 * weights
+
+
 @dataclass(frozen=True)
 class Scales:
     """What panels must resolve.
@@ -128,8 +135,11 @@ class Scales:
     rate: float
 
 
-def panels(course: list[Piece], bends: Array, slivers: Array | None, scales: Scales, fine: float) -> list[Panel]:
-    """Panels of `course` between all bends, `fine` times as many as the fewest; one for each of the slivers."""
+def panels(
+    course: list[Piece], bends: Array, slivers: Array | None, scales: Scales, fine: float, level: int
+) -> list[Panel]:
+    """Panels of `course` between all bends, `fine` times as many as the fewest, each with one more node a level; one
+    for each of the slivers."""
     out: list[Panel] = []
     end = course[-1].end
     slivers = np.empty((0, 2)) if slivers is None else slivers
@@ -144,12 +154,12 @@ def panels(course: list[Piece], bends: Array, slivers: Array | None, scales: Sca
                 cuts, counts = np.array([begin, last]), [1]
             elif speed == 0.0:
                 cuts = _held(begin, last, piece.begin, scales.time, fine)
-                counts = [MOST_NODES if np.isfinite(scales.time) else 2] * (cuts.size - 1)
+                counts = [MOST_NODES + level if np.isfinite(scales.time) else 2] * (cuts.size - 1)
             else:
                 longest = min(scales.length / speed, 1.0 / scales.rate if scales.rate > 0.0 else np.inf)
                 first = min(scales.first / speed, longest) if number == 0 else longest
                 cuts = _moving(begin, last, first / fine, longest / fine, _GROWTH ** (1.0 / fine))
-                counts = [_count(fine * (b - a) / longest) for a, b in pairwise(cuts.tolist())]
+                counts = [_count(fine * (b - a) / longest) + level for a, b in pairwise(cuts.tolist())]
             places = piece.before + piece.travel * ((cuts - piece.begin) / piece.duration)
             if last == piece.end:
                 places[-1] = piece.after
