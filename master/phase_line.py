@@ -13,7 +13,7 @@ from master.points import Points, changed
 from master.propensity import extremes
 from origins import Contacts
 from origins.contacts import check_contacts
-from origins.errors import TOLERANCE, positive
+from origins.errors import check_tolerance
 
 Array = npt.NDArray[np.float64]
 
@@ -68,7 +68,7 @@ def phase_line(
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.phase_line", LAWS)
-    tolerance = positive("tolerance", tolerance, TOLERANCE)
+    tolerance = check_tolerance("tolerance", tolerance)
     points = Points(contacts, velocity, temperature, rate, delay)
     speeds, *others = points.rows
     # without rates, ageing and delay, of thresholds or contacts, the speed does not tell

@@ -15,7 +15,7 @@ from master.renewal import LaterReleased
 from master.steady import steady_of
 from origins import Contacts
 from origins.contacts import check_contacts
-from origins.errors import TOLERANCE, positive
+from origins.errors import check_tolerance, positive
 
 Array = npt.NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with.
     """
     began = time.perf_counter()
-    tolerance = positive("tolerance", tolerance, TOLERANCE)
+    tolerance = check_tolerance("tolerance", tolerance)
     check_contacts(contacts, "master.propensity", LAWS)
     cycle = Cycle(contacts, positive("velocity", velocity))
     steady = steady_of(contacts, cycle)

@@ -15,7 +15,7 @@ import numpy.typing as npt
 import origins
 from origins.contacts import Contacts
 from origins.drive import Drive
-from origins.errors import TOLERANCE, InputError, finite, positive, refuse, shown, whole, without_point
+from origins.errors import InputError, check_tolerance, finite, positive, refuse, shown, whole, without_point
 from toolkit import laws
 from toolkit.driving import make_drive
 from toolkit.sweeping import Sweep, make_sweep
@@ -206,7 +206,7 @@ def _checked(
     if solved and table.master is None and table.eq is None and table.sweep is None:
         raise InputError("scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one")
     if table.master is not None:
-        positive("master.tolerance", table.master.tolerance, TOLERANCE)
+        check_tolerance("master.tolerance", table.master.tolerance)
     if table.eq is not None:
         _check_ensemble(table.eq)
     contacts = _contacts(table.contacts, folder, comm)
