@@ -31,6 +31,8 @@ def shown(value: object) -> str:
 
 def finite(name: str, value: object, instead: str = "such as 1.0") -> float:
     """`value` as a finite float; else the message ends in what to write `instead`."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
         refuse(name, value, f"must be a number, {instead}")
     try:

@@ -140,7 +140,7 @@ def test_generated_surface_gives_its_thresholds() -> None:
     x = direct.mean() * np.linspace(0.01, 3.0, 50)
     assert np.array_equal(built.sf(x), direct.sf(x))
     # whose contacts have a stiffness, so that kelvins are a temperature
-    warm = {"thermal": {"law": "soft", "temperature": {"kelvin": 300.0}}}
+    warm = {"thermal": {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e12}}
     thermal = toolkit.load_scene(scene | {"contacts": scene["contacts"] | warm}).contacts.thermal
     assert thermal.temperature == pytest.approx(1.380649e-23 * 300.0 / direct.interface.mean_stiffness, rel=1e-14)
 

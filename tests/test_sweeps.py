@@ -58,7 +58,7 @@ def test_sweeps_go_beside_a_run_and_along_kelvins(tmp_path: Path, capsys, monkey
     monkeypatch.chdir(tmp_path)
     rough = toolkit.load_scene("rough-gw-amontons").text
     surface = rough[rough.index("[contacts") : rough.index("[drive]")]
-    thermal = '[contacts.thermal]\nlaw = "soft"\ntemperature = { kelvin = 300.0 }\n'
+    thermal = '[contacts.thermal]\nlaw = "soft"\ntemperature = { kelvin = 300.0 }\nattempt_frequency = 1.0\n'
     sweep = "[sweep]\nkelvin = { from = 100.0, to = 300.0, points = 3, spacing = 'even' }\n"
     drive = "[drive]\nto = 1e-6\npoints = 11\nvelocity = 1e-6\n[master]\ntolerance = 1e-4\n"
     Path("mine.toml").write_text(surface + thermal + drive + sweep)

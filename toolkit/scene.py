@@ -30,6 +30,7 @@ _EXPECTED = {
     "float": "a number, such as 1.0",
     "int": "a whole number",
     "str": 'text in quotes, such as "text"',
+    "bool": "true or false",
 }
 
 
@@ -255,6 +256,11 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
+    if "thermal" in made and thresholds.interface is not None and "attempt_frequency" not in (table.thermal or {}):
+        raise InputError(
+            "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such as "
+            "1e12, and has no default"
+        )
     with laws.inside("contacts", {name: name for name in made}):
         return Contacts(**made)
 
