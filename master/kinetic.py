@@ -19,6 +19,7 @@ from master.cycle import LAWS
 from master.points import Points, changed
 from master.steady import steady_state
 from origins import Contacts
+from origins.brief import brief
 from origins.contacts import check_contacts
 from origins.errors import refuse
 
@@ -57,6 +58,8 @@ class KineticCurve:
     holding: Array
     holding_error: Array
     run_time: float
+
+    __repr__ = brief
 
 
 def kinetic_curve(

@@ -12,6 +12,7 @@ from master.cycle import LAWS, Cycle
 from master.points import Points, changed
 from master.propensity import extremes
 from origins import Contacts
+from origins.brief import brief
 from origins.contacts import check_contacts
 from origins.errors import check_tolerance
 
@@ -40,6 +41,8 @@ class PhaseLine:
     critical_spring: Array
     critical_spring_error: Array
     run_time: float
+
+    __repr__ = brief
 
 
 def phase_line(

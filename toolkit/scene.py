@@ -258,8 +258,8 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
             made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
     if "thermal" in made and thresholds.interface is not None and "attempt_frequency" not in (table.thermal or {}):
         raise InputError(
-            "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such as "
-            "1e12, and has no default"
+            "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such "
+            "as 1e12, and has no default"
         )
     with laws.inside("contacts", {name: name for name in made}):
         return Contacts(**made)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from origins.brief import brief
 from origins.contacts import Contacts
 from origins.errors import InputError, non_negative, positive, refuse, whole
 from toolkit import laws
@@ -61,6 +62,8 @@ class SweepRecord:
     delay: Array | None = None
     critical_spring: Array | None = None
     critical_spring_error: Array | None = None
+
+    __repr__ = brief
 
     @property
     def success(self) -> bool:
