@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cycle import LAWS, Cycle
+from master.outcome import judged
 from master.points import Points, changed
 from master.propensity import extremes
 from origins import Contacts
@@ -32,6 +33,10 @@ class PhaseLine:
         no spring lets go; inf where it drops at one X: every spring does.
     run_time : float
         Seconds.
+    success : array of bool
+        Whether K* is known within the tolerance, relative to 1 + K*, at each point.
+    message : str
+        In words: what was reached, and at how many points not what was asked for.
     """
 
     velocity: Array
@@ -41,6 +46,8 @@ class PhaseLine:
     critical_spring: Array
     critical_spring_error: Array
     run_time: float
+    success: npt.NDArray[np.bool_]
+    message: str
 
     __repr__ = brief
 
@@ -82,6 +89,7 @@ def phase_line(
         single = changed(contacts, heat, spread, wait, contacts.start)
         found[:, i] = extremes(single, Cycle(single, speed), tolerance)[:2]
     spring, error = (row[which.reshape(-1)].reshape(points.shape) for row in found)
+    success, message = judged("K*", error / (1.0 + spring), tolerance)
     return PhaseLine(
         points.velocity,
         points.temperature,
@@ -90,4 +98,6 @@ def phase_line(
         spring,
         error,
         time.perf_counter() - began,
+        success,
+        message,
     )

@@ -66,7 +66,10 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
         else:
             numbers["kinetic_force"] = Number(steady.force, steady.force_error * mean.value, unit)
             try:
-                numbers |= _of_propensity(master.propensity(contacts, velocity=velocity), unit)
+                found = master.propensity(contacts, velocity=velocity)
+                numbers |= _of_propensity(found, unit)
+                if not (steady.success and found.success):
+                    notes.append(f"not as asked: {steady.message}; {found.message}")
             except InputError as error:
                 notes.append(str(error))
     else:

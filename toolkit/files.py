@@ -150,7 +150,8 @@ def summary(result: Result) -> dict[str, Any]:
             "points": int(sweep.force.size),
             "largest_force_error": float(sweep.force_error.max()),
             "run_time": float(sweep.run_time),
-            "success": sweep.success,
+            "success": bool(sweep.success),
+            "message": sweep.message,
         }
         if sweep.critical_spring_error is not None:
             content["sweep"]["largest_critical_spring_error"] = float(sweep.critical_spring_error.max())
