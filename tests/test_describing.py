@@ -71,3 +71,10 @@ def test_a_density_that_nears_1_over_x_is_described_without_a_spring() -> None:
     assert all(np.isfinite(found.numbers[name].value) for name in (*MOMENTS, "kinetic_force"))
     assert "critical_spring" not in found.numbers
     assert found.notes[0].startswith("thresholds: a weight of ") and "no F(X), K*" in found.notes[0]
+
+
+def test_speed_and_laws_are_said_where_they_tell() -> None:
+    warm = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=origins.Thermal("soft", 0.1), delay=origins.Delay(0.5))
+    told = "F_k, K*, F_s/F_k and X* at v = 0.25, T = 0.1, attempt frequency 1, delay 0.5; all else is P_c alone"
+    assert describe(warm, 0.25).notes[0] == told
+    assert not describe(origins.Contacts(origins.gaussian(1.0, 0.2)), 0.25).notes
