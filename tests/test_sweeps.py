@@ -37,6 +37,12 @@ def test_a_sweep_is_what_the_master_equation_says_and_comes_back(tmp_path: Path)
     assert again is not None and again.along == found.along and again.kelvin is None and again.rate is None
     for name in ("velocity", "temperature", "delay", "force", "force_error", "holding", "critical_spring_error"):
         np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
+    assert again.success and again.message == found.message != ""
+    head, *lines = (tmp_path / "out" / "sweep.csv").read_text().splitlines()
+    assert head.startswith("velocity [length / time],force [length],force_error [<x_s>],holding,holding_error,temperat")
+    table = np.array([line.split(",") for line in lines], dtype=float)
+    np.testing.assert_array_equal(table[:, 1], found.force.ravel())
+    np.testing.assert_array_equal(table[:, -2], found.critical_spring.ravel())
     told = json.loads((tmp_path / "out" / "summary.json").read_text())["sweep"]
     assert told["points"] == 6 and told["largest_force_error"] == found.force_error.max() and told["success"]
 
