@@ -266,7 +266,7 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("contacts.reforming", {"kind": "identical", "value": 9.0}, "contacts.reforming: a weight of 1 lies beyond ev"),
         ("contacts.stiffness", "linkd", "contacts.stiffness = 'linkd': must be \"independent\" or \"linked\""),
         ("drive.to", math.inf, "drive.to = inf: must be finite"),
-        ("drive.to", -5.0, "drive.to = -5.0: must be above zero"),
+        ("drive.to", -5.0, "drive.to = -5.0: must be above zero; for the other way write turns = [-5]"),
         ("drive.to", "far", "drive.to = 'far': must be a number, such as 1.0"),
         ("drive.to", True, "drive.to = true: must be a number, such as 1.0"),
         ("drive.turns", [2.0, "a"], "drive.turns[1] = 'a': must be a number, such as 1.0"),
