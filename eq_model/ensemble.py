@@ -18,6 +18,7 @@ from eq_model.histogram import Histogram
 from eq_model.lives import LAWS, Lives
 from eq_model.state import State
 from origins import Contacts, Drive
+from origins.brief import brief
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse, whole
 from origins.streams import MOST_REPLICAS, key_of
@@ -63,6 +64,8 @@ class EnsembleResult:
     compile_time: float
     success: bool
     message: str
+
+    __repr__ = brief
 
 
 class Ensemble:

@@ -17,6 +17,7 @@ from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
 from master.effective_law import EffectiveLaw
+from master.outcome import WELL, judged
 from master.piecewise import Piecewise
 from master.potential import Potential
 from master.spectral_elements import SpectralElements
@@ -54,6 +55,10 @@ class AgeingSteadyState:
         Weight below zero.
     cycle_length_error : float
         Error of C in units of the mean fresh threshold.
+    success : bool
+        Whether the force is known to a thousandth of itself: no tolerance is asked for.
+    message : str
+        In words: what was reached.
     """
 
     force: float
@@ -62,6 +67,8 @@ class AgeingSteadyState:
     thresholds: Thresholds = field(repr=False)
     positivity_defect: float
     cycle_length_error: float
+    success: bool
+    message: str
     holding: float = 1.0
 
     @property
@@ -97,7 +104,8 @@ def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> 
     unit = law.mean()
     if diffusion == 0.0:
         force = 0.5 * law.moment(2) / unit
-        return AgeingSteadyState(force, _ROUND_OFF * force / unit, unit, law, 0.0, _ROUND_OFF)
+        message = judged("F_k", _ROUND_OFF, WELL)[1]
+        return AgeingSteadyState(force, _ROUND_OFF * force / unit, unit, law, 0.0, _ROUND_OFF, True, message)
     end = ageing.final.support()[1]
     potential = Potential(ageing.final, min(end, max(float(law.isf(_TAIL)), float(ageing.final.isf(_TAIL)))))
     edges = _edges(law, ageing.final, potential, diffusion * unit)
@@ -106,7 +114,10 @@ def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> 
     error = abs(better.force - worse.force) / unit + _ROUND_OFF * better.force / unit
     mean_error = abs(better.mean - worse.mean) / unit + _ROUND_OFF * better.mean / unit
     thresholds, defect = better.thresholds()
-    return AgeingSteadyState(better.force, error, better.mean, thresholds, defect, mean_error)
+    success, message = judged("F_k", error * unit / better.force, WELL)
+    return AgeingSteadyState(
+        better.force, error, better.mean, thresholds, defect, mean_error, bool(success), message
+    )
 
 
 def gaussian_force(

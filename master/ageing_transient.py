@@ -18,6 +18,7 @@ from scipy.interpolate import make_interp_spline
 from master.ageing_stepper import Keep, PaperStepper, check_closure, enough_cells, enough_parts
 from master.outcome import Progress, unheard
 from origins import Contacts, Drive
+from origins.brief import brief
 from origins.errors import positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
@@ -82,6 +83,8 @@ class AgeingTransient:
     success: bool
     message: str
     run_time: float
+
+    __repr__ = brief
 
 
 def paper_transient(

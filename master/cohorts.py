@@ -19,6 +19,7 @@ from master.moves import Move, moves
 from master.outcome import Progress, outcome, unheard
 from master.stretches import CohortDistribution, stretches
 from origins import Contacts
+from origins.brief import brief
 from origins.errors import finite, refuse
 
 Array = npt.NDArray[np.float64]
@@ -130,6 +131,8 @@ class PathSolution:
     success: bool
     message: str
     _course: Course = field(repr=False)
+
+    __repr__ = brief
 
     def distribution(self, position: float, leg: int | None = None) -> CohortDistribution:
         """Q(x;X) where the slider passes X = position (a length) on one straight leg of the path, counted from 0.

@@ -26,6 +26,7 @@ from master.decoherence_waiting import waiting_terms
 from master.problem import Problem
 from master.steady import steady_state
 from origins import Contacts
+from origins.brief import brief
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse, whole
 
@@ -78,6 +79,8 @@ class DecoherenceSpectrum:
     _left: float = field(repr=False)
     _further: tuple[Complex, Complex] = field(repr=False)
     _problem: Problem = field(repr=False)
+
+    __repr__ = brief
 
     @property
     def period(self) -> Array:

@@ -110,7 +110,13 @@ def first_passage(
     # all generations rest on the law from 0 on
     finest = float(np.clip(_PER_PANEL * accuracy, *_PANELS)) if start != 0.0 else _PANELS[0]
     normal = OrnsteinPassage(law, ageing.normal.mean, ageing.normal.std, diffusion, start, _SPENT, finest)
-    effective = EffectiveLaw(normal.series(), 0.0, True, normal.survival, normal.hazard, normal.slope, power)
+    series = normal.series()
+    if not series.total > 0.0:
+        raise InputError(
+            f"ageing: contacts that hold at x = {start:g} have fresh thresholds far from the final law, mean "
+            f"{ageing.normal.mean:g}, std {ageing.normal.std:g}, and their breaks are beyond floating point"
+        )
+    effective = EffectiveLaw(series, 0.0, True, normal.survival, normal.hazard, normal.slope, power)
     return FirstPassage(effective, normal.error + _ROUND_OFF)
 
 

@@ -16,9 +16,11 @@ import numpy.typing as npt
 
 from master.break_sums import law_edges, summable, summed
 from master.cycle import LAWS
+from master.outcome import WELL, judged
 from master.points import Points, changed
 from master.steady import steady_state
 from origins import Contacts
+from origins.brief import brief
 from origins.contacts import check_contacts
 from origins.errors import refuse
 
@@ -46,6 +48,10 @@ class KineticCurve:
         Fraction of the contacts that hold, C/(C + v τ_m), and its error.
     run_time : float
         Seconds.
+    success : array of bool
+        Whether the force is known to a thousandth of itself at each point: no tolerance is asked for.
+    message : str
+        In words: what was reached, and at how many points not that.
     """
 
     velocity: Array
@@ -57,6 +63,10 @@ class KineticCurve:
     holding: Array
     holding_error: Array
     run_time: float
+    success: npt.NDArray[np.bool_]
+    message: str
+
+    __repr__ = brief
 
 
 def kinetic_curve(
@@ -91,6 +101,7 @@ def kinetic_curve(
     check_contacts(contacts, "master.kinetic_curve", LAWS)
     points = Points(contacts, velocity, temperature, rate, delay)
     force, force_error, holding, holding_error = (row.reshape(points.shape) for row in _along(contacts, points))
+    success, message = judged("F_k", force_error / force, WELL)
     return KineticCurve(
         points.velocity,
         points.temperature,
@@ -101,6 +112,8 @@ def kinetic_curve(
         holding,
         holding_error,
         time.perf_counter() - began,
+        success,
+        message,
     )
 
 

@@ -2,8 +2,12 @@
 
 from collections.abc import Callable
 
+import numpy as np
+import numpy.typing as npt
+
 from origins import Contacts
 
+WELL = 1e-3  # of a force that is known well enough to be used, where no tolerance is asked
 Progress = Callable[[float], None]
 """Called with the error estimate, in mean thresholds, that a solution has after each refinement."""
 
@@ -20,3 +24,14 @@ def outcome(contacts: Contacts, error: float, tolerance: float, reason: str) -> 
     if contacts.cut_weight > 0.0:
         message += f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
     return success, message
+
+
+def judged(what: str, errors: npt.ArrayLike, tolerance: float) -> tuple[npt.NDArray[np.bool_], str]:
+    """Whether each error is within the tolerance, both of one unit, and a message: what is known to how much, and at
+    how many points not as asked."""
+    each = np.asarray(errors, dtype=float)
+    good, worst = each <= tolerance, float(each.max(initial=0.0))
+    if good.all():
+        return good, f"{what} known to {worst:.1e}, within {tolerance:.1e}"
+    where = f" at {np.count_nonzero(~good)} of {good.size} points" if good.size > 1 else ""
+    return good, f"{what} known to {worst:.1e} only{where}, above {tolerance:.1e}"

@@ -9,11 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cycle import LAWS, Cycle
+from master.outcome import judged
 from master.points import Points, changed
 from master.propensity import extremes
 from origins import Contacts
+from origins.brief import brief
 from origins.contacts import check_contacts
-from origins.errors import TOLERANCE, positive
+from origins.errors import check_tolerance
 
 Array = npt.NDArray[np.float64]
 
@@ -31,6 +33,10 @@ class PhaseLine:
         no spring lets go; inf where it drops at one X: every spring does.
     run_time : float
         Seconds.
+    success : array of bool
+        Whether K* is known within the tolerance, relative to 1 + K*, at each point.
+    message : str
+        In words: what was reached, and at how many points not what was asked for.
     """
 
     velocity: Array
@@ -40,6 +46,10 @@ class PhaseLine:
     critical_spring: Array
     critical_spring_error: Array
     run_time: float
+    success: npt.NDArray[np.bool_]
+    message: str
+
+    __repr__ = brief
 
 
 def phase_line(
@@ -68,7 +78,7 @@ def phase_line(
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.phase_line", LAWS)
-    tolerance = positive("tolerance", tolerance, TOLERANCE)
+    tolerance = check_tolerance("tolerance", tolerance)
     points = Points(contacts, velocity, temperature, rate, delay)
     speeds, *others = points.rows
     # without rates, ageing and delay, of thresholds or contacts, the speed does not tell
@@ -79,6 +89,7 @@ def phase_line(
         single = changed(contacts, heat, spread, wait, contacts.start)
         found[:, i] = extremes(single, Cycle(single, speed), tolerance)[:2]
     spring, error = (row[which.reshape(-1)].reshape(points.shape) for row in found)
+    success, message = judged("K*", error / (1.0 + spring), tolerance)
     return PhaseLine(
         points.velocity,
         points.temperature,
@@ -87,4 +98,6 @@ def phase_line(
         spring,
         error,
         time.perf_counter() - began,
+        success,
+        message,
     )

@@ -29,6 +29,7 @@ _WHOLE, _SAME, _CROWD = 1e-6, 1e-9, 1e-4
 _MOST_PLACES, _MOST_POINTS = 64, 8
 _NODES, _DEGREE_BESIDE = 24, 14
 _REACH = 0.4
+_SMALLEST = 1e-280
 _SHARPER = 4
 _POWER = 1e-11
 _FITS = 0.3
@@ -225,6 +226,8 @@ def _beside(law: Law, point: float, side: float, points: Array, highest: float =
     places = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES))
     for halvings in range(_SHARPER):
         width = _REACH * radius * 0.5**halvings
+        if width**_DEGREE_BESIDE < _SMALLEST:  # too near another singular point for its powers to be numbers
+            return None
         x = point + side * width * places
         apart = np.abs(x - point)
         values = law.pdf(x)

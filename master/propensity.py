@@ -10,12 +10,13 @@ import numpy.typing as npt
 from master.cycle import LAWS, Cycle
 from master.decoherence import decoherence_length
 from master.forward import MOST_NODES, SMOOTH, estimate, first_step, round_off
+from master.outcome import judged
 from master.problem import Problem
 from master.renewal import LaterReleased
 from master.steady import steady_of
 from origins import Contacts
 from origins.contacts import check_contacts
-from origins.errors import TOLERANCE, positive
+from origins.errors import check_tolerance, positive
 
 Array = npt.NDArray[np.float64]
 
@@ -49,6 +50,11 @@ class Propensity:
         m of P_c(x) ~ (x - a)^m at its lower end.
     run_time : float
         Seconds.
+    success : bool
+        Whether K* (relative to 1 + K*) and F_s (in mean thresholds, or in mean stretches at a break where that is by a
+        rate) are known within the tolerance asked for.
+    message : str
+        In words: what was reached.
     """
 
     critical_spring: float
@@ -60,6 +66,8 @@ class Propensity:
     onset_power: float
     onset_power_error: float
     run_time: float
+    success: bool
+    message: str
 
 
 def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float = 1.0) -> Propensity:
@@ -77,7 +85,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with.
     """
     began = time.perf_counter()
-    tolerance = positive("tolerance", tolerance, TOLERANCE)
+    tolerance = check_tolerance("tolerance", tolerance)
     check_contacts(contacts, "master.propensity", LAWS)
     cycle = Cycle(contacts, positive("velocity", velocity))
     steady = steady_of(contacts, cycle)
@@ -86,6 +94,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     spring, spring_error, static, static_error = extremes(contacts, cycle, tolerance)
     length, length_error = decoherence_length(contacts, cycle)
     ratio = max(static / kinetic, 1.0)
+    sure_spring, spring_message = judged("K*", spring_error / (1.0 + spring), tolerance)
+    sure_static, static_message = judged("F_s", static_error, tolerance)
     return Propensity(
         critical_spring=spring,
         critical_spring_error=spring_error,
@@ -96,6 +106,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         onset_power=contacts.thresholds.onset_power,
         onset_power_error=contacts.thresholds.onset_power_error,
         run_time=time.perf_counter() - began,
+        success=bool(sure_spring and sure_static),
+        message=f"{spring_message}; {static_message}",
     )
 
 

@@ -29,7 +29,8 @@ class Regime:
     reason : str
         In words.
     critical_spring, critical_spring_error : float
-        K*/(N_c <k>) of the start: a stiffer spring never lets go while the slider moves forward.
+        K*/(N_c <k>) from the start on, of a slider that moves forward as fast as the drive: a stiffer spring never lets
+        go. It is not that of steady sliding, where contacts have forgotten their start and F(X) falls no more.
     stiffness_ratio : float
         K/K*.
     slips : int

@@ -14,6 +14,7 @@ from master.outcome import Progress, outcome, unheard
 from master.regime import Regime, regime
 from master.ride import Ride
 from origins import Contacts
+from origins.brief import brief
 from origins.drive import SlipRule
 
 Array = npt.NDArray[np.float64]
@@ -45,6 +46,8 @@ class Slips:
     force_before: Array
     force_after: Array
     drive_error: float
+
+    __repr__ = brief
 
     @property
     def drop(self) -> Array:
@@ -102,6 +105,8 @@ class SoftSolution:
     nodes: int
     success: bool
     message: str
+
+    __repr__ = brief
 
 
 def solve_soft(

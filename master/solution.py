@@ -10,6 +10,7 @@ import numpy.typing as npt
 from master.distribution import StretchDistribution, distribution_at
 from master.problem import Problem
 from master.renewal import LaterReleased
+from origins.brief import brief
 from origins.errors import finite
 
 Array = npt.NDArray[np.float64]
@@ -49,6 +50,8 @@ class Solution:
     message: str
     _problem: Problem = field(repr=False)
     _later: LaterReleased | None = field(repr=False)
+
+    __repr__ = brief
 
     def distribution(self, position: float) -> StretchDistribution:
         """Q(x;X) at X = position, between 0 and the path's end; InputError elsewhere."""

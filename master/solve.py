@@ -13,7 +13,7 @@ from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.contacts import check_contacts
 from origins.drive import SlipRule
-from origins.errors import TOLERANCE, positive
+from origins.errors import check_tolerance
 
 if TYPE_CHECKING:
     from master.ageing_transient import AgeingTransient
@@ -102,7 +102,7 @@ def solve(
         For a path that is not finite, for keywords that are not as said above, and for laws of the contacts that are
         not taken on that path yet.
     """
-    tolerance = positive("tolerance", tolerance, TOLERANCE)
+    tolerance = check_tolerance("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip)
     if isinstance(contacts, Contacts) and contacts.ageing is not None and contacts.ageing.closure == "paper":
         from master.ageing_transient import solve_paper

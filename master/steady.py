@@ -13,6 +13,7 @@ from master.breaking_law import BreakingLaw
 from master.cycle import LAWS, Cycle
 from master.effective_law import EffectiveLaw
 from master.law import Law
+from master.outcome import WELL, judged
 from master.release import Release
 from master.starting import StartSum
 from origins import Contacts, InputError, Thresholds
@@ -51,6 +52,10 @@ class SteadyState:
         C, how far the slider moves between a contact's birth and its break on the average: <x_b - r>.
     cycle_length_error : float
         Its error in units of the mean threshold.
+    success : bool
+        Whether the force is known to a thousandth of itself: no tolerance is asked for.
+    message : str
+        In words: what was reached.
     """
 
     force: float
@@ -59,6 +64,8 @@ class SteadyState:
     mean_threshold: float
     cycle_length: float
     cycle_length_error: float
+    success: bool
+    message: str
     _contacts: Contacts = field(repr=False)
     _cycle: Cycle = field(repr=False)
 
@@ -126,6 +133,7 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         length_off += cycle.error * reach
     if cycle.tabulated and off > _WELL * force:
         force, off, length, length_off = _summed(contacts, cycle, (force, off, length, length_off))
+    success, message = judged("F_k", off / force, WELL)
     return SteadyState(
         force=force,
         force_error=off / contacts.mean_threshold,
@@ -133,6 +141,8 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         mean_threshold=contacts.mean_threshold,
         cycle_length=length,
         cycle_length_error=length_off / contacts.mean_threshold,
+        success=bool(success),
+        message=message,
         _contacts=contacts,
         _cycle=cycle,
     )

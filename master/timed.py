@@ -18,6 +18,7 @@ from master.on_panels import follow, too_long
 from master.outcome import Progress, outcome, unheard
 from master.timeline import Part, beside, marks, parts, pieces, times
 from origins import Contacts, Drive, InputError
+from origins.brief import brief
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
@@ -68,6 +69,8 @@ class TimedSolution:
     _contacts: Contacts = field(repr=False)
     _drive: Drive = field(repr=False)
     _course: Course | None = field(repr=False)
+
+    __repr__ = brief
 
     def distribution(self, point: int) -> MomentDistribution:
         """Q(x;X) at one point of the path, told by its index as X may be passed often; X stands still in a hold.

@@ -61,7 +61,7 @@ def pieces(drive: Drive, origin: float = 0.0) -> list[Piece]:
         last = out[-1] if out else None
         if last is not None:
             speed, own = last.travel / last.duration, (after - before) / (end - begin)
-            rounding = _ROUNDING * end / min(end - begin, last.duration)
+            rounding = _ROUNDING * max(end / (end - begin), last.end / last.duration)
             if abs(speed - own) <= (_SAME + rounding) * max(abs(speed), abs(own)):
                 out[-1] = Piece(last.begin, float(end), last.before, float(after))
                 continue

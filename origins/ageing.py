@@ -10,6 +10,8 @@ from origins.gaussian import CutGaussian
 from origins.ornstein_uhlenbeck import OrnsteinUhlenbeck
 from origins.thresholds import Thresholds
 
+_FASTEST = 1e100  # D, whose powers must stay numbers
+
 
 class Ageing:
     """Fresh thresholds P_ci diffuse towards P_cf ~ exp(-Ũ): ∂P/∂t = D ∂_x (Ũ' + ∂_x) P (paper, Eqs. L and B).
@@ -41,6 +43,8 @@ class Ageing:
     def __init__(self, final: object, rate: float, closure: Literal["exact", "paper"] = "exact") -> None:
         self.final: Thresholds = as_thresholds(final, "final")
         self.rate = non_negative("rate", rate)
+        if self.rate > _FASTEST:
+            refuse("rate", rate, f"must be at most {_FASTEST:g}; choose another unit")
         self.closure = closure
         if closure not in ("exact", "paper"):
             refuse("closure", closure, 'must be "exact" or "paper"')

@@ -6,7 +6,7 @@ from typing import NoReturn
 import numpy as np
 
 TEMPERATURE = "k_BT/<k>, a length squared in the unit of the thresholds; for T = 0 leave the law out"
-TOLERANCE = "such as 1e-8"  # in mean thresholds, whatever their unit
+_TOLERANCE = "such as 1e-8"
 
 
 class InputError(ValueError):
@@ -31,6 +31,8 @@ def shown(value: object) -> str:
 
 def finite(name: str, value: object, instead: str = "such as 1.0") -> float:
     """`value` as a finite float; else the message ends in what to write `instead`."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
         refuse(name, value, f"must be a number, {instead}")
     try:
@@ -49,6 +51,22 @@ def positive(name: str, value: object, instead: str = "") -> float:
     number = finite(name, value, instead or "such as 1.0")
     if number <= 0.0:
         refuse(name, value, f"must be above zero{ending}")
+    return number
+
+
+def between(name: str, value: object, least: float, most: float, instead: str = "choose another unit") -> float:
+    """`value` as a float above zero from `least` to `most`; else the message ends in what to do `instead`."""
+    number = positive(name, value)
+    if not least <= number <= most:
+        refuse(name, value, f"must lie between {least:g} and {most:g}; {instead}")
+    return number
+
+
+def check_tolerance(name: str, value: object) -> float:
+    """`value` as a tolerance in mean thresholds: a finite float above zero and below 1, as large as forces are."""
+    number = positive(name, value, _TOLERANCE)
+    if number >= 1.0:
+        refuse(name, value, f"must be below 1, in mean thresholds, {_TOLERANCE}")
     return number
 
 

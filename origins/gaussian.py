@@ -5,11 +5,13 @@ from typing import Literal
 import numpy as np
 from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
 
-from origins.errors import finite, positive, refuse
+from origins.errors import between, finite, positive, refuse
 from origins.gaussian_chord import ChordGaussian
 from origins.quadrature import gauss
 from origins.thresholds import Array, Thresholds
 
+_LARGEST, _UNIT = 1e150, "choose another unit of length"  # so that squares are numbers
+_NARROWEST = 1e-15  # std over mean, which rounding takes for one value
 _ROOT_TWO = np.sqrt(2.0)
 _ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
@@ -20,10 +22,16 @@ def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upp
     form = "cut": the normal law conditional on x > 0.
     form = "paper": the paper's corrected form on (0, upper), the normal density less the chord between its values
     at 0 and at upper, cut where it is negative and normalised; needs 0 < mean < upper.
-    Raises InputError unless mean is finite, std is finite and above zero (for one value, use identical()), and
-    `upper` is given for the paper's form and for it alone.
+    Raises InputError unless mean is finite, std is finite and above 1e-15 of its size (for one value, use identical()),
+    and `upper` is given for the paper's form and for it alone.
     """
-    mean, std = finite("mean", mean), positive("std", std)
+    mean, std = finite("mean", mean), between("std", std, 1.0 / _LARGEST, _LARGEST, _UNIT)
+    if abs(mean) > _LARGEST:
+        refuse("mean", mean, f"must be at most {_LARGEST:g}; {_UNIT}")
+    if std < _NARROWEST * mean:
+        refuse("std", std, f"is below 1e-15 of the mean: one value to round-off; take identical, value = {mean:g}")
+    if std < -_NARROWEST * mean:
+        refuse("mean", mean, f"lies more than 1e15 widths below 0, where nothing is left of the law; std = {std:g}")
     if form == "cut":
         if upper is not None:
             refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')

@@ -97,7 +97,8 @@ class GrainContact:
     def lost_hazard(self, velocity: float) -> float:
         """(9/2) B (velocity tau_m)²: exp(-this) is the fraction of contacts that hold at all where sliding begins as
         they pin."""
-        return 4.5 * self.growth.B * (velocity * self.growth.first_pinning_time) ** 2
+        with np.errstate(over="ignore"):
+            return float(4.5 * self.growth.B * np.float64(velocity * self.growth.first_pinning_time) ** 2)
 
     def quantile(self, u: npt.ArrayLike, age: npt.ArrayLike) -> Array:
         """Threshold (a length) of the contact of quantile u in [0, 1] at `age`; shapes broadcast.
@@ -116,7 +117,7 @@ class GrainContact:
             hazard = -np.log1p(-ranks)
         finite = np.minimum(hazard, 1e300)
         q = invert_beyond(finite, 1.0 / largest, excess / largest)
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):  # where the hazard is infinite
             gap = np.where(np.isfinite(hazard), excess * (q * excess / (largest + q * excess)), excess)
         return (np.sqrt(gap * (gap + 2.0) / self.growth.B))[()]
 

@@ -8,10 +8,12 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import positive, refuse
+from origins.errors import between, positive, refuse
 from origins.grains import grains
 from origins.lifshitz_slyozov import hazard_beyond
 from origins.thresholds import Array, Thresholds
+
+_LARGEST = 1e50  # alpha and 1/alpha, whose powers must stay numbers
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class GrainGrowth:
     B: float
 
     def __post_init__(self) -> None:
-        positive("alpha", self.alpha)
+        between("alpha", self.alpha, 1.0 / _LARGEST, _LARGEST)
         positive("B", self.B)
 
     @property

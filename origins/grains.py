@@ -9,7 +9,7 @@ and with f_s = c x_s² (paper, Eq. PxPf)
 from decimal import Decimal, localcontext
 from typing import Literal
 
-from origins.errors import positive, refuse
+from origins.errors import between, positive, refuse
 from origins.pinning_grains import PinningGrains
 from origins.printed_grains import PrintedGrains
 from origins.thresholds import Thresholds
@@ -66,7 +66,7 @@ def grains(
         refuse("alpha", alpha, "is missing; rho = alpha time^(1/3) takes both, or give rho alone")
     if time is None:
         refuse("time", time, "is missing; rho = alpha time^(1/3) takes both, or give rho alone")
-    alpha, time = positive("alpha", alpha), positive("time", time)
+    alpha, time = between("alpha", alpha, 1.0 / _LARGEST, _LARGEST), positive("time", time)
     with localcontext(prec=_DIGITS):
         excess = Decimal("1.5") * Decimal(alpha) * Decimal(time) ** (Decimal(1) / 3) - 1
     if excess <= 0:

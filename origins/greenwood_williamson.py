@@ -24,6 +24,7 @@ from origins.summit_thresholds import SummitThresholds, log_sum
 from origins.thresholds import Thresholds
 from origins.weibull import Weibull
 
+_DEEPEST = 1e8  # of sigma_h: summits cover the surface long before
 REGIMES = ("elastic", "plastic", "mixed")
 
 
@@ -95,7 +96,7 @@ class Summits:
             slope = -self.std * np.exp(self.log_mean(slope_of_load, z) - value)
             step = (value - goal) / slope
             z -= step
-            if count > 0 and step <= 1e-15 * abs(z):
+            if (count > 0 and step <= 1e-15 * abs(z)) or z < -_DEEPEST:
                 break
         return z
 

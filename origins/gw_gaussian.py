@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from origins.errors import finite, positive, refuse
+from origins.errors import between, finite, positive, refuse
 from origins.greenwood_williamson import bend_of_index, check_regime
 from origins.power_law import Bend, PowerLaw
 from origins.summit_thresholds import SummitThresholds
@@ -50,11 +50,10 @@ def gw_gaussian(
 
     Raises InputError for values outside these. For summits in metres and newtons see from_moments.
     """
-    z, scale = finite("separation", separation), positive("scale", scale)
+    z = finite("separation", separation)
     if not _DEEPEST <= z <= _HIGHEST:
         refuse("separation", separation, f"is h0/sigma_h and must lie between {_DEEPEST:g} and {_HIGHEST:g}")
-    if not _SHORTEST <= scale <= _LONGEST:
-        refuse("scale", scale, f"must lie between {_SHORTEST:g} and {_LONGEST:g}; choose another unit of length")
+    scale = between("scale", scale, _SHORTEST, _LONGEST, "choose another unit of length")
     if not isinstance(law, str) or law not in EXPONENTS:
         refuse("law", law, 'must be "paper", "amontons" or "strength"')
     elastic, plastic = EXPONENTS[law]

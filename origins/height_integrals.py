@@ -30,6 +30,8 @@ def log_touching_integral(order: float, z: float, lower: float, upper: float, he
     logs = np.log(4.0) + (4.0 * order + 3.0) * np.log(s) - away * (tilt + 0.5 * curvature * away)
     top = float(logs.max())
     inner = 0.5 * (high - low) * float((_WEIGHTS * np.exp(logs - top)).sum())
+    if inner == 0.0:  # far out nothing lies between the limits any more
+        return -np.inf
     at_peak = 0.5 * tilt * tilt if slope < 0.0 else peak * (slope + 0.5 * curvature * peak)
     return top + float(np.log(inner)) - at_peak
 

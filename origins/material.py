@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 
-from origins.errors import InputError, positive, refuse
+from origins.errors import InputError, between, refuse
 from origins.power_law import PowerLaw
 
 _ONE_OF = (
     "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness, a law of the area: "
     "sound, mindlin, column or a power of your own"
 )
+_LARGEST = 1e20  # any of the constants, in SI units
 _STEEPEST = 10.0  # of k against A: a bent column of one height has 2
 # what a refusal says to write
 _SUCH_AS = {
@@ -44,7 +45,8 @@ class Material:
         Or k in N/m as a power of A in m²: sound_stiffness, mindlin_stiffness, column_stiffness, or your own. The
         coefficient only sets the scale of x_s, and cancels from the friction coefficient; the exponent shapes P_c.
 
-    Raises InputError for a value not above zero, and where k is given in two ways or only half of one.
+    Raises InputError for a value not above zero, or not within 1e-20 to 1e20, and where k is given in two ways or only
+    half of one.
     """
 
     contact_modulus: float
@@ -58,7 +60,7 @@ class Material:
     contact_stiffness: PowerLaw | None = None
 
     def __post_init__(self) -> None:
-        positive("contact_modulus", self.contact_modulus)
+        _check("contact_modulus", self.contact_modulus)
         for name in (
             "local_friction",
             "shear_modulus",
@@ -70,7 +72,7 @@ class Material:
         ):
             value = getattr(self, name)
             if value is not None:
-                positive(name, value)
+                _check(name, value)
         other = self.density is not None or self.sound_velocity is not None
         if self.shear_modulus is not None and other:
             refuse("shear_modulus", self.shear_modulus, f"given twice; {_ONE_OF}")
@@ -103,3 +105,7 @@ class Material:
         if self.shear_modulus is None:
             raise InputError(f'material.shear_modulus = None: law = "{law}" needs it; {_ONE_OF}')
         return PowerLaw(self.shear_modulus, 0.5)
+
+
+def _check(name: str, value: object) -> None:
+    between(name, value, 1.0 / _LARGEST, _LARGEST, "it is in SI units")

@@ -4,7 +4,7 @@ from os import PathLike
 
 import numpy as np
 
-from origins.errors import InputError, positive, refuse, whole
+from origins.errors import InputError, between, positive, refuse, whole
 from origins.greenwood_williamson import (
     SummitContact,
     critical_compression,
@@ -23,6 +23,7 @@ from origins.topography import as_topography
 
 LAWS = ("paper", "amontons", "strength")
 MODELS = ("gw", "persson")
+_PATCHES = (1e-40, 1e20)
 
 
 def from_topography(
@@ -139,7 +140,7 @@ def from_moments(
     if patch_area is None:
         such = _mean_area_of_summits(moments, material, pressure)
         refuse("patch_area", patch_area, f'model = "persson" needs the area of one contact in m², such as {such}')
-    return _on_patches(moments, law, material, pressure, positive("patch_area", patch_area))
+    return _on_patches(moments, law, material, pressure, between("patch_area", patch_area, *_PATCHES, "it is in m²"))
 
 
 def resolution_study(

@@ -6,11 +6,12 @@ import os
 
 import numpy as np
 
-from origins.errors import InputError, positive, refuse, whole
+from origins.errors import InputError, between, positive, refuse, whole
 from origins.topography import Array, pixel_sizes
 
 _BYTES = 40  # at the most, on each point while a surface is made: 36 measured
 _MOST = 1e300
+_SLOPES = (1e-20, 1e20)  # any that heights in one unit can have
 
 
 def self_affine_surface(
@@ -103,7 +104,7 @@ def mode_amplitudes(
     dx, dy = pixel_sizes(pixel_size)
     if not 0.0 < positive("hurst", hurst) <= 1.0:
         refuse("hurst", hurst, "must be above 0 and at most 1")
-    rms_slope = positive("rms_slope", rms_slope)
+    rms_slope = between("rms_slope", rms_slope, *_SLOPES, "it is metres per metre")
     least = 2.0 * max(dx, dy)
     shortest = least if short_cutoff is None else positive("short_cutoff", short_cutoff)
     if shortest < least:
@@ -123,8 +124,8 @@ def mode_amplitudes(
     kept[:, n_y // 2] &= n_y % 2 == 1
     if not kept.any():
         raise InputError(f"short_cutoff = {shortest:g}: no mode of the grid is longer; the surface would be flat")
-    # in units of the roll-off, so that no unit of length overflows the power
-    relative = np.maximum(q * longest / (2.0 * np.pi), 1.0)
+    # in units of the roll-off, so that no unit of length overflows the power; none beyond the box is met
+    relative = np.maximum(q * min(longest, box) / (2.0 * np.pi), 1.0)
     amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
     slope = np.sqrt((amplitude**2 * q**2 * _weights((n_x, n_y))).sum())
     return amplitude * (rms_slope / slope)

@@ -302,3 +302,14 @@ def test_thresholds_need_no_solver(write_scene, capsys) -> None:
     assert line.startswith("mesofriction: scene: has neither [master] nor [eq]") and os.listdir(".") == ["mine.toml"]
     assert main(["thresholds", scene]) == 0
     assert "onset power" in capsys.readouterr().out
+
+
+def test_an_interrupt_of_the_imports_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("importlib.import_module", interrupt)
+    assert main(["scenes"]) == 130
+    assert capsys.readouterr() == ("", "mesofriction: interrupted; nothing was written\n")

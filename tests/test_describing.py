@@ -7,6 +7,7 @@ from scipy.special import gamma
 
 import origins
 from toolkit.describing import describe
+from toolkit.interfaces import remarks
 
 MOMENTS = ("mean", "second_moment", "third_moment")
 WEIBULL = [float(gamma(1.0 + n / 2.5)) for n in (1, 2, 3)]
@@ -71,3 +72,15 @@ def test_a_density_that_nears_1_over_x_is_described_without_a_spring() -> None:
     assert all(np.isfinite(found.numbers[name].value) for name in (*MOMENTS, "kinetic_force"))
     assert "critical_spring" not in found.numbers
     assert found.notes[0].startswith("thresholds: a weight of ") and "no F(X), K*" in found.notes[0]
+
+
+def test_speed_and_laws_are_said_where_they_tell() -> None:
+    warm = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=origins.Thermal("soft", 0.1), delay=origins.Delay(0.5))
+    told = "F_k, K*, F_s/F_k and X* at v = 0.25, T = 0.1, attempt frequency 1, delay 0.5; all else is P_c alone"
+    assert describe(warm, 0.25).notes[0] == told
+    assert not describe(origins.Contacts(origins.gaussian(1.0, 0.2)), 0.25).notes
+
+
+def test_a_normal_law_with_its_mean_below_0_is_told() -> None:
+    told = "the normal law has its mean at -1 and is cut at 0, with half or more of its weight: what is left has <x_s>"
+    assert remarks(origins.gaussian(-1.0, 0.5)) == [told + " = 0.187"] and not remarks(origins.gaussian(1.0, 0.5))

@@ -1,6 +1,7 @@
 """Scenes of sliders that turn round or are pulled by a spring."""
 
 import json
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -116,6 +117,23 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
     told = json.loads((tmp_path / "out" / "summary.json").read_text())["master"]
     assert told["period_error"] == 2.0 * soft.slip_drive_error
     assert told["slips"] == soft.slip_drive.size and told["verdict"] == soft.verdict == again.verdict
+
+
+@pytest.mark.parametrize("hold", [10.0, 1e6 / 3.0])
+def test_labels_of_many_holds_leave_room_for_each_other(hold: float) -> None:
+    from matplotlib.figure import Figure
+
+    from toolkit.abscissa import write_along
+
+    turns = [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 5.0]
+    times = np.cumsum([1.0, hold, 1.0, hold, 1.0, hold, 1.0, hold, 1.0]).tolist()
+    result = toolkit.run(scene({"turns": turns, "times": times, "points": 181, "hold_scale": 0.1}))
+    figure = Figure(figsize=(10, 6), layout="constrained")
+    axes = figure.subplots(1, 2, width_ratios=[2.2, 1])[0]
+    write_along(axes, result)
+    figure.canvas.draw()
+    boxes = [label.get_window_extent() for label in axes.get_xticklabels()]
+    assert len(boxes) > 4 and all(one.x1 < other.x0 for one, other in pairwise(boxes))
 
 
 @pytest.mark.parametrize(

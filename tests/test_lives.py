@@ -91,6 +91,13 @@ def test_second_order_in_the_step(contacts: Contacts) -> None:
     assert np.abs(np.log2(np.array(off[:-1]) / off[1:]) - 2.0).max() < 0.2
 
 
+def test_a_first_leg_however_short_is_a_leg() -> None:
+    course = pieces(Drive([0.5, 0.5, 1.5], time=[1e-14, 100.0, 101.0]))
+    assert [(piece.before, piece.after) for piece in course] == [(0.0, 0.5), (0.5, 0.5), (0.5, 1.5)]
+    even = np.linspace(0.0, 1.0, 11)
+    assert len(pieces(Drive(even, time=1e6 * even))) == 1
+
+
 def test_extrapolated_force_is_as_good_as_it_says() -> None:
     """Without temperature or delay, where cohorts are exact; turns at either side."""
     path, _ = along([(0.0, 0.0), (2.0, 1.0), (-1.3, 2.0), (0.7, 3.0)], 16)

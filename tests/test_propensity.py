@@ -1,5 +1,6 @@
 """Stick-slip propensity against closed forms, many digits and a second road; and what it says of its own errors."""
 
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -545,3 +546,16 @@ def test_a_steepest_fall_right_before_a_jump_is_not_passed_over() -> None:
     found, close = (master.propensity(contacts, tolerance, velocity=velocity) for tolerance in (1e-8, 1e-10))
     off = abs(found.critical_spring - close.critical_spring)
     assert off <= found.critical_spring_error + close.critical_spring_error < 1e-9
+
+
+def test_what_is_not_known_well_enough_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.3))
+    found = master.propensity(contacts, 1e-6)
+    assert found.success and found.message.startswith("K* known to ") and "only" not in found.message
+    assert master.phase_line(contacts).success.all() and master.kinetic_curve(contacts).success.all()
+    assert master.steady_state(contacts).success
+    monkeypatch.setattr(sys.modules["master.propensity"], "MOST_NODES", 200)
+    found = master.propensity(contacts, 1e-12)
+    assert not found.success and "only, above 1.0e-12" in found.message
+    line = master.phase_line(contacts, [1.0, 2.0], tolerance=1e-12)
+    assert line.success.tolist() == [False, False] and " only at 2 of 2 points, above 1.0e-12" in line.message

@@ -111,3 +111,10 @@ def test_the_example_runs() -> None:
     assert isinstance(law, origins.Thresholds) and law.interface is not None
     assert law.interface.separation == pytest.approx(space["h0"], rel=1e-12) and law.interface.cautions == ()
     assert isinstance(space["rough"], origins.SpectralMoments) and 0.05 < space["rough"].rms_slope < 0.5
+
+
+def test_the_page_prints_newtons_as_it_says(capsys: pytest.CaptureFixture[str]) -> None:
+    part = PAGE.split("## In newtons")[1]
+    code, shown = (re.search(rf"```{kind}\n(.*?)```", part, re.DOTALL)[1] for kind in ("python", "text"))
+    exec(compile(code, "rough-surfaces.md", "exec"), {})
+    assert capsys.readouterr().out == shown

@@ -140,7 +140,7 @@ def test_generated_surface_gives_its_thresholds() -> None:
     x = direct.mean() * np.linspace(0.01, 3.0, 50)
     assert np.array_equal(built.sf(x), direct.sf(x))
     # whose contacts have a stiffness, so that kelvins are a temperature
-    warm = {"thermal": {"law": "soft", "temperature": {"kelvin": 300.0}}}
+    warm = {"thermal": {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e12}}
     thermal = toolkit.load_scene(scene | {"contacts": scene["contacts"] | warm}).contacts.thermal
     assert thermal.temperature == pytest.approx(1.380649e-23 * 300.0 / direct.interface.mean_stiffness, rel=1e-14)
 
@@ -266,7 +266,7 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("contacts.reforming", {"kind": "identical", "value": 9.0}, "contacts.reforming: a weight of 1 lies beyond ev"),
         ("contacts.stiffness", "linkd", "contacts.stiffness = 'linkd': must be \"independent\" or \"linked\""),
         ("drive.to", math.inf, "drive.to = inf: must be finite"),
-        ("drive.to", -5.0, "drive.to = -5.0: must be above zero"),
+        ("drive.to", -5.0, "drive.to = -5.0: must be above zero; for the other way write turns = [-5]"),
         ("drive.to", "far", "drive.to = 'far': must be a number, such as 1.0"),
         ("drive.to", True, "drive.to = true: must be a number, such as 1.0"),
         ("drive.turns", [2.0, "a"], "drive.turns[1] = 'a': must be a number, such as 1.0"),

@@ -37,6 +37,12 @@ def test_a_sweep_is_what_the_master_equation_says_and_comes_back(tmp_path: Path)
     assert again is not None and again.along == found.along and again.kelvin is None and again.rate is None
     for name in ("velocity", "temperature", "delay", "force", "force_error", "holding", "critical_spring_error"):
         np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
+    assert again.success and again.message == found.message != ""
+    head, *lines = (tmp_path / "out" / "sweep.csv").read_text().splitlines()
+    assert head.startswith("velocity [length / time],force [length],force_error [<x_s>],holding,holding_error,temperat")
+    table = np.array([line.split(",") for line in lines], dtype=float)
+    np.testing.assert_array_equal(table[:, 1], found.force.ravel())
+    np.testing.assert_array_equal(table[:, -2], found.critical_spring.ravel())
     told = json.loads((tmp_path / "out" / "summary.json").read_text())["sweep"]
     assert told["points"] == 6 and told["largest_force_error"] == found.force_error.max() and told["success"]
 
@@ -58,7 +64,7 @@ def test_sweeps_go_beside_a_run_and_along_kelvins(tmp_path: Path, capsys, monkey
     monkeypatch.chdir(tmp_path)
     rough = toolkit.load_scene("rough-gw-amontons").text
     surface = rough[rough.index("[contacts") : rough.index("[drive]")]
-    thermal = '[contacts.thermal]\nlaw = "soft"\ntemperature = { kelvin = 300.0 }\n'
+    thermal = '[contacts.thermal]\nlaw = "soft"\ntemperature = { kelvin = 300.0 }\nattempt_frequency = 1.0\n'
     sweep = "[sweep]\nkelvin = { from = 100.0, to = 300.0, points = 3, spacing = 'even' }\n"
     drive = "[drive]\nto = 1e-6\npoints = 11\nvelocity = 1e-6\n[master]\ntolerance = 1e-4\n"
     Path("mine.toml").write_text(surface + thermal + drive + sweep)

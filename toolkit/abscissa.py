@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-_TICK = 0.06  # of an axis, which a tick's label takes
+_MARKS = str.maketrans("", "", "$^{}")  # of a formula
+_DIGIT, _GAP = 0.0155, 0.015  # of an axis, which a digit of a tick's label takes, and the room between two
 
 
 def curves(result: Result) -> list[Curve]:
@@ -68,8 +69,8 @@ def _write_stretched(axes: "Axes", times: Array, asked: "DriveTable") -> None:
 
     axes.set_xscale("function", functions=(places, back))
     axes.set_xlim(times[0], times[-1])
-    ends = np.append(times[0], np.asarray(asked.times))
-    ticks = [(float(end), f"{end:.7g}") for end in ends]
+    ends = np.unique(np.append(times[0], np.asarray(asked.times)))
+    ticks = [(float(end), f"{end:.7g}") for end in (ends[-1], *ends[:-1])]  # first come, first kept
     path = make_drive(asked).path
     for begin, end in pairwise(ends):
         if np.ptp(path[(times >= begin) & (times <= end)]) == 0.0:
@@ -78,11 +79,17 @@ def _write_stretched(axes: "Axes", times: Array, asked: "DriveTable") -> None:
             ticks += [(float(begin + 10.0**power), f"+$10^{{{power:.0f}}}$") for power in powers]
     kept: list[tuple[float, str]] = []
     for at, text in ticks:
-        if all(abs(places(at) - places(other)) > _TICK * times.size for other, _ in kept):
+        room = (abs(places(at) - places(other)) / times.size - _half(text) - _half(there) for other, there in kept)
+        if all(gap > _GAP for gap in room):
             kept.append((at, text))
     kept.sort()
     axes.xaxis.set_major_locator(FixedLocator([at for at, _ in kept]))
     axes.xaxis.set_major_formatter(FixedFormatter([text for _, text in kept]))
+
+
+def _half(text: str) -> float:
+    """Half the width of a tick's label, of an axis; powers are smaller than what they stand at."""
+    return 0.5 * _DIGIT * len(text.translate(_MARKS))
 
 
 def units(result: Result, unit: str) -> str:

@@ -1,14 +1,13 @@
 """The command `mesofriction`: each subcommand is a module of toolkit.commands, imported when it is called."""
 
-import argparse
-import os
 import sys
-from collections.abc import Sequence
-from contextlib import redirect_stderr, redirect_stdout
-from importlib import import_module
+from typing import TYPE_CHECKING
 
-from toolkit import __version__
-from toolkit.launch import Launch, read_environment
+if TYPE_CHECKING:  # else imported within, so that an interrupt of any import is met in `main`
+    import argparse
+    from collections.abc import Sequence
+
+    from toolkit.launch import Launch
 
 COMMANDS = {
     "run": "solve a scene: F(X) with its error and run time, result files and a picture",
@@ -19,9 +18,22 @@ COMMANDS = {
 }
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    """Run the command and return its exit status: 0 done, 1 a solver or the program failed, 2 bad input."""
-    words = list(sys.argv[1:] if words is None else words)
+def main(words: "Sequence[str] | None" = None) -> int:
+    """Run the command and return its exit status: 0 done, 1 a solver or the program failed, 2 bad input, 130
+    interrupted, 143 terminated."""
+    try:
+        return _run(list(sys.argv[1:] if words is None else words))
+    except KeyboardInterrupt:  # before there was anything to end
+        print("mesofriction: interrupted; nothing was written", file=sys.stderr, flush=True)
+        return 130
+
+
+def _run(words: list[str]) -> int:
+    import os
+    from contextlib import redirect_stderr, redirect_stdout
+
+    from toolkit.launch import read_environment
+
     launched = read_environment()
     if launched.rank == 0:
         return _execute(_parse(words), launched)
@@ -31,7 +43,12 @@ def main(words: Sequence[str] | None = None) -> int:
         return _execute(parsed, launched)
 
 
-def _parse(words: list[str]) -> argparse.Namespace:
+def _parse(words: list[str]) -> "argparse.Namespace":
+    import argparse
+    from importlib import import_module
+
+    from toolkit import __version__
+
     purpose = "Friction at the mesoscale, from thresholds to sliding."
     parser = argparse.ArgumentParser(prog="mesofriction", description=purpose)
     parser.add_argument("--version", action="version", version=f"mesofriction {__version__}")
@@ -43,7 +60,9 @@ def _parse(words: list[str]) -> argparse.Namespace:
     return parser.parse_args(words)
 
 
-def _execute(parsed: argparse.Namespace, launched: Launch) -> int:
+def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
+    from importlib import import_module
+
     module = import_module(f"toolkit.commands.{parsed.command}")
     from toolkit.ranks import end_together, on_root
 

@@ -57,7 +57,7 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
     ):
         numbers[name] = _quantile(law, q, above, unit)
     numbers["onset_power"] = Number(law.onset_power, law.onset_power_error, "")
-    notes = []
+    notes = _conditions(contacts, velocity)
     if np.isfinite(law.moment(2)):
         try:
             steady = master.steady_state(contacts, velocity=velocity)
@@ -66,7 +66,10 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
         else:
             numbers["kinetic_force"] = Number(steady.force, steady.force_error * mean.value, unit)
             try:
-                numbers |= _of_propensity(master.propensity(contacts, velocity=velocity), unit)
+                found = master.propensity(contacts, velocity=velocity)
+                numbers |= _of_propensity(found, unit)
+                if not (steady.success and found.success):
+                    notes.append(f"not as asked: {steady.message}; {found.message}")
             except InputError as error:
                 notes.append(str(error))
     else:
@@ -85,6 +88,30 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
         numbers |= _of_domains(law.domains)
     notes += remarks(law)
     return Description(numbers, tuple(notes), time.perf_counter() - began)
+
+
+def _conditions(contacts: Contacts, velocity: float) -> list[str]:
+    """At what F_k and the propensity hold, where that tells: speed, temperature, and the laws of contacts."""
+    si = contacts.interface is not None
+    length, clock = (" m", " s") if si else ("", "")
+    said = []
+    if contacts.thermal is not None:
+        own = contacts.thermal
+        kelvin = "" if contacts.interface is None else (
+            f" ({own.temperature / contacts.interface.temperature(kelvin=1.0):.4g} K)"
+        )
+        said.append(f"T = {own.temperature:.4g}{length + '²' if si else ''}{kelvin}")
+        said.append(f"attempt frequency {own.attempt_frequency:.4g}{' 1/s' if si else ''}")
+    if contacts.ageing is not None:
+        said.append(f"D = {contacts.ageing.rate:.4g}{length + '²/s' if si else ''}")
+    if contacts.delay is not None:
+        said.append(f"delay {contacts.delay.time:.4g}{clock}")
+    if contacts.grains is not None and contacts.grains.age is not None:
+        said.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
+    if not said:
+        return []
+    said.insert(0, f"v = {velocity:.4g}{length + '/s' if si else ''}")
+    return [f"F_k, K*, F_s/F_k and X* at {', '.join(said)}; all else is P_c alone"]
 
 
 def _off(law: Thresholds, n: int) -> float | None:

@@ -41,7 +41,7 @@ def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
     """Where the points begin, 0 unless said, and all ends in turn; and when each is reached, where that is said."""
     given = table.begin is not None
     begin = 0.0 if table.begin is None else finite("drive.from", table.begin)
-    ends = [positive("drive.to", table.to)] if table.turns is None else table.turns
+    ends = [_end(table.to)] if table.turns is None else table.turns
     places = np.array([begin, *(finite(f"drive.turns[{k}]", end) for k, end in enumerate(ends))])
     if places.size < 2:
         refuse("drive.turns", ends, "must hold a position at least")
@@ -64,6 +64,13 @@ def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
         rule = "must be later than the time before" + ("" if given else ", 0 the first of them")
         refuse(f"drive.times[{back[0]}]", clock[back[0]], rule)
     return places, clock if given else np.append(0.0, clock)
+
+
+def _end(to: float | None) -> float:
+    end = finite("drive.to", to)
+    if end <= 0.0:
+        refuse("drive.to", end, f"must be above zero; for the other way write turns = [{end or -1.0:g}]")
+    return end
 
 
 def _path(places: Array, clock: Array | None, points: int, hold_scale: float | None) -> tuple[Array, Array | None]:

@@ -3,7 +3,7 @@
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, asdict, fields
 from pathlib import Path
 from types import MappingProxyType
@@ -26,7 +26,7 @@ Record = TypeVar(
     "Record", SolvedRecord, SoftRecord, AgeingRecord, SimulatedRecord, SweepRecord, ThresholdCurve, "Histogram"
 )
 
-RESULT, SUMMARY, PICTURE = "result.h5", "summary.json", "picture.png"
+RESULT, SUMMARY, PICTURE, TABLE = "result.h5", "summary.json", "picture.png", "sweep.csv"
 
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
@@ -37,22 +37,24 @@ _LENGTHS = (
 
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
-    """Write result.h5, summary.json and picture.png into `folder`, whole or not at all.
+    """Write result.h5, summary.json and picture.png into `folder`, and of a sweep sweep.csv, whole or not at all.
 
     result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
     array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
     cannot be written.
     """
     from toolkit.plots import save_picture
+    from toolkit.sweep_table import write_csv
 
-    write_folder(
-        folder,
-        {
-            RESULT: lambda path: _write_result(result, path),
-            SUMMARY: lambda path: write_json(summary(result), path),
-            PICTURE: lambda path: save_picture(result, path),
-        },
-    )
+    writers: dict[str, Callable[[Path], None]] = {
+        RESULT: lambda path: _write_result(result, path),
+        SUMMARY: lambda path: write_json(summary(result), path),
+        PICTURE: lambda path: save_picture(result, path),
+    }
+    if (sweep := result.sweep) is not None:
+        units = _units("length" if result.thresholds.unit == OWN_UNIT else "m") | {"force_error": "<x_s>"}
+        writers[TABLE] = lambda path: write_csv(sweep, units, path)
+    write_folder(folder, writers)
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -150,7 +152,8 @@ def summary(result: Result) -> dict[str, Any]:
             "points": int(sweep.force.size),
             "largest_force_error": float(sweep.force_error.max()),
             "run_time": float(sweep.run_time),
-            "success": sweep.success,
+            "success": bool(sweep.success),
+            "message": sweep.message,
         }
         if sweep.critical_spring_error is not None:
             content["sweep"]["largest_critical_spring_error"] = float(sweep.critical_spring_error.max())
@@ -219,9 +222,7 @@ def _fill(result: Result, store: "h5py.File") -> None:
 
 def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str) -> None:
     """The fields of `record`, as found on `answer`: arrays as data sets, the rest as attributes."""
-    clock = "time" if unit == OWN_UNIT else "s"
-    units = {"density": f"1 / {unit}", **dict.fromkeys(_LENGTHS, unit), "delay": clock, "kelvin": "K"}
-    units |= {"velocity": f"{unit} / {clock}", "temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
+    units = _units(unit)
     for field in fields(record):
         value = getattr(answer, field.name)
         if isinstance(value, np.ndarray) or field.name == _PER_RANK:
@@ -229,6 +230,13 @@ def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str)
             group[field.name].attrs["units"] = units.get(field.name, "1")
         elif field.name != _HISTOGRAMS and value is not None:
             group.attrs[field.name] = value
+
+
+def _units(unit: str) -> dict[str, str]:
+    """Of all arrays that have one, by name; `unit` is that of lengths."""
+    clock = "s" if unit == "m" else "time"
+    units = {"density": f"1 / {unit}", **dict.fromkeys(_LENGTHS, unit), "delay": clock, "kelvin": "K"}
+    return units | {"velocity": f"{unit} / {clock}", "temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
 
 
 def _write_interface(group: "h5py.Group", numbers: dict[str, Number]) -> None:

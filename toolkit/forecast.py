@@ -1,10 +1,15 @@
 """What a scene's solvers will take and give, told beforehand by small pilots of them."""
 
 import math
+import signal
 import sys
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from types import FrameType
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -16,7 +21,7 @@ from toolkit.scene import Scene
 
 _FIRST, _GROWTH = 64, 4  # contacts of each rank in the first pilot, and how many times as many in the next
 _LONG_ENOUGH = 0.05  # seconds of a pilot
-_LOOSEST, _ENOUGH = 1e-2, 1.0  # tolerance of the first pilot of the master equation; seconds of the last
+_LOOSEST, _ENOUGH = 1e-2, 1.0  # tolerance of the first pilot of the master equation; seconds of all of them
 _SPEED = 2.0  # other users, another clock rate, tables that leave the cache: a machine is this much faster or slower
 _AFTERWARDS = 160.0  # MB at most for result files and pictures, once the ensemble is done
 _COMPILED = 0.6  # of a pilot's peak, if it compiled what the run finds compiled
@@ -112,36 +117,76 @@ def forecast(scene: Scene, comm: Any = None) -> Forecast:
 
 @dataclass(frozen=True)
 class Pilot:
-    """The master equation at the tightest tolerance that a pilot came to: that, the error it reached (both in <x_s>),
-    and s."""
+    """The best that pilots of the master equation came to in their time: the error they reached, inf where none was
+    known yet, and the tolerance that is asked for (both in <x_s>); s; and whether a pilot ended above its tolerance, so
+    that no longer run is better."""
 
-    tolerance: float
     error: float
     run_time: float
     asked: float
+    ended: bool
+
+
+class _TimeIsUp(Exception):
+    """Of a pilot."""
 
 
 def pilot(scene: Scene) -> Pilot:
-    """Solve at tolerances ten times tighter each time, up to the one asked for, until one takes a second.
+    """Solve at tolerances ten times tighter each time, up to the one asked for, for a second in all.
 
     Raises InputError for a scene without [master], and as a run does."""
     if scene.master is None:
         raise InputError("dry run: the scene has no [master]")
     asked, tolerance = scene.master.tolerance, max(_LOOSEST, scene.master.tolerance)
-    while True:
-        solved = solve_master(scene, tolerance)
-        if tolerance <= asked or not solved.success or solved.run_time > _ENOUGH:
-            return Pilot(tolerance, float(solved.force_error), solved.run_time, asked)
-        tolerance = max(0.1 * tolerance, asked)
+    error, run_time, began = math.inf, 0.0, time.perf_counter()
+
+    def hear(found: float) -> None:
+        nonlocal error, run_time
+        error, run_time = min(error, found), time.perf_counter() - began
+
+    try:
+        with _no_longer_than(_ENOUGH):
+            while True:
+                before = time.perf_counter()
+                solved = solve_master(scene, tolerance, hear)
+                error, run_time = min(error, float(solved.force_error)), time.perf_counter() - before
+                if tolerance <= asked or not solved.success:
+                    return Pilot(error, run_time, asked, ended=not solved.success)
+                tolerance = max(0.1 * tolerance, asked)
+    except _TimeIsUp:
+        run_time = run_time if math.isfinite(error) else time.perf_counter() - began
+        return Pilot(error, run_time, asked, ended=False)
+
+
+@contextmanager
+def _no_longer_than(seconds: float) -> Iterator[None]:
+    """Raise _TimeIsUp within once that time is up, in the main thread, which alone can be told."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def ring(number: int, frame: FrameType | None) -> NoReturn:
+        raise _TimeIsUp
+
+    # of this process's own work: others may keep the machine busy
+    before = signal.signal(signal.SIGPROF, ring)
+    signal.setitimer(signal.ITIMER_PROF, max(seconds, 1e-6))
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def pilot_lines(told: Pilot) -> list[str]:
     """The same as lines of text."""
+    if not math.isfinite(told.error) and not told.ended:
+        return [f"master          no error is known after {told.run_time:.2g} s; how long it takes is not foreseen"]
     reached = f"master          error {told.error:.1e} of <x_s> after {told.run_time:.2g} s"
     if told.error <= told.asked:
         return [f"{reached}, within the {told.asked:.0e} asked for"]
-    if told.tolerance <= told.asked or told.error > told.tolerance:
-        return [f"{reached}; {told.tolerance:.0e} was asked, and no more is reached"]
+    if told.ended:
+        return [f"{reached}; {told.asked:.0e} was asked, and no more is reached"]
     return [f"{reached}; {told.asked:.0e}, as asked, takes longer, how much is not foreseen"]
 
 

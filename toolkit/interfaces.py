@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from origins import Contacts
+from origins.gaussian import CutGaussian
 from origins.interface import Interface
 from origins.thresholds import Thresholds
 
@@ -64,10 +65,16 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
 
 
 def remarks(law: Thresholds) -> list[str]:
-    """Where samples, surface or load strain the law, and what its errors leave out; empty where nothing does."""
+    """Where samples, surface, load or a mean below 0 strain the law, and what its errors leave out; empty where nothing
+    does."""
     from toolkit.sampling import misfit
 
     said = misfit(law)
+    if isinstance(law, CutGaussian) and law.parent_mean <= 0.0:
+        said.append(
+            f"the normal law has its mean at {law.parent_mean:g} and is cut at 0, with half or more of its weight: "
+            f"what is left has <x_s> = {law.mean():.3g}"
+        )
     if law.interface is not None:
         said += law.interface.cautions
         if law.interface.moments.size is not None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from origins.brief import brief
 from origins.quadrature import panel_edges
 from origins.thresholds import Thresholds
 from toolkit.interfaces import Number
@@ -94,6 +95,8 @@ class SolvedRecord:
     success: bool
     message: str
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True)
 class SoftRecord(SolvedRecord):
@@ -119,6 +122,8 @@ class SoftRecord(SolvedRecord):
     stiffness_ratio: float
     trend: float
 
+    __repr__ = brief
+
     @property
     def slips(self) -> "Slips":
         from master.soft import Slips
@@ -141,6 +146,8 @@ class AgeingRecord(SolvedRecord):
     mass_defect: Array
     positivity_defect: Array
     outrun: float
+
+    __repr__ = brief
 
 
 def ageing_record(solution: "AgeingTransient") -> AgeingRecord:
@@ -185,6 +192,8 @@ class SimulatedRecord:
     success: bool
     message: str
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True)
 class ThresholdCurve:
@@ -199,6 +208,8 @@ class ThresholdCurve:
     atoms: Array
     atom_weights: Array
     unit: str
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True)
@@ -244,6 +255,8 @@ class Result:
     notes: tuple[str, ...] = ()
     interface: dict[str, Number] | None = None
     sweep: SweepRecord | None = None
+
+    __repr__ = brief
 
     @property
     def asked(self) -> SceneTable:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 import origins
 from origins.contacts import Contacts
 from origins.drive import Drive
-from origins.errors import TOLERANCE, InputError, finite, positive, refuse, shown, whole, without_point
+from origins.errors import InputError, check_tolerance, finite, positive, refuse, shown, whole, without_point
 from toolkit import laws
 from toolkit.driving import make_drive
 from toolkit.sweeping import Sweep, make_sweep
@@ -30,6 +30,7 @@ _EXPECTED = {
     "float": "a number, such as 1.0",
     "int": "a whole number",
     "str": 'text in quotes, such as "text"',
+    "bool": "true or false",
 }
 
 
@@ -206,7 +207,7 @@ def _checked(
     if solved and table.master is None and table.eq is None and table.sweep is None:
         raise InputError("scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one")
     if table.master is not None:
-        positive("master.tolerance", table.master.tolerance, TOLERANCE)
+        check_tolerance("master.tolerance", table.master.tolerance)
     if table.eq is not None:
         _check_ensemble(table.eq)
     contacts = _contacts(table.contacts, folder, comm)
@@ -255,6 +256,11 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
+    if "thermal" in made and thresholds.interface is not None and "attempt_frequency" not in (table.thermal or {}):
+        raise InputError(
+            "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such "
+            "as 1e12, and has no default"
+        )
     with laws.inside("contacts", {name: name for name in made}):
         return Contacts(**made)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from origins.brief import brief
 from origins.contacts import Contacts
 from origins.errors import InputError, non_negative, positive, refuse, whole
 from toolkit import laws
@@ -45,7 +46,8 @@ class SweepRecord:
     `force` = F_k/(N_c<k>) (a length), `force_error` (in <x_s>), `holding`, the fraction that holds, and its error;
     where it was asked for, `critical_spring` = K*/(N_c<k>) and its error, else None. `velocity`, `temperature`, `rate`,
     `delay` at each point, None for a law that the contacts have not; `kelvin` where temperatures were given so. `along`
-    names the quantities of several values, that of the first axis first.
+    names the quantities of several values, that of the first axis first. `success`, of all points, and `message` are
+    those of master.kinetic_curve and master.phase_line.
     """
 
     along: tuple[str, ...]
@@ -61,11 +63,10 @@ class SweepRecord:
     delay: Array | None = None
     critical_spring: Array | None = None
     critical_spring_error: Array | None = None
+    success: bool = True
+    message: str = ""
 
-    @property
-    def success(self) -> bool:
-        """Whether every force has an error."""
-        return bool(np.isfinite(self.force_error).all())
+    __repr__ = brief
 
 
 def make_sweep(table: "SweepTable", contacts: Contacts, velocity: float) -> Sweep:
@@ -145,4 +146,6 @@ def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
         curve.delay,
         None if line is None else line.critical_spring,
         None if line is None else line.critical_spring_error,
+        bool(curve.success.all() and (line is None or line.success.all())),
+        curve.message if line is None else f"{curve.message}; {line.message}",
     )

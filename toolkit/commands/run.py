@@ -56,7 +56,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
         print(line)
     write(result, folder, comm, kept if finished else None)
     print(f"written to {folder}")
-    for name, answer in (("master", result.master), ("eq", result.eq)):
+    for name, answer in (("master", result.master), ("eq", result.eq), ("sweep", result.sweep)):
         if answer is not None and not answer.success and first:
             print(f"mesofriction: {name}: {answer.message}", file=sys.stderr)
     return 0 if result.success else 1
