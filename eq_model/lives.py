@@ -14,12 +14,14 @@ from eq_model.histogram import BINS, Histogram, Made, histogram
 from eq_model.lattice import Whole, joined, split
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive, GrainContact
+from origins.quantile import DEEPEST
 
 Array = npt.NDArray[np.float64]
 
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 _STEP_ELSE = 0.004
+_SPREAD = 9.0  # standard deviations beyond which no threshold of 1e17 diffuses
 # contacts followed besides in steps COARSER times longer, whose force tells the error of the steps: the first of each
 # _EACH contacts, _FIRST of them
 COARSER = 16
@@ -62,11 +64,19 @@ def _ageing(ageing: Ageing | None, unit: float) -> tuple[tuple[Any, ...], tuple[
     return settings, (_STEP_ELSE * width**2 / diffusion, 1.0)
 
 
-def _grown(grains: GrainContact, drive: Drive) -> float:
-    """The largest threshold (a length) there is in the end, when no contact is older than those at X = 0."""
-    assert grains.age is not None
-    lasts = np.abs(np.diff(drive.path, prepend=0.0)).sum() / drive.velocity if drive.time is None else drive.time[-1]
-    return float(grains.quantile(1.0, grains.age + lasts))
+def _largest(contacts: Contacts, drive: Drive, fresh: float) -> float:
+    """The largest threshold (a length) there may come to be, of which `fresh` is that of the fresh ones."""
+    grains, ageing = contacts.grains, contacts.ageing
+    if grains is not None and grains.age is not None:
+        # in the end, when no contact is older than those at X = 0
+        travel = np.abs(np.diff(drive.path, prepend=0.0)).sum()
+        lasts = travel / drive.velocity if drive.time is None else drive.time[-1]
+        return max(fresh, float(grains.quantile(1.0, grains.age + lasts)))
+    if ageing is None or ageing.rate == 0.0:
+        return fresh
+    if ageing.normal is not None:
+        return max(fresh, ageing.normal.mean) + _SPREAD * ageing.normal.std
+    return max(fresh, float(ageing.final.isf(DEEPEST)))
 
 
 def coarse(part: range) -> list[range]:
@@ -140,12 +150,11 @@ class Lives:
         stiffest = max(longest / contacts.mean_threshold, 1.0) if self.linked else 1.0
         path = np.append(0.0, drive.path)
         span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
-        if contacts.grains is not None:
-            longest = max(longest, _grown(contacts.grains, drive))
+        longest = _largest(contacts, drive, longest)
         self._reached = np.minimum(span + furthest, longest) * stiffest
         # a bin holds births as well as breaks
         exact = contacts.thresholds.atoms[0].size > 0
-        self.course = make_course(drive, table.scale, 2.0 * longest * stiffest, exact)
+        self.course = make_course(drive, table.scale, 2.0 * min(longest, span[-1] + furthest) * stiffest, exact)
         unit = self.course.lattice.unit
         beginning.compile(unit)
         self._again, single = beginning.compiled, 0

@@ -21,9 +21,14 @@ SOFT, STIFF = Thermal("soft", 0.05), Thermal("stiff", 0.05)
 START = origins.gaussian_start(-0.1, 0.2)
 GRAINS = origins.growing_grains(alpha=1.0, B=1.0, age=4.0)
 AGEING = Ageing(origins.gaussian(0.8, 0.05), 1e-2)
+# wide in the end: the master equation takes a second on paths in time
+YOUNG, WIDE = origins.gaussian(0.5, 0.1), Ageing(origins.gaussian(0.8, 0.2), 1e-2)
 FORWARD = np.linspace(0.35, 4.5, 14)
 LOOP = np.concatenate([np.linspace(0.4, 1.4, 6), np.linspace(1.0, -1.2, 7), np.linspace(-0.8, 0.6, 4)])
 HELD, WHEN = np.array([0.6, 1.2, 1.2, 1.2, 1.6, 2.2, 2.8]), np.array([0.6, 1.2, 3.0, 30.0, 30.4, 31.0, 31.6])
+
+TURN = np.array([0.5, 0.7, 0.9, 0.3, 0.0, -0.3])
+WAIT, UNTIL = np.array([0.4, 0.6, 0.6, 0.75, 0.9, 1.2]), np.array([0.4, 0.6, 3.0, 3.15, 3.3, 3.6])
 
 
 @dataclass(frozen=True)
@@ -48,6 +53,8 @@ CASES = {
     "ageing, soft, delay": Case(
         Contacts(origins.gaussian(0.5, 0.1), 0.1, SOFT, AGEING, Delay(0.2)), tolerance=1e-4, number=300
     ),
+    "ageing, turning": Case(Contacts(YOUNG, ageing=WIDE), TURN, {"velocity": 2.0}, 3e-4, 300),
+    "ageing, hold": Case(Contacts(YOUNG, ageing=WIDE), WAIT, {"time": UNTIL}, 3e-4, 300),
     "growing grains, delay": Case(Contacts(GRAINS, 0.1, delay=Delay(0.2)), tolerance=1e-5),
     "growing grains, loop": Case(Contacts(GRAINS), LOOP, tolerance=1e-4),
     "growing grains, stiff": Case(Contacts(GRAINS, 0.1, STIFF)),
