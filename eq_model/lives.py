@@ -11,7 +11,7 @@ from eq_model.beginning import Beginning, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
 from eq_model.histogram import BINS, Histogram, Made, histogram
-from eq_model.lattice import Whole, joined, split
+from eq_model.lattice import Whole, split
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive, GrainContact
 from origins.quantile import DEEPEST
@@ -133,9 +133,9 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
 class Lives:
     """The sums of such contacts, and what they say of the force.
 
-    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms; with ageing the
-    events once more, of the contacts followed in coarser steps. weight : about how much longer a break takes than one
-    of the other engine's.
+    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms, a row of stretches
+    and one of thresholds; with ageing the events once more, of the contacts followed in coarser steps. weight : about
+    how much longer a break takes than one of the other engine's.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
@@ -172,7 +172,7 @@ class Lives:
         self._watch = (moments[self._order], places, BINS * unit / longest, min(top / unit, 2.0**58))
         self._events = columns(self.linked) * self.course.lattice.bin_cell.size
         self._ages = contacts.ageing is not None
-        self.size = self._events * (1 + self._ages) + 2 * BINS * points.size
+        self.size = self._events * (1 + self._ages) + BINS * points.size
         self._block_sums = np.zeros(self._events, np.int64)
         self._counts = np.zeros((points.size, 2, BINS), np.int64)
 
@@ -181,9 +181,10 @@ class Lives:
         births, firsts = self._beginning.draw(block)
         self._block_sums[:], self._counts[:] = 0, 0
         breaks, steps = self._run(block, births, firsts, self._physics, self._watch, self._block_sums, self._counts)
-        sums = [self._block_sums, self._counts.ravel()]
+        # counts need no limbs: in their place stretches and thresholds
+        sums = [split(self._block_sums), self._counts.swapaxes(0, 1).reshape(2, -1)]
         if self._ages:
-            sums.append(np.zeros(self._events, np.int64))
+            coarser = np.zeros(self._events, np.int64)
             longest, _ = self._physics[6]
             # the integral of a rate is of fourth order in the change of its logarithm
             physics = (*self._physics[:6], (COARSER * longest, COARSER**0.25), *self._physics[7:])
@@ -191,8 +192,9 @@ class Lives:
             watch = (nothing, nothing, *self._watch[2:])
             for part in coarse(block):
                 mine = slice(part.start - block.start, part.stop - block.start)
-                self._run(part, births[mine], firsts[mine], physics, watch, sums[-1], self._counts[:0])
-        return split(np.concatenate(sums)), int(breaks), int(steps)
+                self._run(part, births[mine], firsts[mine], physics, watch, coarser, self._counts[:0])
+            sums.append(split(coarser))
+        return np.concatenate(sums, axis=1), int(breaks), int(steps)
 
     def _run(
         self, part: range, births: Whole, firsts: Whole, physics: Any, watch: Any, sums: Whole, counts: Whole
@@ -241,11 +243,12 @@ class Lives:
 
     def histograms(self, n: int, sums: Whole) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""
-        counts = joined(sums[:, self._events : self._events + 2 * BINS * self._points.size]).reshape(-1, 2, BINS)
+        counts = sums[:, self._events : self._events + BINS * self._points.size]
         back = np.argsort(self._order)
 
         def make(index: int) -> Histogram:
-            point = int(self._points[index])
-            return histogram(point, float(self.course.path[point]), self._longest, counts[back[index]], n)
+            point, first = int(self._points[index]), BINS * int(back[index])
+            own = counts[:, first : first + BINS].astype(float)
+            return histogram(point, float(self.course.path[point]), self._longest, own, n)
 
         return Made(self._points.size, make)
