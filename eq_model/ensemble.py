@@ -42,7 +42,7 @@ class EnsembleResult:
     step_error : what the inner steps of ageing may add to the force, shape (n,), a length; 0 without ageing, whose
         contacts need none. An eighth of the contacts are followed in 16 times longer steps besides to tell.
     holding : fraction of contacts that hold, shape (n,).
-    holding_standard_error : of that, shape (n,).
+    holding_standard_error : of that, shape (n,); where contacts may wait, at least that of one contact.
     histograms : of stretches and thresholds, at the points asked for, each made when it is asked for.
     contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
     success, message : whether the tolerance is reached, or all contacts followed, and in words.
@@ -219,7 +219,7 @@ class Ensemble:
             force_standard_error=error,
             step_error=self._engine.step_error(done, sums),
             holding=holding,
-            holding_standard_error=np.sqrt(holding * (1.0 - holding) / contacts),
+            holding_standard_error=np.sqrt(self._holding_variance(holding, contacts) / contacts),
             histograms=self._engine.histograms(contacts, sums),
             contacts=contacts,
             breaks=sum(one.breaks for one in states),
@@ -229,6 +229,11 @@ class Ensemble:
             success=success,
             message=message,
         )
+
+    def _holding_variance(self, holding: Array, contacts: int) -> Array:
+        """Between contacts; where they may wait, or not pin, one that might have been is in it."""
+        waits = self.contacts.delay is not None or self.contacts.grains is not None
+        return np.maximum(holding * (1.0 - holding), 1.0 / contacts if waits else 0.0)
 
     def _slowest(self, seconds: float) -> float:
         return seconds if self.comm is None else max(self.comm.allgather(seconds))
