@@ -26,6 +26,7 @@ Array = npt.NDArray[np.float64]
 
 _MOST_CONTACTS = 1 << 37
 _LONG = 0.5  # seconds of a block: who stops a run waits for its end
+_UNKNOWN = 256  # contacts of the first block where rates may break each of them millions of times
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ class Ensemble:
         self.total = self.n_contacts * replicas
         if self.total > _MOST_CONTACTS:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
-        self.expected = self.total
+        self.expected, self._stopped = self.total, False
         self.drive = Drive(path, velocity, time)
         beginning = Beginning(contacts, self.n_contacts, key_of(seed))
         points = _points(histograms, self.drive.path.size)
@@ -146,6 +147,9 @@ class Ensemble:
         rank, ranks = layout.rank_and_size(self.comm)
         each = float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum()) / self.contacts.mean_threshold
         size, most = layout.block_size(each * self._engine.weight), layout.block_size(each)
+        laws = self.contacts.thermal, self.contacts.ageing, self.contacts.grains
+        if any(law is not None for law in laws):
+            size = min(size, _UNKNOWN)
         begun, done = clock.monotonic(), 0
         for one_round in layout.rounds(self.total, self._tolerance is not None):
             mine = layout.share(layout.left(one_round, self._before), rank, ranks)
@@ -164,11 +168,15 @@ class Ensemble:
                     size = min(2 * size, most)
                 done += len(block)
                 yield done, total
-                late = self._wall_time is not None and clock.monotonic() - begun > self._wall_time
+                late = self._stopped or (self._wall_time is not None and clock.monotonic() - begun > self._wall_time)
             for _ in layout.meeting(self.comm):
                 yield done, total
-            if self._enough(one_round, late):
+            if self._enough(one_round, late or self._stopped):
                 return
+
+    def stop(self) -> None:
+        """Begin no further block of this rank's share: the result will be that of what is finished."""
+        self._stopped = True
 
     @property
     def state(self) -> State:

@@ -141,7 +141,7 @@ class Lives:
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
         contacts, table = beginning.contacts, beginning.table
         self._beginning, self.linked = beginning, contacts.stiffness == "linked"
-        self.weight = 10.0 if contacts.ageing is None else 300.0
+        self.weight = 10.0 if contacts.ageing is None and contacts.grains is None else 300.0
         reforming = contacts.reforming
         furthest = max(map(abs, contacts.start.span))
         if reforming is not None:

@@ -50,7 +50,8 @@ def run(
         written.
 
     Interrupted (SIGINT, SIGTERM), it finishes its block and writes its checkpoint first. In an interactive session an
-    interrupted ensemble's result is that of its finished blocks, with success = False.
+    interrupted ensemble's result is that of its finished blocks, with success = False; ranks that are not interrupted
+    come to their end first.
     Raises InputError for a scene that cannot be run, and for a folder that cannot be written or that holds the
     checkpoint of another scene.
     """
