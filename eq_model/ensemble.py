@@ -16,6 +16,7 @@ from eq_model.beginning import Beginning
 from eq_model.forward import Forward, takes
 from eq_model.histogram import Histogram
 from eq_model.lives import LAWS, Lives
+from eq_model.often import check_often
 from eq_model.state import State
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
@@ -118,6 +119,7 @@ class Ensemble:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
         self.expected, self._stopped = self.total, False
         self.drive = Drive(path, velocity, time)
+        check_often(contacts, self.drive)
         beginning = Beginning(contacts, self.n_contacts, key_of(seed))
         points = _points(histograms, self.drive.path.size)
         self._engine: Forward | Lives

@@ -265,6 +265,7 @@ def test_heavy_tails_are_followed_where_linked_stiffness_does_not_add_to_them() 
         ({"histograms": [0.5]}, "histograms"),
         ({"contacts": Contacts(GAUSSIAN, thermal=Thermal("soft", 0.1, closure="paper"))}, "thermal"),
         ({"contacts": Contacts(GAUSSIAN, ageing=Ageing(GAUSSIAN, 0.1, closure="paper"))}, "ageing"),
+        ({"contacts": Contacts(GAUSSIAN, thermal=Thermal("soft", 1.0, 1e12))}, "each contact breaks about 1e.12 times"),
         ({"velocity": -1.0}, "velocity"),
         ({"time": [0.0, 1.0, 0.5]}, "time"),
     ],
