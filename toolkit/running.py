@@ -196,7 +196,7 @@ def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ens
         "histograms": scene.histogram_points(),
     }
     with laws.inside("eq", _EQ_KEYS):
-        # single contacts know no mean rate and no common P_c: beside the master equation they tell how far these are off
+        # single contacts know no mean rate and no common P_c: beside [master] they tell how far off these are
         contacts = scene.contacts if scene.master is None else scene.contacts.each_by_itself()
         return eq_model.Ensemble(contacts, scene.path, comm=comm, **(arguments | other))
 
