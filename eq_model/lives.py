@@ -12,6 +12,7 @@ from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
 from eq_model.histogram import BINS, Histogram, Made, histogram
 from eq_model.lattice import Whole, split
+from eq_model.often import check_steps, duration
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive, GrainContact
 from origins.quantile import DEEPEST
@@ -69,9 +70,7 @@ def _largest(contacts: Contacts, drive: Drive, fresh: float) -> float:
     grains, ageing = contacts.grains, contacts.ageing
     if grains is not None and grains.age is not None:
         # in the end, when no contact is older than those at X = 0
-        travel = np.abs(np.diff(drive.path, prepend=0.0)).sum()
-        lasts = travel / drive.velocity if drive.time is None else drive.time[-1]
-        return max(fresh, float(grains.quantile(1.0, grains.age + lasts)))
+        return max(fresh, float(grains.quantile(1.0, grains.age + duration(drive))))
     if ageing is None or ageing.rate == 0.0:
         return fresh
     if ageing.normal is not None:
@@ -164,6 +163,7 @@ class Lives:
         if spread:
             self._again = kernel_table(reforming_table(contacts), unit)
         self._physics = (*physics(contacts, unit), spread, single)
+        check_steps(contacts, drive, self._physics[6][0])
         moments = self.course.lattice.points[self.course.lattice.place[points]]
         self._points, self._order = points, np.argsort(moments, kind="stable")
         places = np.rint(drive.path[points] / unit).astype(np.int64)[self._order]

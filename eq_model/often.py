@@ -1,4 +1,4 @@
-"""How often contacts break at a temperature: some so often that they cannot be followed one break after the other."""
+"""How much there is to follow: some contacts break too often, or age for too long, to be followed step by step."""
 
 import numpy as np
 
@@ -7,6 +7,32 @@ from origins.errors import InputError
 
 _MOST = 1e11  # breaks of one contact: minutes
 _COUNT = 256
+_STEPS = 1e10  # of one contact: minutes too
+
+
+def duration(drive: Drive) -> float:
+    """Of the whole drive, a time."""
+    if drive.time is not None:
+        return float(drive.time[-1])
+    return float(np.abs(np.diff(drive.path, prepend=0.0)).sum()) / drive.velocity
+
+
+def check_steps(contacts: Contacts, drive: Drive, longest: float) -> None:
+    """InputError where a threshold that diffuses takes more than 1e10 steps on the drive, `longest` (a time) those near
+    the stretch that it must not meet."""
+    ageing = contacts.ageing
+    if ageing is None:
+        return
+    if ageing.normal is not None:
+        # half way to the stretch a step may be as long as eight standard deviations of it
+        longest = max(longest, (0.5 * ageing.final.mean() / 8.0) ** 2 / (2.0 * ageing.rate))
+    steps = duration(drive) / longest
+    if steps > _STEPS:
+        forget = ageing.final.std() ** 2 / ageing.rate
+        raise InputError(
+            f"ageing: thresholds forget what they were in {forget:.1g}, and the drive takes {duration(drive):.1g}: about "
+            f"{steps:.0e} steps of each contact; take a shorter or faster drive"
+        )
 
 
 def check_often(contacts: Contacts, drive: Drive) -> None:
@@ -14,9 +40,7 @@ def check_often(contacts: Contacts, drive: Drive) -> None:
     thermal = contacts.thermal
     if thermal is None or contacts.grains is not None:
         return
-    lasts = float(np.abs(np.diff(drive.path, prepend=0.0)).sum()) / drive.velocity
-    if drive.time is not None:
-        lasts = float(drive.time[-1])
+    lasts = duration(drive)
     thresholds = contacts.thresholds.ppf((np.arange(_COUNT) + 0.5) / _COUNT)
     # relaxed contacts bear most: the others do not hold as long
     with np.errstate(over="ignore"):

@@ -266,6 +266,7 @@ def test_heavy_tails_are_followed_where_linked_stiffness_does_not_add_to_them() 
         ({"contacts": Contacts(GAUSSIAN, thermal=Thermal("soft", 0.1, closure="paper"))}, "thermal"),
         ({"contacts": Contacts(GAUSSIAN, ageing=Ageing(GAUSSIAN, 0.1, closure="paper"))}, "ageing"),
         ({"contacts": Contacts(GAUSSIAN, thermal=Thermal("soft", 1.0, 1e12))}, "each contact breaks about 1e.12 times"),
+        ({"contacts": Contacts(GAUSSIAN, ageing=Ageing(GAUSSIAN, 1.0)), "time": [1.0, 1e12, 2e12]}, "ageing: .* steps"),
         ({"velocity": -1.0}, "velocity"),
         ({"time": [0.0, 1.0, 0.5]}, "time"),
     ],
