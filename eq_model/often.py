@@ -30,8 +30,8 @@ def check_steps(contacts: Contacts, drive: Drive, longest: float) -> None:
     if steps > _STEPS:
         forget = ageing.final.std() ** 2 / ageing.rate
         raise InputError(
-            f"ageing: thresholds forget what they were in {forget:.1g}, and the drive takes {duration(drive):.1g}: about "
-            f"{steps:.0e} steps of each contact; take a shorter or faster drive"
+            f"ageing: thresholds forget what they were in {forget:.1g}, and the drive takes {duration(drive):.1g}: "
+            f"about {steps:.0e} steps of each contact; take a shorter or faster drive"
         )
 
 
