@@ -79,7 +79,7 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
     # a bin's sum over one block is at most BLOCK (width + reach), its second moment twice the square of that
     room = int(np.ceil(np.log2((width + reach) / scale)))
     bits = min(_MOST_BITS, _SUM_BITS - 16 - room, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
-    if _SUM_BITS - 16 - room < _LEAST_BITS:
+    if reach / scale > 2.0 ** (_SUM_BITS - 16 - _LEAST_BITS):
         raise InputError(
             f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted in; the "
             "ensemble sums up to some 1e6 of them: use thresholds with a shorter tail"
