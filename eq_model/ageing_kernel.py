@@ -147,7 +147,8 @@ def grow_old(  # type: ignore[no-untyped-def]
             ticks = time / pace
             then = abs(np.float64(stretch) + d * (passed + ticks))
             later = _moved(y, time, _normal(words[0], words[1], words[2]), ageing)
-            above, below = y - here, later - then
+            # the stretch is rounded where a leg ends
+            above, below = max(y - here, 0.0), later - then
             part, broken = 1.0, below <= 0.0
             if not broken:
                 broken = (np.float64(words[3]) + 0.5) * 2.0**-32 < np.exp(-above * below / (diffusion * time))

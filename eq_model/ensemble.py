@@ -16,6 +16,7 @@ from eq_model.beginning import Beginning
 from eq_model.forward import Forward, takes
 from eq_model.histogram import Histogram
 from eq_model.lives import LAWS, Lives
+from eq_model.often import check_often
 from eq_model.state import State
 from origins import Contacts, Drive
 from origins.brief import brief
@@ -27,6 +28,7 @@ Array = npt.NDArray[np.float64]
 
 _MOST_CONTACTS = 1 << 37
 _LONG = 0.5  # seconds of a block: who stops a run waits for its end
+_UNKNOWN = 256  # contacts of the first block where rates may break each of them millions of times
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class EnsembleResult:
     step_error : what the inner steps of ageing may add to the force, shape (n,), a length; 0 without ageing, whose
         contacts need none. An eighth of the contacts are followed in 16 times longer steps besides to tell.
     holding : fraction of contacts that hold, shape (n,).
-    holding_standard_error : of that, shape (n,).
+    holding_standard_error : of that, shape (n,); where contacts may wait, at least that of one contact.
     histograms : of stretches and thresholds, at the points asked for, each made when it is asked for.
     contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
     success, message : whether the tolerance is reached, or all contacts followed, and in words.
@@ -118,8 +120,9 @@ class Ensemble:
         self.total = self.n_contacts * replicas
         if self.total > _MOST_CONTACTS:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
-        self.expected = self.total
+        self.expected, self._stopped = self.total, False
         self.drive = Drive(path, velocity, time)
+        check_often(contacts, self.drive)
         beginning = Beginning(contacts, self.n_contacts, key_of(seed))
         points = _points(histograms, self.drive.path.size)
         self._engine: Forward | Lives
@@ -149,6 +152,9 @@ class Ensemble:
         rank, ranks = layout.rank_and_size(self.comm)
         each = float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum()) / self.contacts.mean_threshold
         size, most = layout.block_size(each * self._engine.weight), layout.block_size(each)
+        laws = self.contacts.thermal, self.contacts.ageing, self.contacts.grains
+        if any(law is not None for law in laws):
+            size = min(size, _UNKNOWN)
         begun, done = clock.monotonic(), 0
         for one_round in layout.rounds(self.total, self._tolerance is not None):
             mine = layout.share(layout.left(one_round, self._before), rank, ranks)
@@ -167,11 +173,15 @@ class Ensemble:
                     size = min(2 * size, most)
                 done += len(block)
                 yield done, total
-                late = self._wall_time is not None and clock.monotonic() - begun > self._wall_time
+                late = self._stopped or (self._wall_time is not None and clock.monotonic() - begun > self._wall_time)
             for _ in layout.meeting(self.comm):
                 yield done, total
-            if self._enough(one_round, late):
+            if self._enough(one_round, late or self._stopped):
                 return
+
+    def stop(self) -> None:
+        """Begin no further block of this rank's share: the result will be that of what is finished."""
+        self._stopped = True
 
     @property
     def state(self) -> State:
@@ -222,7 +232,7 @@ class Ensemble:
             force_standard_error=error,
             step_error=self._engine.step_error(done, sums),
             holding=holding,
-            holding_standard_error=np.sqrt(holding * (1.0 - holding) / contacts),
+            holding_standard_error=np.sqrt(self._holding_variance(holding, contacts) / contacts),
             histograms=self._engine.histograms(contacts, sums),
             contacts=contacts,
             breaks=sum(one.breaks for one in states),
@@ -232,6 +242,11 @@ class Ensemble:
             success=success,
             message=message,
         )
+
+    def _holding_variance(self, holding: Array, contacts: int) -> Array:
+        """Between contacts; where they may wait, or not pin, one that might have been is in it."""
+        waits = self.contacts.delay is not None or self.contacts.grains is not None
+        return np.maximum(holding * (1.0 - holding), 1.0 / contacts if waits else 0.0)
 
     def _slowest(self, seconds: float) -> float:
         return seconds if self.comm is None else max(self.comm.allgather(seconds))

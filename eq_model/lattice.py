@@ -64,7 +64,7 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
 
     origin : where position 0 lies; scale : a power of two near the thresholds' size; reach : the longest stretch that
     counts, start included; exact : whether P_c holds exact values, so that breaks may fall on path points.
-    Raises InputError where the path is longer than 2^33 times the scale.
+    Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^20 times.
     """
     length = max(float(path[-1]) - origin, scale)
     most_cells = 4 * path.size + 1024
@@ -79,6 +79,11 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
     # a bin's sum over one block is at most BLOCK (width + reach), its second moment twice the square of that
     room = int(np.ceil(np.log2((width + reach) / scale)))
     bits = min(_MOST_BITS, _SUM_BITS - 16 - room, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
+    if reach / scale > 2.0 ** (_SUM_BITS - 16 - _LEAST_BITS):
+        raise InputError(
+            f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted in; the "
+            "ensemble sums up to some 1e6 of them: use thresholds with a shorter tail"
+        )
     if bits < _LEAST_BITS:
         raise InputError(
             f"path[-1] = {path[-1]:g}: lies {length / scale:.2g} mean thresholds away; the ensemble follows contacts "

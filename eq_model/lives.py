@@ -11,15 +11,18 @@ from eq_model.beginning import Beginning, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
 from eq_model.histogram import BINS, Histogram, Made, histogram
-from eq_model.lattice import Whole, joined, split
+from eq_model.lattice import Whole, split
+from eq_model.often import check_steps, duration
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive, GrainContact
+from origins.quantile import DEEPEST
 
 Array = npt.NDArray[np.float64]
 
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 _STEP_ELSE = 0.004
+_SPREAD = 9.0  # standard deviations beyond which no threshold of 1e17 diffuses
 # contacts followed besides in steps COARSER times longer, whose force tells the error of the steps: the first of each
 # _EACH contacts, _FIRST of them
 COARSER = 16
@@ -62,11 +65,17 @@ def _ageing(ageing: Ageing | None, unit: float) -> tuple[tuple[Any, ...], tuple[
     return settings, (_STEP_ELSE * width**2 / diffusion, 1.0)
 
 
-def _grown(grains: GrainContact, drive: Drive) -> float:
-    """The largest threshold (a length) there is in the end, when no contact is older than those at X = 0."""
-    assert grains.age is not None
-    lasts = np.abs(np.diff(drive.path, prepend=0.0)).sum() / drive.velocity if drive.time is None else drive.time[-1]
-    return float(grains.quantile(1.0, grains.age + lasts))
+def _largest(contacts: Contacts, drive: Drive, fresh: float) -> float:
+    """The largest threshold (a length) there may come to be, of which `fresh` is that of the fresh ones."""
+    grains, ageing = contacts.grains, contacts.ageing
+    if grains is not None and grains.age is not None:
+        # in the end, when no contact is older than those at X = 0
+        return max(fresh, float(grains.quantile(1.0, grains.age + duration(drive))))
+    if ageing is None or ageing.rate == 0.0:
+        return fresh
+    if ageing.normal is not None:
+        return max(fresh, ageing.normal.mean) + _SPREAD * ageing.normal.std
+    return max(fresh, float(ageing.final.isf(DEEPEST)))
 
 
 def coarse(part: range) -> list[range]:
@@ -123,15 +132,15 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
 class Lives:
     """The sums of such contacts, and what they say of the force.
 
-    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms; with ageing the
-    events once more, of the contacts followed in coarser steps. weight : about how much longer a break takes than one
-    of the other engine's.
+    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms, a row of stretches
+    and one of thresholds; with ageing the events once more, of the contacts followed in coarser steps. weight : about
+    how much longer a break takes than one of the other engine's.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
         contacts, table = beginning.contacts, beginning.table
         self._beginning, self.linked = beginning, contacts.stiffness == "linked"
-        self.weight = 10.0 if contacts.ageing is None else 300.0
+        self.weight = 10.0 if contacts.ageing is None and contacts.grains is None else 300.0
         reforming = contacts.reforming
         furthest = max(map(abs, contacts.start.span))
         if reforming is not None:
@@ -140,12 +149,11 @@ class Lives:
         stiffest = max(longest / contacts.mean_threshold, 1.0) if self.linked else 1.0
         path = np.append(0.0, drive.path)
         span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
-        if contacts.grains is not None:
-            longest = max(longest, _grown(contacts.grains, drive))
+        longest = _largest(contacts, drive, longest)
         self._reached = np.minimum(span + furthest, longest) * stiffest
         # a bin holds births as well as breaks
         exact = contacts.thresholds.atoms[0].size > 0
-        self.course = make_course(drive, table.scale, 2.0 * longest * stiffest, exact)
+        self.course = make_course(drive, table.scale, 2.0 * min(longest, span[-1] + furthest) * stiffest, exact)
         unit = self.course.lattice.unit
         beginning.compile(unit)
         self._again, single = beginning.compiled, 0
@@ -155,6 +163,7 @@ class Lives:
         if spread:
             self._again = kernel_table(reforming_table(contacts), unit)
         self._physics = (*physics(contacts, unit), spread, single)
+        check_steps(contacts, drive, self._physics[6][0])
         moments = self.course.lattice.points[self.course.lattice.place[points]]
         self._points, self._order = points, np.argsort(moments, kind="stable")
         places = np.rint(drive.path[points] / unit).astype(np.int64)[self._order]
@@ -163,7 +172,7 @@ class Lives:
         self._watch = (moments[self._order], places, BINS * unit / longest, min(top / unit, 2.0**58))
         self._events = columns(self.linked) * self.course.lattice.bin_cell.size
         self._ages = contacts.ageing is not None
-        self.size = self._events * (1 + self._ages) + 2 * BINS * points.size
+        self.size = self._events * (1 + self._ages) + BINS * points.size
         self._block_sums = np.zeros(self._events, np.int64)
         self._counts = np.zeros((points.size, 2, BINS), np.int64)
 
@@ -172,9 +181,10 @@ class Lives:
         births, firsts = self._beginning.draw(block)
         self._block_sums[:], self._counts[:] = 0, 0
         breaks, steps = self._run(block, births, firsts, self._physics, self._watch, self._block_sums, self._counts)
-        sums = [self._block_sums, self._counts.ravel()]
+        # counts need no limbs: in their place stretches and thresholds
+        sums = [split(self._block_sums), self._counts.swapaxes(0, 1).reshape(2, -1)]
         if self._ages:
-            sums.append(np.zeros(self._events, np.int64))
+            coarser = np.zeros(self._events, np.int64)
             longest, _ = self._physics[6]
             # the integral of a rate is of fourth order in the change of its logarithm
             physics = (*self._physics[:6], (COARSER * longest, COARSER**0.25), *self._physics[7:])
@@ -182,8 +192,9 @@ class Lives:
             watch = (nothing, nothing, *self._watch[2:])
             for part in coarse(block):
                 mine = slice(part.start - block.start, part.stop - block.start)
-                self._run(part, births[mine], firsts[mine], physics, watch, sums[-1], self._counts[:0])
-        return split(np.concatenate(sums)), int(breaks), int(steps)
+                self._run(part, births[mine], firsts[mine], physics, watch, coarser, self._counts[:0])
+            sums.append(split(coarser))
+        return np.concatenate(sums, axis=1), int(breaks), int(steps)
 
     def _run(
         self, part: range, births: Whole, firsts: Whole, physics: Any, watch: Any, sums: Whole, counts: Whole
@@ -232,11 +243,12 @@ class Lives:
 
     def histograms(self, n: int, sums: Whole) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""
-        counts = joined(sums[:, self._events : self._events + 2 * BINS * self._points.size]).reshape(-1, 2, BINS)
+        counts = sums[:, self._events : self._events + BINS * self._points.size]
         back = np.argsort(self._order)
 
         def make(index: int) -> Histogram:
-            point = int(self._points[index])
-            return histogram(point, float(self.course.path[point]), self._longest, counts[back[index]], n)
+            point, first = int(self._points[index]), BINS * int(back[index])
+            own = counts[:, first : first + BINS].astype(float)
+            return histogram(point, float(self.course.path[point]), self._longest, own, n)
 
         return Made(self._points.size, make)

@@ -206,6 +206,8 @@ def _march(contacts: Contacts, line: _Line, edges: Array) -> Array:
         first = max(k - before, 0) * per
         number = int(np.searchsorted(ends_of_times, 0.5 * (edges[k] + edges[k + 1])) - 1)
         last = _felt(contacts, line, quantiles, number, steps[k], first, columns.size)
+        if k >= before:
+            last = max(last, first + per)  # what is met on this panel, felt or not
         here = slice(first, last)
         squared = quantiles.within(number, nodes[k], here)
         rate = _rate(contacts, line, nodes[k][:, None], squared) / line.velocity

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -118,6 +120,18 @@ class Contacts:
         """k_i/<k> of contacts with these thresholds (lengths): 1 if independent, x_si/<x_s> if linked; same shape."""
         threshold = np.asarray(threshold, dtype=float)
         return threshold / self.mean_threshold if self.stiffness == "linked" else np.ones_like(threshold)[()]
+
+    def each_by_itself(self) -> Contacts:
+        """These contacts with both closures "exact": each breaks at its own rate, and ages by itself; itself where it
+        has no other."""
+        if all(law is None or law.closure == "exact" for law in (self.thermal, self.ageing)):
+            return self
+        own = copy(self)
+        if self.thermal is not None:
+            own.thermal = replace(self.thermal, closure="exact")
+        if self.ageing is not None:
+            own.ageing = Ageing(self.ageing.final, self.ageing.rate) if self.ageing.rate > 0.0 else None
+        return own
 
     def _check_laws(self) -> None:
         if self.thermal is not None and not isinstance(self.thermal, Thermal):

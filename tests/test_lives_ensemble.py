@@ -1,5 +1,6 @@
 """Contacts with laws of their own, on any path in time: the ensemble against single lives, exact results and itself."""
 
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -212,12 +213,60 @@ def test_coarser_steps_do_not_depend_on_the_cutting() -> None:
 
 
 @pytest.mark.parametrize(
+    ("laws", "points"),
+    [({}, 0), ({"thermal": Thermal("soft", 0.05)}, 0), ({"delay": Delay(0.1)}, 30)],
+    ids=["forward", "soft", "histograms"],
+)
+def test_memory_is_that_of_the_sums_whatever_the_number_of_contacts(laws: dict[str, Any], points: int) -> None:
+    path, peaks = np.linspace(0.05, 1.5, 30), []
+    for number in (140_000, 700_000):
+        tracemalloc.start()
+        run = eq_model.simulate(Contacts(GAUSSIAN, **laws), path, n_contacts=number, histograms=np.arange(points))
+        assert sum(len(one.stretches) for one in run.histograms) == points * 4096
+        peaks.append(tracemalloc.get_traced_memory()[1] / 2**20)
+        tracemalloc.stop()
+    # a block's contacts, and the sums of the block, of all before it and of both
+    assert peaks[1] < peaks[0] + 0.3 and peaks[1] < 5.0 + 0.35 * points
+
+
+@pytest.mark.parametrize("diffusion", [0.1, 3.0])
+def test_thresholds_that_outgrow_all_fresh_ones_have_bins(diffusion: float) -> None:
+    """Left alone, thresholds are those of the Ornstein-Uhlenbeck process; nothing breaks."""
+    final = origins.gaussian(3.0, 0.3)
+    run = eq_model.simulate(
+        Contacts(origins.gaussian(0.5, 0.05), ageing=Ageing(final, diffusion)),
+        [0.0, 0.0],
+        time=[0.02, 2.0],
+        n_contacts=20_000,
+        histograms=[1],
+    )
+    (found,) = run.histograms
+    process = Ageing(final, diffusion).normal
+    assert process is not None and run.breaks == 0
+    below = np.cumsum(found.thresholds * np.diff(found.threshold_edges))
+    edges, sure = found.threshold_edges[1:], np.exp(-process.rate * 2.0)
+    width = np.hypot(process.std_after(2.0), 0.05 * sure)
+    exact = scipy.stats.norm.cdf((edges - process.mean_after(0.5, 2.0)) / width)
+    assert np.abs(below - exact).max() < 1.95 / np.sqrt(20_000)
+
+
+def test_heavy_tails_are_followed_where_linked_stiffness_does_not_add_to_them() -> None:
+    law, path = scipy.stats.pareto(2.5), np.array([1.5, 2.0, 1.0, -1.0, 2.0])
+    run, exact = eq_model.simulate(Contacts(law), path), master.solve(Contacts(law), path, 1e-5)
+    assert exact.success and (np.abs(run.force - exact.force) < 4.5 * run.force_standard_error + 2e-5).all()
+    with pytest.raises(origins.InputError, match=r"thresholds: stretches may reach .* use thresholds with a shorter"):
+        eq_model.simulate(Contacts(law, stiffness="linked"), path)
+
+
+@pytest.mark.parametrize(
     ("change", "complaint"),
     [
         ({"histograms": [5]}, "histograms"),
         ({"histograms": [0.5]}, "histograms"),
         ({"contacts": Contacts(GAUSSIAN, thermal=Thermal("soft", 0.1, closure="paper"))}, "thermal"),
         ({"contacts": Contacts(GAUSSIAN, ageing=Ageing(GAUSSIAN, 0.1, closure="paper"))}, "ageing"),
+        ({"contacts": Contacts(GAUSSIAN, thermal=Thermal("soft", 1.0, 1e12))}, "each contact breaks about 1e.12 times"),
+        ({"contacts": Contacts(GAUSSIAN, ageing=Ageing(GAUSSIAN, 1.0)), "time": [1.0, 1e12, 2e12]}, "ageing: .* steps"),
         ({"velocity": -1.0}, "velocity"),
         ({"time": [0.0, 1.0, 0.5]}, "time"),
     ],

@@ -24,11 +24,23 @@ SCENE: dict[str, Any] = {
     "eq": {"contacts": 1_900_000, "replicas": 1, "seed": 5, "histograms": [2.0]},
 }
 BLOCK = 1 << 16
+GAUSSIAN = SCENE["contacts"]["thresholds"]
+SOFT = {"law": "soft", "temperature": 0.05}
+GRAINS = {"kind": "growing-grains", "alpha": 1.0, "B": 1.0, "age": 4.0}
+AGEING = {"rate": 1e-3, "final": {"kind": "gaussian", "mean": 1.2, "std": 0.05}}
+LOOP = {"turns": [1.4, -0.6, 0.4], "points": 12}
+# contacts, drive, number
+LAWS: dict[str, tuple[Any, Any, int]] = {
+    "delay": (SCENE["contacts"], {"to": 2.0, "points": 11}, 600_000),
+    "soft": ({"thresholds": GAUSSIAN, "thermal": SOFT}, LOOP, 200_000),
+    "ageing": ({"thresholds": GAUSSIAN, "ageing": AGEING}, {"to": 2.0, "points": 11}, 30_000),
+    "grains": ({"thresholds": GRAINS, "thermal": SOFT}, LOOP, 15_000),
+}
 
 # The command in this process, which may end after so many blocks, before or after their checkpoint; no picture, which
 # takes longer than all else.
 PROGRAM = """
-import json, os, signal, sys
+import json, os, resource, signal, sys
 import eq_model
 from toolkit.command import main
 from toolkit.launch import read_environment
@@ -36,7 +48,10 @@ import toolkit.plots
 
 toolkit.plots.save_picture = lambda result, path: path.touch()
 
-def run(words, kills=None, after=0, late=True, victims=(0,)):
+def room(most=resource.RLIM_INFINITY):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.RLIM_INFINITY))
+
+def run(words, kills=None, after=0, late=True, victims=(0,), roomy=False):
     real = eq_model.Ensemble.__iter__
     def mortal(self):
         mine = read_environment().rank in victims
@@ -46,6 +61,8 @@ def run(words, kills=None, after=0, late=True, victims=(0,)):
             yield found
             if mine and kills and number == after and late:
                 os.kill(os.getpid(), kills)
+        if roomy:
+            room()
     eq_model.Ensemble.__iter__ = mortal
     try:
         return main(words)
@@ -55,10 +72,10 @@ def run(words, kills=None, after=0, late=True, victims=(0,)):
 RANK = PROGRAM + "sys.exit(run(sys.argv[2:], **json.loads(sys.argv[1])))"
 
 # Children of one process that has imported and compiled everything: a kill costs no more than the work it undoes.
-FORKS = (
+CHILDREN = (
     PROGRAM
     + """
-import time
+import glob, time
 
 def child(words, error, share=None, usual=0.0, limit=None, **fate):
     pid = os.fork()
@@ -66,8 +83,7 @@ def child(words, error, share=None, usual=0.0, limit=None, **fate):
         os.dup2(os.open(error, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         if limit is not None:
-            import resource
-            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+            room(limit)
         status = 1
         try:
             status = run(words, **fate)
@@ -79,7 +95,7 @@ def child(words, error, share=None, usual=0.0, limit=None, **fate):
     while not ended:
         ended, status = os.waitpid(pid, 0 if share is None else os.WNOHANG)
         now = time.monotonic()
-        if share is not None and begun > now and os.path.isdir(words[3] + "/checkpoint"):
+        if share is not None and begun > now and glob.glob(words[3] + "/checkpoint/[0-9]*.npz"):
             begun, deadline = now, now + share * usual
         if now > deadline:
             os.kill(pid, signal.SIGKILL)
@@ -88,18 +104,18 @@ def child(words, error, share=None, usual=0.0, limit=None, **fate):
     return os.waitstatus_to_exitcode(status), open(error).read(), max(now - begun, 0.0)
 
 signals = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
-words = lambda out, every="0.001": ["run", "scene.json.toml", "--out", out, "--checkpoint", every]
+words = lambda out, every="0.001", scene="scene": ["run", scene + ".toml", "--out", out, "--checkpoint", every]
 sys.stdout, stdout = open(os.devnull, "w"), sys.stdout
-assert run(words("whole")) == 0
 told = []
 """
 )
+FORKS = CHILDREN + 'assert run(words("whole")) == 0\n'
 
 
-def scene_file(folder: Path, **eq: Any) -> None:
+def scene_file(folder: Path, name: str = "scene", **tables: Any) -> None:
     from toolkit.toml import to_toml
 
-    (folder / "scene.json.toml").write_text(to_toml(SCENE | {"eq": SCENE["eq"] | eq}))
+    (folder / f"{name}.toml").write_text(to_toml(SCENE | tables))
 
 
 def same(folder: Path, other: Path) -> None:
@@ -139,34 +155,45 @@ print(json.dumps(told), file=stdout)
 
 
 def test_killed_at_10_to_90_percent_of_its_time(python: Callable[..., Any], tmp_path: Path) -> None:
-    scene_file(tmp_path, contacts=20 * BLOCK)
+    """Twenty times, of contacts that wait, that break by themselves, that age and that grow stronger."""
+    for name, (contacts, drive, number) in LAWS.items():
+        last = drive.get("to", 0.4)
+        asked = SCENE["eq"] | {"contacts": number, "histograms": [last]}
+        scene_file(tmp_path, name, contacts=contacts, drive=drive, eq=asked)
     program = """
-# from the first checkpoint to the end; killed after each tenth of that
-usual = child(words("usual"), "error", share=1.0, usual=60.0)[2]
-for tenth in range(1, 10):
-    for attempt in range(5):  # other tests share the cores: it may have been faster than it was
-        status, _, lasted = child(words(f"out{tenth}{attempt}"), "error", share=0.1 * tenth, usual=usual)
-        if status != 0:
-            break
-        usual = min(usual, lasted)
-    told.append([f"out{tenth}{attempt}", status, *child(words(f"out{tenth}{attempt}"), "error")[:2]])
+import eq_model.layout
+eq_model.layout._BLOCK_BREAKS = 1 << 20  # short blocks, which do not show in the result
+for name in sys.argv[1:]:
+    assert run(words(name + "/whole", scene=name)) == 0
+    # from the first checkpoint to the end; killed after some tenths of that
+    usual = child(words(name + "/usual", "0.01", name), "error", share=1.0, usual=60.0)[2]
+    for tenth in (1, 3, 5, 7, 9):
+        for attempt in range(5):  # other tests share the cores: it may have been faster than it was
+            out = f"{name}/{tenth}{attempt}"
+            status, _, lasted = child(words(out, "0.01", name), "error", share=0.1 * tenth, usual=usual)
+            if status != 0:
+                break
+            usual = min(usual, lasted)
+        told.append([name, out, status, *child(words(out, scene=name), "error")[:2]])
 print(json.dumps(told), file=stdout)
 """
-    done = python(FORKS + program)
+    done = python(CHILDREN + program, *LAWS)
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
-    for folder, killed, status, _ in told:
+    assert len(told) == 20
+    for name, folder, killed, status, _ in told:
         assert killed == -signal.SIGKILL and status == 0
-        same(tmp_path / "whole", tmp_path / folder)
-    kept = [followed(error) for *_, error in told]
-    assert min(kept) > 0 and max(kept) > 10 * BLOCK
+        same(tmp_path / name / "whole", tmp_path / folder)
+    for name, (*_, number) in LAWS.items():
+        kept = [followed(error) for scene, *_, error in told if scene == name]
+        assert min(kept) > 0 and max(kept) > number / 4
 
 
 def test_ranks_killed_one_or_all_and_another_number_goes_on(
     python: Callable[..., Any], mpirun: Callable[..., Any], tmp_path: Path
 ) -> None:
     scene_file(tmp_path)
-    words = ["run", "scene.json.toml", "--out", "out", "--checkpoint", "0.001"]
+    words = ["run", "scene.toml", "--out", "out", "--checkpoint", "0.001"]
     before = 0
     for victims in ([1], [0, 1], [0]):
         fate = {"kills": int(signal.SIGKILL), "after": 4, "victims": victims}
@@ -203,19 +230,19 @@ print(json.dumps(told), file=stdout)
     same(tmp_path / "whole", tmp_path / "out")
     # a launcher passes it on to all ranks
     fate = {"kills": int(signal.SIGTERM), "after": 2, "late": False, "victims": [0, 1]}
-    done = mpirun(2, RANK, json.dumps(fate), "run", "scene.json.toml", "--out", "many")
+    done = mpirun(2, RANK, json.dumps(fate), "run", "scene.toml", "--out", "many")
     assert done.returncode == 143 and done.stdout == ""
     assert done.stderr == f"mesofriction: terminated; {kept.replace('out', 'many')}"
     assert sorted(os.listdir(tmp_path / "many/checkpoint")) == ["000-rank-00000.npz", "000-rank-00001.npz"]
 
 
 def test_full_disk(python: Callable[..., Any], tmp_path: Path) -> None:
-    """No checkpoint: one warning. No result: one line. Nothing half written, and the checkpoint still there."""
-    scene_file(tmp_path, contacts=5 * BLOCK, histograms=[1.0, 1.2, 1.6, 2.0])
+    """No checkpoint: one warning, and a result if there is room by then. No result: one line. Nothing half written, and
+    the checkpoint still there."""
+    scene_file(tmp_path, eq=SCENE["eq"] | {"contacts": 5 * BLOCK})
     program = """
-# the checkpoint holds counts as they are, the result holds them compressed: in between it alone can be written
 told = [child(words("none"), "error", limit=1000)]
-told.append(child(words("some"), "error", limit=440_000))
+told.append(child(words("some"), "error", limit=1000, roomy=True))
 child(words("all"), "error", kills=signal.SIGKILL, after=2)
 told.append(child(words("all"), "error", limit=1000))
 print(json.dumps(told), file=stdout)
@@ -344,6 +371,61 @@ def test_interrupted_in_a_notebook_the_finished_blocks_are_the_result(monkeypatc
     assert first is not None and np.array_equal(first.force, result.eq.force)
     # the handler is as before
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize("place", ["progress", "block"])
+def test_raised_in_the_middle_an_interrupt_costs_the_block_alone(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from eq_model.lives import Lives
+
+    tables, real, blocks = SCENE | {"eq": SCENE["eq"] | {"contacts": 5 * BLOCK}}, Lives.follow, []
+
+    def follow(self: Lives, block: range) -> Any:
+        found = real(self, block)
+        blocks.append(block)
+        if place == "block" and len(block) and len([one for one in blocks if one]) == 3:
+            raise KeyboardInterrupt
+        return found
+
+    def progress(done: int, expected: int) -> None:
+        if place == "progress" and done >= 2 * BLOCK:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Lives, "follow", follow)
+    with pytest.raises(KeyboardInterrupt):
+        toolkit.run(tables, progress=progress)
+    blocks.clear()
+    monkeypatch.setattr("sys.ps1", ">>> ", raising=False)
+    result = toolkit.run(tables, progress=progress).eq
+    monkeypatch.setattr(Lives, "follow", real)
+    first = toolkit.run(SCENE | {"eq": SCENE["eq"] | {"contacts": 2 * BLOCK}}).eq
+    assert result is not None and first is not None and not result.success and result.contacts == 2 * BLOCK
+    assert result.message.startswith("interrupted: ") and np.array_equal(first.force, result.force)
+
+
+def test_interrupted_ranks_wait_for_the_others(mpirun: Callable[..., Any]) -> None:
+    """In an interactive session: one of two, and both."""
+    program = """
+import json, signal, sys
+import toolkit
+from mpi4py import MPI
+sys.ps1, comm = ">>> ", MPI.COMM_WORLD
+tables, told = json.loads(sys.argv[1]), []
+for victims in ((1,), (0, 1)):
+    def progress(done, expected):
+        if comm.Get_rank() in victims and done == 4 * (1 << 16):
+            signal.raise_signal(signal.SIGINT)
+    found = toolkit.run(tables, comm=comm, progress=progress).eq
+    told.append([found.contacts, found.message.split(":")[0], found.success])
+every = comm.gather(told)
+if comm.Get_rank() == 0:
+    print(json.dumps(every))
+"""
+    done = mpirun(2, program, json.dumps(SCENE | {"eq": SCENE["eq"] | {"contacts": 10 * BLOCK}}))
+    assert done.returncode == 0, done.stderr
+    one, other = json.loads(done.stdout)
+    assert [row[0] for row in one] == [row[0] for row in other] == [7 * BLOCK, 4 * BLOCK]
+    assert [row[1] for row in other] == ["interrupted"] * 2 and one[1][1] == "interrupted"
+    assert not any(row[2] for row in one + other)
 
 
 def test_without_a_folder_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -92,3 +92,15 @@ def test_errors_are_near_the_true_ones_at_a_temperature() -> None:
     finer = master.solve(contacts, PATH, 1e-11)
     off = np.abs(solved.force - finer.force).max() / contacts.mean_threshold
     assert off < solved.force_error + finer.force_error and solved.force_error < 3e-10
+
+
+def test_cold_grains_that_are_met_before_any_rate_is_felt() -> None:
+    """Young and hardly stretched: as without a temperature."""
+    grains = growing_grains(1.0, 1.0, age=0.31)
+    mean = Contacts(grains).mean_threshold
+    path = np.array([3.0, 20.0, 60.0]) * mean
+    cold, none = (
+        master.solve(Contacts(grains, thermal=thermal), path, 1e-4, velocity=mean)
+        for thermal in (Thermal("soft", 1e-8 * mean**2), None)
+    )
+    assert cold.success and np.abs(cold.force - none.force).max() < (cold.force_error + none.force_error + 1e-6) * mean

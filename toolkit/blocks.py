@@ -23,8 +23,9 @@ def follow(
     """Work through the ensemble to its result.
 
     SIGINT and SIGTERM wait until the block is finished and its checkpoint written, and then do what they did before:
-    end the program as a rule. In an interactive session SIGINT ends the ensemble alone: the result is that of the
-    finished blocks, with success = False.
+    end the program as a rule. In an interactive session SIGINT ends this rank's share of the ensemble alone: the result
+    is that of the finished blocks, with success = False, once the other ranks have come to their end; a second SIGINT
+    does what it did before.
 
     Parameters
     ----------
@@ -34,28 +35,41 @@ def follow(
     done_before : contacts that the ensemble was given as done.
     """
     ranks = 1 if ensemble.comm is None else ensemble.comm.Get_size()
-    shown = (-1, -1)
+    shown, interrupted = (-1, -1), False
     with _Deferred() as asked:
-        for done, _ in ensemble:
-            now = min(done_before + done * ranks, ensemble.expected), ensemble.expected
-            if progress is not None and now != shown:
-                progress(*now)
-                shown = now
+        blocks = iter(ensemble)
+        while True:
+            try:
+                done = next(blocks, None)
+                if done is None:
+                    break
+                now = min(done_before + done[0] * ranks, ensemble.expected), ensemble.expected
+                if progress is not None and now != shown:
+                    progress(*now)
+                    shown = now
+            except KeyboardInterrupt:
+                # raised in the middle, as some kernels do it: what is finished is whole
+                if ranks > 1 or not _interactive() or not ensemble.state.done:
+                    raise
+                interrupted = True
+                break
             if asked.signal is not None:
                 if checkpoint is not None:
                     checkpoint.write(ensemble.state)
-                if asked.signal == signal.SIGINT and ranks == 1 and _interactive():
-                    asked.signal = None
-                    result = ensemble.result()
-                    return replace(result, success=False, message=f"interrupted: {result.message}")
+                if asked.signal == signal.SIGINT and not interrupted and _interactive():
+                    asked.signal, interrupted = None, True
+                    ensemble.stop()
+                    continue
                 asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
             elif checkpoint is not None:
                 checkpoint.keep(ensemble.state)
     result = ensemble.result()
     if checkpoint is not None and unfinished(ensemble, result):
         checkpoint.write(ensemble.state)
-        if checkpoint.is_first:
+        if checkpoint.is_first and not interrupted:
             say(f"stopped by the wall time; run it again with {checkpoint.folder} to go on")
+    if interrupted and unfinished(ensemble, result):
+        result = replace(result, success=False, message=f"interrupted: {result.message}")
     return result
 
 

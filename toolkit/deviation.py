@@ -21,9 +21,9 @@ def deviation(result: Result) -> tuple[Array, Array]:
     solved, eq = result.master, result.eq
     if solved is None or eq is None:
         raise ValueError("a result of both solvers is needed")
-    tell = telling(result)
-    allowed = eq.force_standard_error + eq.step_error + solved.force_error * result.mean_threshold
-    return eq.path[tell], ((eq.force - solved.force)[tell] / allowed[tell])
+    tell = np.flatnonzero(telling(result))
+    allowed = eq.force_standard_error[tell] + eq.step_error[tell] + solved.force_error * result.mean_threshold
+    return eq.path[tell], (eq.force[tell] - solved.force[tell]) / allowed
 
 
 def telling(result: Result) -> npt.NDArray[np.bool_]:
@@ -32,6 +32,9 @@ def telling(result: Result) -> npt.NDArray[np.bool_]:
     if eq is None:
         return np.empty(0, dtype=bool)
     enough = eq.force_standard_error > np.sqrt(_FEWEST) * _of_one_contact(result, eq)
+    if result.master is not None:
+        # the paper's closure of ageing may end before the path does
+        enough[result.master.path.size :] = False
     return np.isfinite(eq.force_standard_error) & enough
 
 

@@ -91,7 +91,8 @@ def forecast(scene: Scene, comm: Any = None) -> Forecast:
         if seconds > _LONG_ENOUGH or _GROWTH * n > _followed(asked.tolerance, n, largest, most):
             break
         n *= _GROWTH
-    off = min(_SIGMAS * math.sqrt(_TAILS / n), 0.9)
+    # before many have broken it is those few that differ
+    off = min(_SIGMAS * math.sqrt(_TAILS / min(n, max(found.breaks, 1))), 0.9)
     of_n = Estimate(largest, largest * (1.0 - off), largest * (1.0 + off))
     contacts = Estimate(*(_followed(asked.tolerance, n, error, most) for error in (of_n.value, of_n.low, of_n.high)))
     cost = seconds / n

@@ -264,6 +264,12 @@ class Result:
         return read_table(tomllib.loads(self.text))
 
     @property
+    def papers_closure(self) -> bool:
+        """Whether the master equation is solved in a closure of the paper that single contacts do not follow."""
+        laws = self.asked.contacts.thermal, self.asked.contacts.ageing
+        return any(law is not None and law.get("closure") == "paper" for law in laws)
+
+    @property
     def time(self) -> Array:
         from toolkit.driving import make_drive
 

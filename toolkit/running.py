@@ -50,7 +50,8 @@ def run(
         written.
 
     Interrupted (SIGINT, SIGTERM), it finishes its block and writes its checkpoint first. In an interactive session an
-    interrupted ensemble's result is that of its finished blocks, with success = False.
+    interrupted ensemble's result is that of its finished blocks, with success = False; ranks that are not interrupted
+    come to their end first.
     Raises InputError for a scene that cannot be run, and for a folder that cannot be written or that holds the
     checkpoint of another scene.
     """
@@ -195,7 +196,9 @@ def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ens
         "histograms": scene.histogram_points(),
     }
     with laws.inside("eq", _EQ_KEYS):
-        return eq_model.Ensemble(scene.contacts, scene.path, comm=comm, **(arguments | other))
+        # single contacts know no mean rate and no common P_c: beside [master] they tell how far off these are
+        contacts = scene.contacts if scene.master is None else scene.contacts.each_by_itself()
+        return eq_model.Ensemble(contacts, scene.path, comm=comm, **(arguments | other))
 
 
 def _simulate(

@@ -112,6 +112,8 @@ def report(result: Any) -> list[str]:
             own = result.master.force_error * result.mean_threshold / float(result.eq.force_standard_error.max())
             besides = f" (each with master's own error, {own:.1g} of one)" if own > _FELT else ""
             chance = "chance makes about 3" + ("" if apart < _APART else ": they do not agree, please report it")
+            if result.papers_closure:
+                chance = "chance makes about 3, the rest is the paper's closure, which single contacts do not follow"
             lines.append(f"eq less master: at most {apart:.1f} standard errors{besides} over the path; {chance}")
     return [*lines, *(f"note    {note}" for note in result.notes)]
 
