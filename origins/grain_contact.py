@@ -40,6 +40,8 @@ class GrainContact:
     Raises InputError for anything but a GrainGrowth, and for an age at which no grain pins.
     """
 
+    interface = None  # no rough surface behind them
+
     def __init__(self, growth: GrainGrowth, age: float | None = None) -> None:
         if not isinstance(growth, GrainGrowth):
             refuse("growth", growth, "must be growth, such as origins.GrainGrowth(alpha=1.0, B=1.0)")
