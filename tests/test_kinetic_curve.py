@@ -244,8 +244,10 @@ def test_births_at_many_stretches_at_any_speed(law: str, stiffness: str) -> None
         held = w * np.exp(-thermal.cumulative(x, 1.0, r) / speeds[:, None])
         lengths += weight * held.sum(axis=1)
         areas += weight * held @ x
-    assert (np.abs(found.force - areas / lengths) <= found.force_error).all()
-    assert found.force_error.max() < 1e-5
+    assert (np.abs(found.force - areas / lengths) <= found.force_error + 3e-11).all()  # what the integrals miss
+    assert found.force_error.max() < 1e-8
+    single = master.steady_state(contacts, velocity=1e-3)
+    assert single.force == found.force[1] and single.force_error == found.force_error[1]
 
 
 def test_speeds_beyond_numbers_are_told() -> None:
