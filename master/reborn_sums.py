@@ -57,7 +57,7 @@ class RebornBreaks:
         What sums over r may miss, at the last thresholds asked for.
     """
 
-    inverse = 1e-11
+    inverse = 1e-10
 
     def __init__(self, contacts: Contacts, speeds: Array) -> None:
         assert contacts.thermal is not None and contacts.reforming is not None
