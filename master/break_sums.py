@@ -9,6 +9,8 @@ panel and without signs.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial.legendre import legvander
@@ -16,14 +18,16 @@ from numpy.polynomial.legendre import legvander
 from origins import Contacts, Thresholds
 from origins.quadrature import GAUSS_NODES, NODES, finite_density, gauss, panel_edges
 
+if TYPE_CHECKING:
+    from master.reborn_sums import RebornBreaks
+
 Array = npt.NDArray[np.float64]
 
 _LEAST, _MOST = -32.0, 3.65  # ln e: little is spent below, nothing is left above
 _OVER = 7.0  # of ln e, where e to -e is 0 and e not yet large
 _EVEN = -1.0  # ln e down to which panels are even
-_WIDTH, _WIDER = 0.6, 1.3
+_WIDTH, _WIDER, _WIDEST = 0.6, 1.3, 4.0
 _CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])  # of the cube root of ln A below a stiff contact's last: x has power 2/3
-_TURNING = np.append(2.5 ** -np.arange(9.0), 0.0)  # where a stretch turns at 0, hardly breaking there any more
 _RUNG = 1.5  # in k_BT
 _UNTRIED, _TRIED = 1e-2, 1.0  # attempts on the way to a threshold, and the logarithm from one to the next edge
 _ACCURACY, _TAIL = 1e-12, 1e-80
@@ -61,7 +65,9 @@ def summed(contacts: Contacts, speeds: Array, edges: Array | None = None) -> Arr
         whole += shares @ breaks(positions)
         exact = 0.0 if breaks.missed is None else shares @ breaks.missed
     if edges.size:
-        whole, off = _over_thresholds(contacts, breaks, _by_barriers(contacts, edges, float(speeds.min())), whole)
+        if contacts.reforming is None:  # else births at many stretches make sums even
+            edges = _by_barriers(contacts, edges, float(speeds.min()))
+        whole, off = _over_thresholds(contacts, breaks, edges, whole)
     if positions.size:
         off = off + exact
     (length, square), (length_off, square_off) = whole, off
@@ -73,7 +79,7 @@ def summed(contacts: Contacts, speeds: Array, edges: Array | None = None) -> Arr
     return np.stack([force, force_off, length, length_off + breaks.inverse * length])
 
 
-def _breaks(contacts: Contacts, speeds: Array) -> Breaks:
+def _breaks(contacts: Contacts, speeds: Array) -> Breaks | RebornBreaks:
     if contacts.reforming is None:
         return Breaks(contacts, speeds)
     from master.reborn_sums import RebornBreaks
@@ -81,7 +87,9 @@ def _breaks(contacts: Contacts, speeds: Array) -> Breaks:
     return RebornBreaks(contacts, speeds)
 
 
-def _over_thresholds(contacts: Contacts, breaks: Breaks, edges: Array, whole: Array) -> tuple[Array, Array]:
+def _over_thresholds(
+    contacts: Contacts, breaks: Breaks | RebornBreaks, edges: Array, whole: Array
+) -> tuple[Array, Array]:
     """`whole`, of exact thresholds, and the sums over a density of others, and what these miss; shapes (2, speeds)."""
     law, off = contacts.thresholds, np.zeros_like(whole)
     # none breaks beyond its threshold: what rare ones count at most. Where all others have long broken that is a lot
@@ -125,32 +133,41 @@ def missed(parts: Array) -> Array:
 
 
 class Breaks:
-    """Mean x_b and k x_b^2 of relaxed contacts at given thresholds, at all speeds; `widest` panel over ln e."""
+    """Mean x_b and k x_b^2 of relaxed contacts at given thresholds, at all speeds."""
 
-    widest = 4.0
     inverse = 2e-12  # relative error of the sums over ln A, and of a short stretch found from its amount
     missed: Array | None = None  # by sums over births, at the last thresholds asked for
 
     def __init__(self, contacts: Contacts, speeds: Array) -> None:
         assert contacts.thermal is not None
-        self.contacts, self.thermal, self.log_speeds = contacts, contacts.thermal, np.log(speeds)
+        self._contacts, self._thermal, self.log_speeds = contacts, contacts.thermal, np.log(speeds)
         slow, fast = float(self.log_speeds.min()), float(self.log_speeds.max())
         top, bottom = fast + _MOST, slow + _EVEN
         even = np.linspace(bottom, top, 2 + int((top - bottom) / _WIDTH))
-        far = bottom - np.cumsum(np.minimum(_WIDTH * _WIDER ** np.arange(1.0, 80.0), self.widest))
+        far = bottom - np.cumsum(np.minimum(_WIDTH * _WIDER ** np.arange(1.0, 80.0), _WIDEST))
         lowest = slow + _LEAST
-        self.edges = np.concatenate([[lowest], far[far > lowest + 0.5 * self.widest][::-1], even])
-        nodes, weights = gauss(self.edges[:-1], self.edges[1:])
-        self.log_amount = nodes.ravel()
-        self.weights = weights.ravel()[:, None] * _weight(nodes.ravel()[:, None] - self.log_speeds)
+        self._edges = np.concatenate([[lowest], far[far > lowest + 0.5 * _WIDEST][::-1], even])
+        nodes, weights = gauss(self._edges[:-1], self._edges[1:])
+        self._log_amount = nodes.ravel()
+        self._weights = weights.ravel()[:, None] * _weight(nodes.ravel()[:, None] - self.log_speeds)
         # a panel may end where that of a stiff contact's threshold is as far as it is wide
-        apart = np.diff(self.edges) if self.thermal.law == "stiff" else 0.0
-        self.usable_from = self.edges[1:] + apart
+        apart = np.diff(self._edges) if self._thermal.law == "stiff" else 0.0
+        self._usable_from = self._edges[1:] + apart
 
     def __call__(self, thresholds: Array) -> Array:
         """Shape (2, thresholds, speeds)."""
-        stiffness = np.asarray(self.contacts.relative_stiffness(thresholds))
-        out = self.means(thresholds, stiffness, np.zeros(thresholds.size), thresholds)[0]
+        stiffness = np.asarray(self._contacts.relative_stiffness(thresholds))
+        ends = self._thermal.log_cumulative(thresholds, thresholds, 0.0, stiffness)
+        count = np.searchsorted(self._usable_from, ends, side="right")
+        some = NODES * int(count.max(initial=0))
+        x = self._thermal.inverse_from_rest(self._log_amount[:some], thresholds[:, None], stiffness[:, None])
+        x = np.where(np.arange(some) >= NODES * count[:, None], 0.0, x)
+        rest = np.exp(-np.exp(np.minimum(ends[:, None] - self.log_speeds, _OVER)))
+        weights, limit = self._weights[:some], thresholds[:, None]
+        out = np.stack([x @ weights + rest * limit, (x * x) @ weights + rest * limit**2])
+        inside = np.flatnonzero((ends > self._edges[0]) & (count < self._edges.size - 1))
+        if inside.size:
+            self._add_last(out, inside, self._edges[count[inside]], ends[inside], thresholds[inside], stiffness[inside])
         out[1] *= stiffness[:, None]
         return out
 
@@ -158,52 +175,24 @@ class Breaks:
         """Weight of the births that these thresholds hold, over the survival there: relaxed ones, all."""
         return np.ones(thresholds.size)
 
-    def means(self, thresholds: Array, stiffness: Array, births: Array, goals: Array) -> tuple[Array, Array]:
-        """Means of x - r and x^2 - r^2 of contacts from r = `births` that break at x or get to `goals` = x - where a
-        stretch turns at 0, or at the threshold - shape (2, n, speeds); and A/v up to there, shape (n, speeds)."""
-        ends = self.thermal.log_cumulative(goals, thresholds, births, stiffness)
-        count = np.searchsorted(self.usable_from, ends, side="right")
-        some = NODES * int(count.max(initial=0))
-        row = [array[:, None] for array in (thresholds, stiffness, births)]
-        x = self._reached(self.log_amount[:some], ends[:, None], *row)
-        x = np.where(np.arange(some) >= NODES * count[:, None], births[:, None], x)
-        weights = self.weights[:some]
-        gone = np.exp(np.minimum(ends[:, None] - self.log_speeds, _OVER))
-        rest, travel = np.exp(-gone), x - births[:, None]
-        ahead = goals - births
-        out = np.stack(
-            [
-                travel @ weights + rest * ahead[:, None],
-                (travel * (x + births[:, None])) @ weights + rest * (ahead * (goals + births))[:, None],
-            ]
-        )
-        inside = np.flatnonzero((ends > self.edges[0]) & (count < self.edges.size - 1))
-        if inside.size:
-            begin = self.edges[count[inside]]
-            self._add_last(out, inside, begin, ends[inside], [array[inside] for array in row], goals[inside])
-        return out, gone
-
-    def _reached(self, log_amount: Array, log_end: Array, threshold: Array, stiffness: Array, birth: Array) -> Array:
-        """Stretch at which contacts from `birth` have spent amounts up to that of the goal, e^log_end."""
-        if not birth.any():
-            return self.thermal.inverse_from_rest(log_amount, threshold, stiffness)
-        return self.thermal.inverse_from(np.minimum(log_amount, log_end), threshold, birth, stiffness)
-
     def _add_last(
-        self, out: Array, rows: npt.NDArray[np.intp], begin: Array, end: Array, of: list[Array], goals: Array
+        self,
+        out: Array,
+        rows: npt.NDArray[np.intp],
+        begin: Array,
+        end: Array,
+        threshold: Array,
+        stiffness: Array,
     ) -> None:
-        """What breaks between the last panel and the goal."""
-        if self.thermal.law == "stiff" and (goals > 0.0).all():
+        """What breaks between the last panel and the threshold."""
+        if self._thermal.law == "stiff":
             roots = np.cbrt(end - begin)[:, None] * _CUTS
             nodes, weights = (part.reshape(rows.size, -1) for part in gauss(roots[:, 1:], roots[:, :-1]))
             nodes, weights = end[:, None] - nodes**3, 3.0 * nodes * nodes * weights
         else:
-            cuts = _TURNING if (goals == 0.0).any() else _TURNING[[0, -1]]
-            parts = end[:, None] - (end - begin)[:, None] * cuts
-            nodes, weights = (part.reshape(rows.size, -1) for part in gauss(parts[:, :-1], parts[:, 1:]))
-        x = self._reached(nodes, end[:, None], *of)
-        births = of[-1]
-        first, second = weights * (x - births), weights * (x - births) * (x + births)
+            nodes, weights = gauss(begin, end)
+        x = self._thermal.inverse_from_rest(nodes, threshold[:, None], stiffness[:, None])
+        first, second = weights * x, weights * x * x
         for i, log_speed in enumerate(self.log_speeds):
             felt = np.flatnonzero((begin < log_speed + _MOST) & (end > log_speed + _LEAST))
             weight = _weight(nodes[felt] - log_speed)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from copy import copy
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,6 +43,8 @@ class Cycle:
         Of the stretch at a break of contacts that form relaxed.
     unit : float
         A length: the mean of `relaxed`; of those that hold at all where thresholds grow with age.
+    wait : float
+        How far the slider moves while a broken contact is out, a length.
     release : Release
         What breaks and births do to the force, lengths in `unit`s.
     breaking : Breaking or None
@@ -60,9 +62,9 @@ class Cycle:
     """
 
     def __init__(self, contacts: Contacts, velocity: float = 1.0, accuracy: float = 1e-8) -> None:
-        self._thresholds, self.velocity = contacts.thresholds, velocity
+        self._contacts, self.velocity = contacts, velocity
         self.births = as_start(None) if contacts.reforming is None else contacts.reforming.law
-        self.law: Thresholds = contacts.thresholds
+        self.relaxed: Thresholds = contacts.thresholds
         self.unit = contacts.mean_threshold
         self._breaking: Breaking | None = None
         self._later: Callable[[], Breaking] | None = None
@@ -82,32 +84,46 @@ class Cycle:
                     'that age have no such law; use closure = "exact"'
                 )
             ageing = AgeingBreaking(contacts, velocity, accuracy)
-            self.law, self._breaking, self.error = ageing.effective, ageing, ageing.error
-            self.unit = self.law.mean()
+            self.relaxed, self._breaking, self.error = ageing.effective, ageing, ageing.error
+            self.unit = self.relaxed.mean()
         elif contacts.grains is not None and contacts.thermal is not None:
             from master.grain_breaking import BornGrains
             from master.grain_heat import GrainHeat
             from master.grain_passage import warmed
 
             born = warmed(contacts, velocity, None, accuracy)
-            self.law = grown = BornGrains(contacts.grains, velocity, born.law)
+            self.relaxed = grown = BornGrains(contacts.grains, velocity, born.law)
             self.unit, self.error = grown.unit, born.error
             self._later = partial(GrainHeat, contacts, velocity, accuracy)
         elif contacts.thermal is not None:
             from master.breaking_law import BreakingLaw
 
             law = BreakingLaw(contacts, velocity)
-            self.law, self._breaking, self.unit = law, law.breaking, law.mean()
+            self.relaxed, self._breaking, self.unit = law, law.breaking, law.mean()
         elif contacts.grains is not None:
             from master.grain_breaking import BornGrains, GrainBreaking
 
-            self.law = grown = BornGrains(contacts.grains, velocity)
+            self.relaxed = grown = BornGrains(contacts.grains, velocity)
             self._breaking, self.unit = GrainBreaking(contacts, velocity), grown.unit
         self.tabulated = contacts.thermal is not None or contacts.ageing is not None
-        self.relaxed, self.release = self.law, PLAIN
-        again, linked = contacts.reforming, contacts.stiffness == "linked"
-        if again is not None or contacts.waiting_time > 0.0 or linked:
-            self._release(contacts, velocity)
+        self.wait = velocity * contacts.waiting_time
+
+    @cached_property
+    def law(self) -> Thresholds:
+        """See above."""
+        from master.births import TravelLaw
+
+        born = self.release.born
+        if born is None and self.wait == 0.0:
+            return self.relaxed
+        return TravelLaw(self.relaxed, born, self.wait, self.unit)
+
+    @cached_property
+    def release(self) -> Release:
+        """See above; breaks after births at many stretches are found when they are asked for."""
+        contacts = self._contacts
+        plain = contacts.reforming is None and contacts.waiting_time == 0.0 and contacts.stiffness == "independent"
+        return PLAIN if plain else self._release(contacts)
 
     @property
     def breaking(self) -> "Breaking | None":
@@ -116,40 +132,35 @@ class Cycle:
             self._breaking = self._later()
         return self._breaking
 
-    def _release(self, contacts: Contacts, velocity: float) -> None:
+    def _release(self, contacts: Contacts) -> Release:
         """All that is there but temperature."""
-        from master.births import TravelLaw, born, standing
+        from master.births import born, standing
 
         again, unit, linked = contacts.reforming, self.unit, contacts.stiffness == "linked"
-        wait = velocity * contacts.waiting_time
         after, force, stiffness, widest = None, 0.0, 1.0, 0.0
         if again is not None:
-            after = born(contacts, unit, self.breaking, self.law)
+            after = born(contacts, unit, self.breaking, self.relaxed)
             reborn = Contacts(contacts.thresholds, again.law, stiffness=contacts.stiffness)
             force, stiffness = standing(reborn, unit)
             widest = max(abs(end) for end in again.law.span) / unit
-        table = getattr(self.law, "stiffness", None)
-        self.release = Release(
-            delay=wait / unit,
+        return Release(
+            delay=self.wait / unit,
             birth=0.0 if again is None else again.law.mean() / unit,
             widest=widest,
             birth_force=force,
             birth_stiffness=stiffness,
             stiffness=unit / contacts.mean_threshold if linked else 0.0,
             born=after,
-            relaxed=table,
+            relaxed=getattr(self.relaxed, "stiffness", None),
             unit=unit,
         )
-        if after is not None or wait > 0.0:
-            self.law = TravelLaw(self.relaxed, after, wait, unit)
 
     def without_wait(self) -> "Cycle":
         """The same where broken contacts form again at once."""
-        from master.births import TravelLaw
-
-        still, born = copy(self), self.release.born
-        still.release = replace(self.release, delay=0.0)
-        still.law = self.relaxed if born is None else TravelLaw(self.relaxed, born, 0.0, self.unit)
+        still = copy(self)
+        still.wait = 0.0
+        vars(still)["release"] = replace(self.release, delay=0.0)
+        vars(still).pop("law", None)
         return still
 
     def survived(self, start: Start, origin: Array, x: Array) -> Array:
@@ -157,9 +168,9 @@ class Cycle:
         is left. Lengths."""
         if self.grown and start is self.births:
             return np.asarray(self.relaxed.sf(x))
-        held = self._thresholds.sf(np.abs(origin))
+        held = self._contacts.thresholds.sf(np.abs(origin))
         if self.breaking is None:
-            left = self._thresholds.sf(np.maximum(np.abs(origin), x))
+            left = self._contacts.thresholds.sf(np.maximum(np.abs(origin), x))
         else:
             left = self.breaking.of(start).rows(x.ravel(), origin.ravel())[1].reshape(x.shape)
         return np.divide(left, held, out=np.zeros(x.shape), where=held > 0.0)

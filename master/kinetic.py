@@ -26,7 +26,7 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-_TOLERANCE, _SPREAD = 1e-9, 1e-3  # of births at many stretches single points take far longer, slow ones minutes
+_TOLERANCE = 1e-9
 _ROUND_OFF = 4e-16
 
 
@@ -89,9 +89,9 @@ def kinetic_curve(
         In place of the contacts' own: T >= 0 of their thermal law, D >= 0 of their ageing, τ_m >= 0, whether they have
         a delay or not; 0: none. None: their own. Arrays broadcast: velocity[:, None] and temperature give a table.
 
-    Temperature with closure "exact" is summed over all speeds together; where that is not good to 1e-9 of the force (of
-    contacts that form again at many stretches to 1e-3), and with every other law that the speed tells, as with births
-    at one stretch that is not 0, each point is solved for by itself.
+    Temperature with closure "exact" is summed over all speeds together; where that is not good to 1e-9 of the force of
+    contacts that form again relaxed, and with every other law that the speed tells, as with births at one stretch that
+    is not 0, each point is solved for by itself.
 
     Raises InputError as `steady_state` does, for values that are not finite or too small, for shapes that do not fit,
     for a temperature or a rate of contacts without that law, and for speeds so low that squares of stretches at a
@@ -154,7 +154,8 @@ def _at_once(contacts: Contacts, speeds: Array, edges: Array | None) -> Array:
     out = np.full((4, speeds.size), np.nan)
     if summable(contacts):
         sums = summed(contacts, speeds, edges)
-        sure = sums[1] <= (_TOLERANCE if contacts.reforming is None else _SPREAD) * sums[0]
+        # births at many stretches are summed for single points as well
+        sure = (sums[1] <= _TOLERANCE * sums[0]) | (contacts.reforming is not None)
         out[:, sure] = sums[:, sure]
         if np.isinf(sums[1]).any():
             refuse(

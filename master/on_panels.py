@@ -15,7 +15,7 @@ from master.make_lives import make_generations
 from master.outcome import Progress, unheard
 from master.panels import MOST_NODES, SLOW, Panel, Scales, panels, radau
 from master.timeline import Piece, pieces, times, where
-from origins import Contacts, Drive
+from origins import Contacts, Drive, InputError
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
@@ -67,7 +67,7 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     scales = Scales(_LENGTH * lives.length, _first(contacts, lives.length), lives.time, lives.rate / _RATE)
     edges, slivers = _edges(contacts, course, delay)
     needed, fine = _needed(course, scales), _COARSEST
-    lost, torn = slivers is None, _torn(course, slivers)
+    lost, torn, exact = slivers is None, _torn(course, slivers), _exact_again(contacts)
     if needed > _MOST_PANELS:
         too_long(contacts, course, MOST_NODES * needed, f"{MOST_NODES * _MOST_PANELS:,} are the most", scales.rate)
     watch = np.concatenate([_watched(a, b) for a, b in pairwise(edges.tolist())])
@@ -85,12 +85,18 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         if level:
             lives = make_generations(contacts, course, level)
         accuracy = np.inf if lost else max(_ACCURACY * _FALLS**level, lives.error, 10.0 * rounding)
-        share = _GLANCE if lost else 1.0 if level else _FIRST_WORK
+        share = _GLANCE if lost or (exact and not level) else 1.0 if level else _FIRST_WORK
         try:
             found = Course(lives, cut, delay, accuracy, share * _MOST_WORK - worked)
         except TooMuch:
             if best is not None:
                 break
+            if exact:
+                raise InputError(
+                    "contacts.reforming: contacts of exact thresholds that form again at many stretches break at "
+                    "another moment from each, more than can be followed on this path; give them a width, such as "
+                    "gaussian(1.0, 0.02), re-form at one stretch, or move straight on at one speed"
+                ) from None
             too_long(contacts, course, MOST_NODES * needed, "to follow all contacts takes minutes", scales.rate)
         worked += found.work
         count = sum(panel.count for panel in found.panels)
@@ -149,6 +155,12 @@ def too_long(contacts: Contacts, course: list[Piece], steps: float, most: str, r
         f"{travel:.3g} mean thresholds in all",
         f"some {steps:.0e} steps in time resolve what contacts do on it, and {most}; end it sooner",
     )
+
+
+def _exact_again(contacts: Contacts) -> bool:
+    """Whether exact thresholds meet births at many stretches: each of these breaks at a moment of its own."""
+    again = contacts.reforming
+    return again is not None and not again.law.is_single and contacts.thresholds.atoms[0].size > 0
 
 
 def _torn(course: list[Piece], slivers: Array | None) -> float | None:

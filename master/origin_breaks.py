@@ -28,6 +28,7 @@ _JUMP = 1e-11
 _NARROW = 1e-9
 _CHUNK = 8_000
 _SAME = 1e-14
+_SHORT = 0.5  # of a mean stretch at a break: panels of the start on which breaks hardly change but at cuts
 _NEGLIGIBLE, _UNFELT = 1e-19, 1e-5
 
 
@@ -142,6 +143,11 @@ class OriginBreaks(FirstBreaks):
         assert start is not None
         panels = start.edges if self._spread is None else self._spread.edges
         own = np.broadcast_to(panels, (some.size, panels.size))
+        if known.size:  # where no table tells any of them panels are as wide as those of the start
+            whole = np.diff(start.edges)[np.searchsorted(start.edges, panels[1:-1], side="right") - 1] < _SHORT
+            inner = whole & ~np.isin(panels[1:-1], start.edges) & ~(known[some, 1:] | known[some, :-1])
+            own = own.copy()
+            own[:, 1:-1][inner] = start.low
         # where a stretch turns at 0, and where it is back at what it was
         turns = self._breaking.bends(x[some] * self._unit) / self._unit
         cuts = self._cuts - at

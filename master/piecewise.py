@@ -211,13 +211,15 @@ def tabulate(
     accuracy: float = 1e-16,
     narrow: Callable[[Array, Array], npt.NDArray[np.bool_]] | None = None,
     offset: float = 0.0,
+    scale: Callable[[Array], Array] | None = None,
 ) -> list[Piecewise]:
     """Series of every row of `function` on the same panels, `edges` bisected until each is resolved.
 
     function maps positions of shape (n, 16) to values of shape (rows, n, 16). A panel is resolved when its last
     two Legendre terms, times its width, stay below `accuracy` or below round-off. A panel [left, right] that is
     `narrow` stays whole: the function is not known more finely there. Nor is it where it takes its positions from a
-    place as far off as `offset`, below the rounding of that.
+    place as far off as `offset`, below the rounding of that. `accuracy` is of values times `scale`, shape (rows, n) at
+    positions of shape (n,), where there is one.
     """
     left, right = edges[:-1], edges[1:]
     lean, pairs = np.zeros(left.size, dtype=np.int64), 0
@@ -233,8 +235,9 @@ def tabulate(
         tail = np.abs(coefficients[-2:]).max(axis=0)
         # a position is known to round-off only, so a narrow panel far from 0 cannot be resolved better
         noise = 4e-15 + 1e-15 * (np.abs(left + right) + 2.0 * offset) / width
-        open_ = ((tail * width > accuracy) & (tail > noise * size)).any(axis=0)
         middle = 0.5 * (left + right)
+        felt = tail * width if scale is None else tail * width * scale(middle)
+        open_ = ((felt > accuracy) & (tail > noise * size)).any(axis=0)
         open_ &= (middle > left) & (middle < right) & (depth < _DEPTH - 1)
         if narrow is not None:
             open_ &= ~narrow(left, right)

@@ -57,7 +57,7 @@ class StartSum:
         if self._conditional or contacts.thermal is not None:
             seeds = np.append(seeds, 0.0)
         seeds = np.unique(seeds[(seeds >= self.low) & (seeds <= self.high)])
-        table, *_ = tables = tabulate(self._both, seeds, accuracy)
+        table, *_ = tables = tabulate(self._both, seeds, accuracy, scale=self._felt if self._conditional else None)
         self.mean = contacts.start.mean() / unit if contacts.cut_weight == 0.0 else _mean(table) / table.total
         self.edges = table.edges
         nodes, weights = gauss(self.edges[:-1], self.edges[1:])
@@ -104,6 +104,10 @@ class StartSum:
     def _both(self, x: Array) -> Array:
         plain = self._plain(x)
         return np.stack([plain, plain * self._held(x)] if self._conditional else [plain])
+
+    def _felt(self, x: Array) -> Array:
+        """How much errors of the same count: of what 1/S makes large, as much as there are thresholds left."""
+        return np.stack([np.ones(x.shape), self._law.sf(np.abs(x))])
 
     def rows(self, x: Array) -> Array:
         """b_0, dJ_0/dX and, where stiffnesses differ, the stiffness released at positions x, shape (rows, *x.shape)."""

@@ -30,6 +30,7 @@ _ROUND_OFF = 4e-16
 _REACHED = 1e-9
 _WELL = 1e-9  # of the force: tables are good
 _MARGIN = 2.0
+_TOO_SLOW = "contacts break before they have moved a length that is a number; slide faster"
 TABLES = 1e-11  # relative error of what rests on tables of breaks by a rate
 
 
@@ -112,11 +113,15 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | 
 
 def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
     """The same, of contacts whose cycle is known."""
+    if contacts.reforming is not None and summable(contacts):
+        known = _summed(contacts, cycle)
+        if not np.isfinite(known[1]):
+            refuse("velocity", cycle.velocity, _TOO_SLOW)
+        return _steady(contacts, cycle, known)
     length, area, again_length, again_area = _cycle_integrals(contacts, cycle)
-    wait = cycle.release.delay * cycle.unit
+    wait = cycle.wait
     if not (area > 0.0 and length > 0.0 and again_length > 0.0):
-        rule = "contacts break before they have moved a length that is a number; slide faster"
-        refuse("velocity", cycle.velocity, rule)
+        refuse("velocity", cycle.velocity, _TOO_SLOW)
     force = area / (length + wait)
     if not np.isfinite(again_area / again_length):
         raise InputError("thresholds: the distribution's own survival is not a number; use milder parameters")
@@ -131,13 +136,21 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         reach = float(cycle.relaxed.isf(_REACHED))
         off = float(off + cycle.error * (0.5 * reach**2 + force * reach) / (length + wait))
         length_off += cycle.error * reach
-    if cycle.tabulated and off > _WELL * force:
-        force, off, length, length_off = _summed(contacts, cycle, (force, off, length, length_off))
+    known = force, float(off), length, float(length_off)
+    if cycle.tabulated and off > _WELL * force and contacts.reforming is None and summable(contacts):
+        # tables of cold stretches at which contacts break are narrower than x is known
+        known = min(known, _summed(contacts, cycle), key=lambda one: one[1])
+    return _steady(contacts, cycle, known)
+
+
+def _steady(contacts: Contacts, cycle: Cycle, known: tuple[float, float, float, float]) -> SteadyState:
+    """From the force, C and their errors, lengths."""
+    force, off, length, length_off = known
     success, message = judged("F_k", off / force, WELL)
     return SteadyState(
         force=force,
         force_error=off / contacts.mean_threshold,
-        holding=length / (length + wait),
+        holding=length / (length + cycle.wait),
         mean_threshold=contacts.mean_threshold,
         cycle_length=length,
         cycle_length_error=length_off / contacts.mean_threshold,
@@ -148,18 +161,12 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
     )
 
 
-def _summed(
-    contacts: Contacts, cycle: Cycle, known: tuple[float, float, float, float]
-) -> tuple[float, float, float, float]:
-    """Force, C and their errors (lengths) by sums over contacts, where those apply and are better than what is `known`:
-    tables of cold stretches at which contacts break are narrower than x is known."""
-    if contacts.reforming is not None or not summable(contacts):
-        return known
+def _summed(contacts: Contacts, cycle: Cycle) -> tuple[float, float, float, float]:
+    """Force, C and their errors (lengths) by sums over contacts."""
     force, off, length, length_off = (float(row[0]) for row in summed(contacts, np.array([cycle.velocity])))
-    wait = cycle.release.delay * cycle.unit
-    share = length / (length + wait)
-    off = off * share + force * share * (1.0 - share) * length_off / length
-    return (force * share, off, length, length_off) if off < known[1] else known
+    share = length / (length + cycle.wait)
+    off = off * share + abs(force) * share * (1.0 - share) * length_off / length
+    return force * share, off, length, length_off
 
 
 def _cycle_integrals(contacts: Contacts, cycle: Cycle) -> tuple[float, float, float, float]:

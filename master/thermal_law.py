@@ -31,7 +31,7 @@ _SMOOTH = 0.6  # change of ln(A/v) that eight nodes see through
 _BELOW = 3.2  # 16 times the part of a change that is felt where A/v is about 1; the error goes as the power 16 of it
 MOST_SPENT = 40.0  # exponent: beyond, the round-off of a difference of two is felt
 MOST_GROWTH = 3.0  # of A/v over the starts told by one table
-_STEPS = 12
+_STEPS, _CLOSE = 12, 0.02  # and how well ln(A/v) is known where panels are laid around it
 _CHUNK = 36_000  # so that what is made on the way stays in the cache
 _GONE = 7.0  # e^(-e^7) is nothing
 
@@ -246,4 +246,6 @@ def _falling_root(level: Function, low: Array, high: Array, goal: Array | float)
         left, above = np.where(up, middle, left), np.where(up, value, above)
         right, below = np.where(up, right, middle), np.where(up, below, value)
         side = np.where(up, 1.0, -1.0)
+        if np.abs(value[inside]).max(initial=0.0) < _CLOSE:
+            break
     return np.where(inside, np.sqrt(middle), out)

@@ -64,12 +64,13 @@ class Thermal:
         """h(x; x_s), per time."""
         return np.exp(self.log_rate(x, threshold, stiffness))
 
-    def plain_rate(self, x: Array, threshold: Array) -> Array:
-        """h of contacts of stiffness <k>, for sums over many: not checked, arrays that broadcast; as it goes on where a
-        soft contact's stretch exceeds its threshold."""
+    def plain_rate(self, x: Array, threshold: Array, stiffness: Array | float = 1.0) -> Array:
+        """h for sums over many contacts: not checked, arrays that broadcast; as it goes on where a soft contact's
+        stretch exceeds its threshold."""
         stretch = np.abs(x) if self.law == "soft" else np.minimum(np.abs(x), threshold)
         with np.errstate(divide="ignore", invalid="ignore"):
-            log_rate = _LAWS[self.law].log_rate(stretch, threshold, np.asarray(0.5 / self.temperature))
+            spring = np.asarray(stiffness) / (2.0 * self.temperature)
+            log_rate = _LAWS[self.law].log_rate(stretch, threshold, spring)
             return np.asarray(self.attempt_frequency * np.exp(np.minimum(log_rate, _MOST_BEFORE)))
 
     def log_rate(self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0) -> Array:
@@ -166,22 +167,6 @@ class Thermal:
         with np.errstate(divide="ignore", over="ignore", under="ignore"):
             goal, spring = log_amount - np.log(self.attempt_frequency), stiffness / (2.0 * self.temperature)
             return np.asarray(_LAWS[self.law].from_rest(goal, threshold, spring))
-
-    def inverse_from(self, log_amount: Array, threshold: Array, start: Array, stiffness: Array) -> Array:
-        """The same from any stretch, those behind 0 up to x = 0 alone."""
-        arrays = np.broadcast_arrays(
-            log_amount - np.log(self.attempt_frequency), start, threshold, stiffness / (2.0 * self.temperature)
-        )
-        goal, begin, limit, spring = (array.ravel() for array in arrays)
-        law, behind = _LAWS[self.law], begin < 0.0
-        out = np.empty(goal.size)
-        with np.errstate(divide="ignore", over="ignore", under="ignore"):
-            ahead = ~behind
-            out[ahead] = law.advance(goal[ahead], begin[ahead], limit[ahead], spring[ahead])
-            goal, begin, limit, spring = (row[behind] for row in (goal, -begin, limit, spring))
-            share = goal - law.log_between(np.zeros_like(begin), begin, limit, spring)
-            out[behind] = -law.retreat(np.minimum(share, 0.0), begin, limit, spring)
-        return out.reshape(arrays[0].shape)
 
     def _prepare(
         self, threshold: npt.ArrayLike, stiffness: npt.ArrayLike, **more: npt.ArrayLike

@@ -17,12 +17,13 @@ from origins import (
     Thermal,
     boltzmann_reforming,
     gaussian,
+    gaussian_start,
     gw_elastic,
     identical,
     mixture,
     rectangular,
 )
-from origins.quadrature import gauss
+from origins.quadrature import NODES, gauss, panel_edges
 
 SPEEDS = np.geomspace(1e-6, 1e4, 200)
 NARROW = gaussian(1.0, 0.05)
@@ -244,8 +245,44 @@ def test_births_at_many_stretches_at_any_speed(law: str, stiffness: str) -> None
         held = w * np.exp(-thermal.cumulative(x, 1.0, r) / speeds[:, None])
         lengths += weight * held.sum(axis=1)
         areas += weight * held @ x
-    assert (np.abs(found.force - areas / lengths) <= found.force_error).all()
-    assert found.force_error.max() < 1e-5
+    assert (np.abs(found.force - areas / lengths) <= found.force_error + 3e-11).all()  # what the integrals miss
+    assert found.force_error.max() < 1e-8
+    single = master.steady_state(contacts, velocity=1e-3)
+    assert single.force == found.force[1] and single.force_error == found.force_error[1]
+
+
+@pytest.mark.parametrize(("law", "stiffness", "mean"), [("soft", "linked", 0.0), ("stiff", "independent", -0.2)])
+def test_births_among_the_thresholds(law: str, stiffness: str, mean: float) -> None:
+    """Against one sum over thresholds, births and stretches, where a tenth of the births meets weaker thresholds."""
+    thermal, births = Thermal(law, 0.3), gaussian_start(mean, 0.2)  # type: ignore[arg-type]
+    thresholds = gaussian(1.0, 0.2)
+    contacts = Contacts(thresholds, thermal=thermal, reforming=births, stiffness=stiffness)  # type: ignore[arg-type]
+    found = master.kinetic_curve(contacts, [0.1, 3.0])
+    edges = panel_edges(thresholds)
+    limits, shares = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
+    shares = shares * thresholds.pdf(limits)
+    lengths, areas = np.zeros(2), np.zeros(2)
+    for limit, share in zip(limits[shares > 1e-13], shares[shares > 1e-13], strict=True):
+        cuts = limit * np.concatenate([np.linspace(-1.0, 1.0, 13), [-0.99, -0.95, 0.95, 0.99]])
+        cuts = np.unique(np.clip(cuts, mean - 1.6, mean + 1.6))
+        r, weight = (part.ravel() for part in gauss(cuts[:-1], cuts[1:]))
+        weight = share * weight * births.pdf(r) / thresholds.sf(np.abs(r))
+        r, weight = r[weight > 1e-16], weight[weight > 1e-16]
+        # in roots of the distance from the threshold
+        parts = np.linspace(0.0, 1.0, 7)
+        above = np.sqrt(limit - np.maximum(r, 0.0))[:, None] * parts
+        below = np.minimum(r, 0.0)[:, None] * parts[::-1]
+        (y, w), (low, lower) = gauss(above[:, :-1], above[:, 1:]), gauss(below[:, :-1], below[:, 1:])
+        x = np.concatenate([limit - y**2, low], axis=1).reshape(r.size, 12 * NODES)
+        w = np.concatenate([2.0 * y * w, lower], axis=1).reshape(r.size, 12 * NODES)
+        kappa = contacts.relative_stiffness(limit)
+        spent = thermal.cumulative(np.maximum(x, r[:, None]), limit, r[:, None], kappa)
+        for i, speed in enumerate((0.1, 3.0)):
+            held = weight[:, None] * w * np.exp(-spent / speed)
+            lengths[i] += held.sum()
+            areas[i] += kappa * (held * x).sum()
+    assert (np.abs(found.force - areas / lengths) <= found.force_error + 1e-9).all()
+    assert found.force_error.max() < 1e-8
 
 
 def test_speeds_beyond_numbers_are_told() -> None:

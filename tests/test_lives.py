@@ -190,6 +190,8 @@ def test_paths_on_which_contacts_do_too_much_are_refused_soon() -> None:
         master.solve(Contacts(WIDE, thermal=SOFT), [1e5, -1e5])
     with pytest.raises(InputError, match=r"path = '3e\+03 .* steps in time .* are the most; end it sooner"):
         master.solve(Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.1), 1e-2)), [1e3, -1e3])
+    with pytest.raises(InputError, match=r"exact thresholds that form again at many .*; give them a width"):
+        master.solve(Contacts(identical(1.0), reforming=gaussian_start(0.0, 0.1)), [2.0, -1.0, 2.0])
 
 
 def test_odd_paths() -> None:

@@ -84,6 +84,12 @@ def steady_speeds() -> None:
         "the same, soft contacts": Contacts(
             LAW, START, reforming=boltzmann_reforming(0.01), thermal=Thermal("soft", 0.01)
         ),
+        **{
+            f"re-forming and {law} contacts, T = {t}": Contacts(
+                LAW, START, reforming=boltzmann_reforming(min(t, 0.05)), thermal=Thermal(law, t)  # type: ignore[arg-type]
+            )
+            for law, t in (("soft", 0.03), ("soft", 0.1), ("stiff", 0.03), ("stiff", 0.1))
+        },
         "linked stiffness": Contacts(LAW, START, stiffness="linked"),
         "linked stiffness, soft, T = 0.1": Contacts(LAW, START, stiffness="linked", thermal=soft),
     }
@@ -139,6 +145,13 @@ def speeds() -> None:
             known = np.array([master.steady_state(contacts, velocity=float(velocity[i])).force for i in at])
             true = float(np.abs(curve.force[::20] - known).max())
             show(f"{law}, T = {t}", seconds, float(curve.force_error.max()), true, 0.2)
+    for law, t in (("soft", 0.01), ("stiff", 0.1)):
+        again = boltzmann_reforming(min(t, 0.05))
+        contacts = Contacts(LAW, thermal=Thermal(law, t), reforming=again)  # type: ignore[arg-type]
+        curve, seconds = best_of(partial(master.kinetic_curve, contacts, velocity))
+        show(f"re-forming, {law}, T = {t}", seconds, float(curve.force_error.max()), np.nan, 0.2)
+        _, seconds = best_of(partial(master.steady_state, contacts))
+        show("    one steady state", seconds, float(curve.force_error.max()), np.nan, 0.05)
     paper = Contacts(LAW, thermal=Thermal("soft", 0.1, closure="paper"))
     known = np.array([master.steady_state(paper).force])
     _, seconds = best_of(partial(master.kinetic_curve, paper, velocity[100:101]))
