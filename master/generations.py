@@ -52,7 +52,8 @@ class Generations:
         self._strands = Strands(wear)
         first = wear.fresh(start[0])
         self._strands.add(-start[0], np.abs(start[0]), first, start[1], -1)
-        self._pots = Strands(wear.keeper())
+        self._keeper = wear.keeper()
+        self._pots = Strands(self._keeper or wear)
         self._pot: Pot | None = None
         self._at = 0.0
         self.work, self._each = 0.0, wear.work * wear.slow
@@ -71,8 +72,8 @@ class Generations:
     def known(self, panel: Panel, breaks: Breaks) -> tuple[Array, Array]:
         """What holds at the panel's nodes of the births before it, and its force."""
         standing = panel.travel == 0.0
-        if standing and self._pot is None:
-            self._pot = Pot(self.wear, self.again)
+        if standing and self._pot is None and self._keeper is not None:
+            self._pot = Pot(self._keeper, self.again)
         if not standing and self._pot is not None:
             share, worn = self._pot.merged()
             if share > 0.0:

@@ -124,10 +124,13 @@ def _warm(contacts: Contacts, length: float, furthest: float, longest: float) ->
 
         return PaperWear(contacts, length)
     from master.cut_law import CutLaw
+    from master.layer_wear import LayerWear
     from master.thermal_wear import SoftWear, resolved
 
     cut = CutLaw(contacts, resolved(contacts, furthest, longest), _TAIL, rooted=thermal.law == "stiff")
     if thermal.law == "soft" and contacts.stiffness == "independent":
+        if cut.spread > 1.0:
+            return LayerWear(contacts, length)
         return SoftWear(contacts, cut, length)
     from master.spent_wear import SpentWear
 

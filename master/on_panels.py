@@ -29,6 +29,7 @@ _STUCK, _MORE = 0.5, 1.3  # changes that do not fall
 _STEADY, _BETTER = 0.3, 0.4  # and those that do, again and again
 _LENGTH = 1.5  # widths of the law
 _FIRST = 0.5  # of k_BT/<k x>
+_WEAKEST = 1e-6  # of the contacts
 _RATE = 1.0
 _ORDERS = 2
 _WATCH = 4
@@ -64,7 +65,7 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     if not course:
         force, holding = (np.full(asked.size, x) for x in lives.start[::-1])
         return Found(force, holding, lives.error + ROUND_OFF, 0, None, "")
-    scales = Scales(_LENGTH * lives.length, _first(contacts, lives.length), lives.time, lives.rate / _RATE)
+    scales = Scales(_LENGTH * lives.length, _first(contacts, course, lives.length), lives.time, lives.rate / _RATE)
     edges, slivers = _edges(contacts, course, delay)
     needed, fine = _needed(course, scales), _COARSEST
     lost, torn = slivers is None, _torn(course, slivers)
@@ -178,11 +179,17 @@ def _words(found: Found, tolerance: float, known: float, torn: float | None) -> 
     return f"{reached}; loosen the tolerance, or end the path sooner"
 
 
-def _first(contacts: Contacts, length: float) -> float:
+def _first(contacts: Contacts, course: list[Piece], length: float) -> float:
     """Travel over which rates change when a motion begins."""
     if contacts.thermal is None:
         return _LENGTH * length
-    return min(_LENGTH * length, _FIRST * contacts.thermal.temperature / contacts.mean_threshold)
+    first = min(_LENGTH * length, _FIRST * contacts.thermal.temperature / contacts.mean_threshold)
+    speed = abs(course[0].travel) / course[0].duration
+    weakest = float(contacts.thresholds.isf(1.0 - _WEAKEST))
+    rate = float(contacts.thermal.rate(0.0, weakest, contacts.relative_stiffness(weakest)))
+    # the weakest of those that start are gone sooner than that, one after the other in the logarithm of time
+    sooner = speed / contacts.thermal.attempt_frequency
+    return min(first, sooner) if 0.0 < speed < rate * first else first
 
 
 def _edges(contacts: Contacts, course: list[Piece], delay: float) -> tuple[Array, Array | None]:

@@ -38,7 +38,7 @@ class SpentWear:
 
             self._compiled = compiled
         self._cut, self._thermal, self._stiffness = cut, thermal, contacts.relative_stiffness
-        self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
+        self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts)
         self.error, self.work = error_of(cut), cut.nodes.size + 100
         self._least = _TINY * contacts.mean_threshold
         self._atoms = slice(_FIRST + cut.nodes.size, _FIRST + cut.nodes.size + cut.atoms.size)

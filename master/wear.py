@@ -85,11 +85,15 @@ class Wear(Protocol):
 
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left: ...
 
+    def keeper(self) -> Keeper | None:
+        """The wear of contacts born all through a hold; None where they are followed like all others."""
+
+
+class Keeper(Wear, Protocol):
+    """A wear that tells what is left of contacts of many ages, born at one stretch."""
+
     def standing(self, stretch: float) -> Standing:
         """Those born at a stretch, while the slider stands."""
-
-    def keeper(self) -> Wear:
-        """The wear of contacts born all through a hold."""
 
     def kept(self, stretch: float, spent: Array) -> Array:
         """Numbers, shape (width,), of contacts born at a stretch, of which e^-spent is left at each rate of
@@ -130,7 +134,7 @@ class ColdWear:
         left = self.left(self.fresh(np.array([stretch])), np.array([stretch]), np.array([abs(stretch)]))
         return Standing(np.zeros(1), left.held, left.stiff)
 
-    def keeper(self) -> Wear:
+    def keeper(self) -> Keeper:
         return self
 
     def kept(self, stretch: float, spent: Array) -> Array:
