@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from master.cut_law import SLACK
 from master.thermal_wear import fresh_rate, spent_softly
+from master.timeline import Piece
 from master.wear import Left
 from origins import Contacts
 from origins.frozen import FrozenThresholds
@@ -27,6 +28,8 @@ _ACCURACY = 1e-10
 _SAMPLE = 150
 _LEAST = 1e-12  # of the mean threshold
 _CHUNK = 20_000
+_BESIDE = (-3.0, 4.0)  # ln A between which a contact hardly holds, and hardly breaks
+_MOST_LEVELS = 4
 _FROZEN = 20.0  # functions of scipy.stats
 
 
@@ -75,6 +78,20 @@ class LayerWear:
 
     def keeper(self) -> None:
         return None
+
+    def reaches(self, limits: Array, course: list[Piece]) -> Array:
+        """Stretches between which contacts of these thresholds break by themselves, at the speeds of a course and in
+        its holds."""
+        levels = {self._log_frequency + float(np.log(one.duration)) for one in course if one.travel == 0.0}
+        out = [np.empty(0)]
+        for speed in {float(f"{abs(one.travel) / one.duration:.2g}") for one in course if one.travel != 0.0}:
+            # ln of the time over which they do, as they move
+            levels.add(self._log_frequency - float(np.log(2.0 * self._spring * limits.mean() * speed)))
+        for level in sorted(levels)[-_MOST_LEVELS:]:
+            for way in _BESIDE:
+                square = limits * limits - (level - way) / self._spring
+                out.append(np.sqrt(square[(square > 0.0) & (level > way)]))
+        return np.unique(np.concatenate(out))
 
     def _layer(self, level: Array, furthest: Array, way: Array, weights: Array) -> Array:
         """The integral, from ln A(m) and m; the rule's nodes lie so far below the largest e that is felt."""

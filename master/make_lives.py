@@ -62,6 +62,7 @@ def _growing(contacts: Contacts, start: Nodes, age: float, level: int) -> Lives:
 def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) -> "Generations | AgeingGenerations":
     """The same contacts, none born yet, on panels; but for those whose thresholds grow."""
     from master.generations import Generations
+    from master.layer_wear import LayerWear
 
     if contacts.ageing is not None:
         from master.ageing_generations import AgeingGenerations
@@ -74,7 +75,11 @@ def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) 
     again = 0.0 if contacts.reforming is None else float(np.abs(contacts.reforming.law.span).max())
     furthest = float(np.ptp(places)) + max(float(np.abs(contacts.start.span).max()), again)
     longest = course[-1].end if course else 1.0
-    return Generations(*_ingredients(contacts, level, furthest, longest), course, limits[limits > 0.0], rough)
+    wear, *nodes = _ingredients(contacts, level, furthest, longest)
+    limits = limits[limits > 0.0]
+    if isinstance(wear, LayerWear) and limits.size:
+        limits = np.append(limits, wear.reaches(limits, course))
+    return Generations(wear, *nodes, course, limits, rough)
 
 
 def _ingredients(
