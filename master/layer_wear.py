@@ -50,6 +50,7 @@ class LayerWear:
         self._least = _LEAST * contacts.mean_threshold
         self.error, (self._way, self._weights) = self._chosen()
         self.work = self._way.size + 50
+        self.skin = thermal.temperature / contacts.mean_threshold
 
     def fresh(self, stretch: Array) -> Array:
         return np.full((stretch.size, 1), -np.inf)

@@ -75,11 +75,11 @@ def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) 
     again = 0.0 if contacts.reforming is None else float(np.abs(contacts.reforming.law.span).max())
     furthest = float(np.ptp(places)) + max(float(np.abs(contacts.start.span).max()), again)
     longest = course[-1].end if course else 1.0
-    wear, *nodes = _ingredients(contacts, level, furthest, longest)
+    wear, start, births = _ingredients(contacts, level, furthest, longest)
     limits = limits[limits > 0.0]
     if isinstance(wear, LayerWear) and limits.size:
         limits = np.append(limits, wear.reaches(limits, course))
-    return Generations(wear, *nodes, course, limits, rough)
+    return Generations(wear, start, births, course, limits, rough)
 
 
 def _ingredients(
