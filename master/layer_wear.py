@@ -29,7 +29,7 @@ _SAMPLE = 150
 _LEAST = 1e-12  # of the mean threshold
 _CHUNK = 20_000
 _BESIDE = (-3.0, 4.0)  # ln A between which a contact hardly holds, and hardly breaks
-_MOST_LEVELS = 4
+_MOST_SPEEDS = 3
 _FROZEN = 20.0  # functions of scipy.stats
 
 
@@ -80,20 +80,6 @@ class LayerWear:
     def keeper(self) -> None:
         return None
 
-    def reaches(self, limits: Array, course: list[Piece]) -> Array:
-        """Stretches between which contacts of these thresholds break by themselves, at the speeds of a course and in
-        its holds."""
-        levels = {self._log_frequency + float(np.log(one.duration)) for one in course if one.travel == 0.0}
-        out = [np.empty(0)]
-        for speed in {float(f"{abs(one.travel) / one.duration:.2g}") for one in course if one.travel != 0.0}:
-            # ln of the time over which they do, as they move
-            levels.add(self._log_frequency - float(np.log(2.0 * self._spring * limits.mean() * speed)))
-        for level in sorted(levels)[-_MOST_LEVELS:]:
-            for way in _BESIDE:
-                square = limits * limits - (level - way) / self._spring
-                out.append(np.sqrt(square[(square > 0.0) & (level > way)]))
-        return np.unique(np.concatenate(out))
-
     def _layer(self, level: Array, furthest: Array, way: Array, weights: Array) -> Array:
         """The integral, from ln A(m) and m; the rule's nodes lie so far below the largest e that is felt."""
         top = np.minimum(level, _TOP)
@@ -134,6 +120,28 @@ class LayerWear:
                 break
         assert best is not None
         return best[0] + 1e-15, best[1]
+
+
+def reaches(contacts: Contacts, limits: Array, course: list[Piece]) -> Array:
+    """Stretches between which relaxed contacts of these thresholds break by themselves, at the speeds of a course and
+    in its holds."""
+    thermal = contacts.thermal
+    assert thermal is not None
+    springs = contacts.relative_stiffness(limits)
+    barrier = springs * limits**2 / (2.0 * thermal.temperature)
+    lasts = sorted({float(f"{one.duration:.2g}") for one in course if one.travel == 0.0})
+    speeds = sorted({float(f"{abs(one.travel) / one.duration:.2g}") for one in course if one.travel != 0.0})
+    out = [np.empty(0)]
+    for way in _BESIDE:
+        for speed in speeds[:_MOST_SPEEDS]:
+            x = thermal.inverse(np.full(limits.size, speed * np.exp(way)), limits, 0.0, springs)
+            out.append(x[x < limits])
+        for last in lasts[-_MOST_SPEEDS:]:
+            share = (np.log(thermal.attempt_frequency * last) - way) / barrier
+            inside = (share > 0.0) & (share < 1.0)
+            left = share[inside]
+            out.append(limits[inside] * (np.sqrt(1.0 - left) if thermal.law == "soft" else 1.0 - np.cbrt(left) ** 2))
+    return np.unique(np.concatenate(out))
 
 
 def _rule(length: float, number: int) -> tuple[Array, Array]:

@@ -62,7 +62,8 @@ def _growing(contacts: Contacts, start: Nodes, age: float, level: int) -> Lives:
 def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) -> "Generations | AgeingGenerations":
     """The same contacts, none born yet, on panels; but for those whose thresholds grow."""
     from master.generations import Generations
-    from master.layer_wear import LayerWear
+    from master.layer_spent_wear import LayerSpentWear
+    from master.layer_wear import LayerWear, reaches
 
     if contacts.ageing is not None:
         from master.ageing_generations import AgeingGenerations
@@ -77,8 +78,8 @@ def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) 
     longest = course[-1].end if course else 1.0
     wear, start, births = _ingredients(contacts, level, furthest, longest)
     limits = limits[limits > 0.0]
-    if isinstance(wear, LayerWear) and limits.size:
-        limits = np.append(limits, wear.reaches(limits, course))
+    if isinstance(wear, LayerWear | LayerSpentWear) and limits.size:
+        limits = np.append(limits, reaches(contacts, limits, course))
     return Generations(wear, start, births, course, limits, rough)
 
 
@@ -137,6 +138,10 @@ def _warm(contacts: Contacts, length: float, furthest: float, longest: float) ->
         if cut.spread > 1.0:
             return LayerWear(contacts, length)
         return SoftWear(contacts, cut, length)
+    if cut.spread > 1.0:
+        from master.layer_spent_wear import LayerSpentWear
+
+        return LayerSpentWear(contacts, length, longest)
     from master.spent_wear import SpentWear
 
     return SpentWear(contacts, cut, length)

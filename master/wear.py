@@ -111,7 +111,7 @@ class ColdWear:
         if isinstance(self._law, FrozenThresholds):
             self.slow = _FROZEN
         self._stiffness = contacts.relative_stiffness
-        self._beyond = _stiffness_beyond(contacts) if contacts.stiffness == "linked" else None
+        self._beyond = stiffness_beyond(contacts) if contacts.stiffness == "linked" else None
 
     def fresh(self, stretch: Array) -> Array:
         return np.empty((stretch.size, 0))
@@ -141,7 +141,7 @@ class ColdWear:
         return np.empty(0)
 
 
-def _stiffness_beyond(contacts: Contacts) -> Callable[[Array], Array]:
+def stiffness_beyond(contacts: Contacts) -> Callable[[Array], Array]:
     """Integral of k P_c beyond a stretch."""
     law, unit = contacts.thresholds, contacts.mean_threshold
     atoms, weights = law.atoms
