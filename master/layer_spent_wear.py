@@ -171,13 +171,16 @@ class LayerSpentWear(Spent):
 
     def _spent(self, worn: Array, nodes: Array, stretch: Array) -> Array:
         """A at nodes, shape (m, k)."""
-        cut = np.maximum(worn[:, _CUT], 0.0)
-        share = np.maximum(nodes - cut[:, None], 0.0) / self._depth(cut)[:, None]
-        share = share ** (1.0 / self._power)
-        panel = np.clip(np.searchsorted(self._edges, share, side="right") - 1, 0, self._edges.size - 2)
-        at = (share - self._edges[panel]) / (self._edges[panel + 1] - self._edges[panel])
-        known = (worn[:, _CUT] >= 0.0)[:, None] & (share <= 1.0)
-        column = np.where(known, _FIRST + NODES * panel, -1)
+        column, at = np.full(nodes.shape, -1), np.zeros(nodes.shape)
+        depth = self._depth(np.maximum(worn[:, _CUT], 0.0))
+        # where the layer of before is not left behind
+        near = np.flatnonzero((worn[:, _CUT] >= 0.0) & (nodes.min(axis=1) < worn[:, _CUT] + depth))
+        if near.size:
+            way = np.maximum(nodes[near] - worn[near, _CUT, None], 0.0) / depth[near, None]
+            share = np.sqrt(way) if self._power == 2.0 else way
+            panel = np.clip(np.searchsorted(self._edges, share, side="right") - 1, 0, self._edges.size - 2)
+            at[near] = (share - self._edges[panel]) / (self._edges[panel + 1] - self._edges[panel])
+            column[near] = np.where(share <= 1.0, _FIRST + NODES * panel, -1)
         flat = np.maximum(nodes, self._least)
         springs = np.asarray(self._stiffness(flat)) * (0.5 / self._thermal.temperature)
         stiff, legs = self._legs(worn, stretch)

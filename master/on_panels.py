@@ -65,7 +65,9 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     if not course:
         force, holding = (np.full(asked.size, x) for x in lives.start[::-1])
         return Found(force, holding, lives.error + ROUND_OFF, 0, None, "")
-    scales = Scales(_LENGTH * lives.length, _first(contacts, course, lives.length), lives.time, lives.rate / _RATE)
+    first = _first(contacts, lives.length)
+    start = _start(contacts, course[0], first)
+    scales = Scales(_LENGTH * lives.length, first, lives.time, lives.rate / _RATE, start)
     edges, slivers = _edges(contacts, course, delay)
     needed, fine = _needed(course, scales), _COARSEST
     lost, torn = slivers is None, _torn(course, slivers)
@@ -179,17 +181,21 @@ def _words(found: Found, tolerance: float, known: float, torn: float | None) -> 
     return f"{reached}; loosen the tolerance, or end the path sooner"
 
 
-def _first(contacts: Contacts, course: list[Piece], length: float) -> float:
+def _first(contacts: Contacts, length: float) -> float:
     """Travel over which rates change when a motion begins."""
     if contacts.thermal is None:
         return _LENGTH * length
-    first = min(_LENGTH * length, _FIRST * contacts.thermal.temperature / contacts.mean_threshold)
-    speed = abs(course[0].travel) / course[0].duration
-    weakest = float(contacts.thresholds.isf(1.0 - _WEAKEST))
+    return min(_LENGTH * length, _FIRST * contacts.thermal.temperature / contacts.mean_threshold)
+
+
+def _start(contacts: Contacts, piece: Piece, first: float) -> float:
+    """The same where all begins: the weakest of those that start may be gone sooner than that, one after the other in
+    the logarithm of time."""
+    if contacts.thermal is None or piece.travel == 0.0:
+        return first
+    weakest, speed = float(contacts.thresholds.isf(1.0 - _WEAKEST)), abs(piece.travel) / piece.duration
     rate = float(contacts.thermal.rate(0.0, weakest, contacts.relative_stiffness(weakest)))
-    # the weakest of those that start are gone sooner than that, one after the other in the logarithm of time
-    sooner = speed / contacts.thermal.attempt_frequency
-    return min(first, sooner) if 0.0 < speed < rate * first else first
+    return min(first, speed / contacts.thermal.attempt_frequency) if speed < rate * first else first
 
 
 def _edges(contacts: Contacts, course: list[Piece], delay: float) -> tuple[Array, Array | None]:

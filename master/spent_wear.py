@@ -85,7 +85,7 @@ class Spent:
 class SpentWear(Spent):
     """Soft or stiff contacts, equally stiff or not; `plain`: few of them, for which numpy does as well."""
 
-    forgets, slow = False, 6.0
+    forgets, slow, skin = False, 6.0, 0.0
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float, plain: bool = False) -> None:
         thermal = contacts.thermal

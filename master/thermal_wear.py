@@ -21,7 +21,7 @@ _CHANGE = 1.5  # of ln A that eight nodes see through, but for ERROR
 ERROR = 5e-9
 _CHUNK = 40_000
 _NEVER = -35.0  # ln A
-_WEAK = 0.1
+_WEAK = 0.3
 _STEEPER = 1.75  # a stiff contact's barrier changes so much faster with its threshold, at most
 
 
@@ -46,7 +46,7 @@ def error_of(cut: CutLaw) -> float:
 
 
 def fresh_rate(contacts: Contacts) -> float:
-    """Rate at which relaxed fresh contacts break; a tenth that is weaker than others does not count, as it is soon gone
+    """Rate at which relaxed fresh contacts break; the weakest three in ten do not count, as it is soon gone
     and others feel little of it."""
     thermal, law = contacts.thermal, contacts.thresholds
     assert thermal is not None
@@ -62,7 +62,7 @@ class SoftWear:
     """Soft contacts, equally stiff; `worn` is ln W."""
 
     width = 1
-    forgets, slow = False, 1.0
+    forgets, slow, skin = False, 1.0, 0.0
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
         thermal = contacts.thermal

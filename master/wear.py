@@ -60,7 +60,7 @@ class Standing:
 class Wear(Protocol):
     """Stretches and largest |x| are lengths of shape (m,); `worn` has shape (m, width).
 
-    `length`, `time`, `rate`, `error` and `work` are those of master.lives.Lives.
+    `length`, `time`, `rate`, `error`, `skin` and `work` are those of master.lives.Lives.
     `forgets`: whether thresholds tell where |x| grows, however large it was before; `slow`: how many times longer than
     usual it takes to look at a number.
     """
@@ -73,6 +73,7 @@ class Wear(Protocol):
     width: int
     forgets: bool
     slow: float
+    skin: float
 
     def fresh(self, stretch: Array) -> Array:
         """Numbers of strands born at these stretches."""
@@ -104,7 +105,7 @@ class ColdWear:
     """Nothing breaks below its threshold."""
 
     time, rate, error, work, width = np.inf, 0.0, 1e-15, 10, 0
-    forgets, slow = False, 1.0
+    forgets, slow, skin = False, 1.0, 0.0
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         self._law, self.length = contacts.thresholds, length
