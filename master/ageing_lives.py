@@ -40,7 +40,7 @@ class AgeingLives:
         self._cells = Cells(contacts, level)
         self.length = _STEPS * self._cells.width
         self.time = _AT_ONCE * self._cells.width**2 / contacts.ageing.rate
-        self.rate, self.error, self.fuzzy = self._cells.rate, 0.0, True
+        self.rate, self.error, self.fuzzy, self.skin = self._cells.rate, 0.0, True, 0.0
         self.work = self._cells.edges.size // 3 * again[0].size
         self._again, self._count = again, 1
         none = np.empty(0)

@@ -16,6 +16,7 @@ from master.break_counts import Breaks
 from master.panels import MOST_NODES, Panel, gauss, radau
 from master.pot import Pot
 from master.replay import replay
+from master.resting import Resting
 from master.timeline import Piece
 from master.wear import Wear
 
@@ -55,8 +56,12 @@ class Generations:
         self._strands = Strands(wear)
         first = wear.fresh(start[0])
         self._strands.add(-start[0], np.abs(start[0]), first, start[1], -1)
-        self._pots = Strands(wear.keeper())
+        self._keeper = wear.keeper()
+        self._pots = Strands(self._keeper or wear)
         self._pot: Pot | None = None
+        self._resting: Resting | None = None
+        if self._keeper is None and any(piece.travel == 0.0 for piece in course):
+            self._resting = Resting(wear, again, max(piece.duration for piece in course))
         self._at = 0.0
         self.work, self._each = 0.0, wear.work * wear.slow
         self.length, self.time, self.rate = wear.length, wear.time, wear.rate
@@ -74,8 +79,8 @@ class Generations:
     def known(self, panel: Panel, breaks: Breaks) -> tuple[Array, Array]:
         """What holds at the panel's nodes of the births before it, and its force."""
         standing = panel.travel == 0.0
-        if standing and self._pot is None:
-            self._pot = Pot(self.wear, self.again)
+        if standing and self._pot is None and self._keeper is not None:
+            self._pot = Pot(self._keeper, self.again)
         if not standing and self._pot is not None:
             share, worn = self._pot.merged()
             if share > 0.0:
@@ -109,6 +114,8 @@ class Generations:
         now = np.repeat(ends, sizes)
         if self._pot is not None:
             held, pull = self._pot.young(now - time)
+        elif self._resting is not None and panel.travel == 0.0:
+            held, pull = self._resting.young(now - time)
         else:
             held, pull = self._replay(time, panel.place(time), now, np.repeat(places, sizes))
         firsts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
@@ -161,11 +168,16 @@ class Generations:
         most = np.maximum(self._table[:, 2], at[:, None])
         least = np.minimum(self._table[:, 3], at[:, None])
         parts: list[tuple[int, Array, Array, Array]] = []
+        rests = self._rests(at)
         for i, k in np.argwhere(self._suspects(time, at, most, least)).tolist():
             panel = self._panels[k]
             splits = self._splits(panel, float(time[i]), float(at[i]), float(most[i, k]), float(least[i, k]))
             birth, weight = between(panel, splits, self.nodes)
             bent[i, k] = True
+            if self._resting is not None and k >= rests:
+                for row, left in enumerate(self._resting.young(time[i] - birth)):
+                    out[row, i] += left @ (weight * breaks.rate(birth))
+                continue
             parts.append((i, birth, weight, panel.place(birth)))
         if not parts:
             return out, bent
@@ -173,8 +185,15 @@ class Generations:
         birth, weight, place = (np.concatenate([part[k] for part in parts]) for k in (1, 2, 3))
         weight = weight * breaks.rate(birth)
         for row, left in enumerate(self._replay(birth, place, time[which], at[which])):
-            out[row] = np.bincount(which, left * weight, minlength=time.size)
+            out[row] += np.bincount(which, left * weight, minlength=time.size)
         return out, bent
+
+    def _rests(self, at: Array) -> int:
+        """The first of the panels of a hold that goes on."""
+        k = len(self._panels)
+        while k and self._panels[k - 1].travel == 0.0 and (at == self._panels[k - 1].after).all():
+            k -= 1
+        return k
 
     def _replay(self, birth: Array, place: Array, time: Array, at: Array) -> tuple[Array, Array]:
         self.work += birth.size * self.again[0].size * self._each

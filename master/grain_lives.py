@@ -33,7 +33,7 @@ class GrainLives:
         Theirs.
     """
 
-    rate, error, fuzzy, work = 0.0, 1e-15, False, 20
+    rate, error, fuzzy, skin, work = 0.0, 1e-15, False, 0.0, 20
 
     def __init__(self, contacts: Contacts, start: tuple[Array, Array], age: float) -> None:
         grains = contacts.grains

@@ -35,6 +35,8 @@ class Lives(Protocol):
     fuzzy : bool
         Whether thresholds fluctuate about the stretch, so that none stand right at it: motion in no time then breaks
         none at first.
+    skin : float
+        Stretch over which their rate changes by a factor e where few of them break by it, else 0 (a length).
     work : int
         Numbers looked at for each cohort in one step: how many steps are affordable.
     """
@@ -43,6 +45,7 @@ class Lives(Protocol):
     time: float
     rate: float
     fuzzy: bool
+    skin: float
     work: int
 
     @property

@@ -63,6 +63,8 @@ def _growing(contacts: Contacts, start: Nodes, age: float, level: int) -> Lives:
 def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) -> "Generations | AgeingGenerations":
     """The same contacts, none born yet, on panels; but for those whose thresholds grow."""
     from master.generations import Generations
+    from master.layer_spent_wear import LayerSpentWear
+    from master.layer_wear import LayerWear, reaches
 
     if contacts.ageing is not None:
         from master.ageing_generations import AgeingGenerations
@@ -77,7 +79,10 @@ def make_generations(contacts: Contacts, course: "list[Piece]", level: int = 0) 
     wear, start, births = _ingredients(contacts, level, furthest, longest)
     rough = law.support()[0] == 0.0 and not float(law.onset_power).is_integer()
     rough &= bool(np.abs(births[0]).min() < _NEAR * wear.length)
-    return Generations(wear, start, births, course, limits[limits > 0.0], rough, level)
+    limits = limits[limits > 0.0]
+    if isinstance(wear, LayerWear | LayerSpentWear) and limits.size:
+        limits = np.append(limits, reaches(contacts, limits, course))
+    return Generations(wear, start, births, course, limits, rough, level)
 
 
 def _ingredients(
@@ -127,11 +132,18 @@ def _warm(contacts: Contacts, length: float, furthest: float, longest: float) ->
 
         return PaperWear(contacts, length)
     from master.cut_law import CutLaw
+    from master.layer_wear import LayerWear
     from master.thermal_wear import SoftWear, resolved
 
     cut = CutLaw(contacts, resolved(contacts, furthest, longest), _TAIL, rooted=thermal.law == "stiff")
     if thermal.law == "soft" and contacts.stiffness == "independent":
+        if cut.spread > 1.0:
+            return LayerWear(contacts, length)
         return SoftWear(contacts, cut, length)
+    if cut.spread > 1.0:
+        from master.layer_spent_wear import LayerSpentWear
+
+        return LayerSpentWear(contacts, length, longest)
     from master.spent_wear import SpentWear
 
     return SpentWear(contacts, cut, length)

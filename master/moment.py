@@ -93,40 +93,47 @@ class MomentDistribution:
             origin = np.array([self._contacts.start.mean()])
             stretch.append(origin + self._place)
             weight.append(self._left(origin, zero, zero) / self._contacts.thresholds.sf(np.abs(origin)))
-        pot: Pot | None = None
-        last: Panel | None = None
-        for panel in _before(self._course.panels, self._time):
-            if panel.travel != 0.0:
-                if pot is not None and last is not None:
-                    stretch.append(self._place - last.after + again)
-                    weight.append(self._since(pot, last))
-                pot, last = None, None
-                if _at_once(panel, self._course):
-                    stretch.append(self._place - np.array([panel.after]) + again)
-                    births = _births(panel, self._course)
-                    weight.append(births * self._born(np.array([panel.end]), np.array([panel.after])))
+        hold: list[Panel] = []
+        for panel in [*_before(self._course.panels, self._time), None]:
+            if panel is not None and panel.travel == 0.0:
+                hold.append(panel)
                 continue
-            pot = pot or Pot(self._lives.wear, self._lives.again)
-            last = panel
-            end = min(panel.end, self._time)
-            part = Panel(panel.begin, end, panel.before, panel.after, panel.count)
-            time, share = between(part, np.unique(grades(part, 0.0, self._lives.wear.time)), self._lives.nodes)
-            pot.add(part.duration, end - time, share * self._course.breaks.rate(time))
-        if pot is not None:
-            stretch.append(again)
-            weight.append(pot.left(zero)[0])
+            if hold:
+                stretch.append(self._place - hold[-1].after + again)
+                weight.append(self._since(hold))
+                hold = []
+            if panel is not None and _at_once(panel, self._course):
+                stretch.append(self._place - np.array([panel.after]) + again)
+                births = _births(panel, self._course)
+                weight.append(births * self._born(np.array([panel.end]), np.array([panel.after])))
         return np.concatenate([[], *stretch]), np.concatenate([[], *weight])
 
-    def _since(self, pot: Pot, hold: Panel) -> Array:
-        """What is left of contacts born in a hold that is over."""
-        lives = self._lives
-        births, worn = pot.merged()
-        if births <= 0.0:
+    def _since(self, hold: list[Panel]) -> Array:
+        """What is left of contacts born in a hold, on panels the last of which may be going on."""
+        lives, end = self._lives, min(hold[-1].end, self._time)
+        keeper = lives.wear.keeper()
+        pot = None if keeper is None else Pot(keeper, lives.again)
+        left = np.zeros(1)
+        for panel in hold:
+            until = min(panel.end, self._time)
+            part = Panel(panel.begin, until, panel.before, panel.after, panel.count)
+            time, share = between(part, np.unique(grades(part, 0.0, lives.wear.time)), lives.nodes)
+            births = share * self._course.breaks.rate(time)
+            if pot is None:
+                left += births @ self._born(time, np.full(time.size, panel.after))
+            else:
+                pot.add(part.duration, until - time, births)
+        if pot is None or keeper is None:
+            return left
+        if end == self._time:
+            return pot.left(np.zeros(1))[0]
+        total, worn = pot.merged()
+        if total <= 0.0:
             return np.zeros(1)
         stretch, share = lives.again
-        at, now, there = (np.array([x]) for x in (hold.after, self._time, self._place))
-        left, _ = lived(lives.wear.keeper(), self._pieces, worn, stretch, np.array([hold.end]), at, now, there)
-        return births * share * left.held
+        at, now, there = (np.array([x]) for x in (hold[-1].after, self._time, self._place))
+        kept, _ = lived(keeper, self._pieces, worn, stretch, np.array([end]), at, now, there)
+        return total * share * kept.held
 
 
 def distribution_at(

@@ -29,6 +29,7 @@ _SLIGHT = 0.01  # of what B lacks: a first change that tells nothing
 _STUCK, _MORE = 0.5, 1.3  # changes that do not fall
 _LENGTH = 1.5  # widths of the law
 _FIRST = 0.5  # of k_BT/<k x>
+_WEAKEST = 1e-6  # of the contacts
 _RATE = 1.0
 _ORDERS = 2
 _WATCH = 4
@@ -64,7 +65,9 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     if not course:
         force, holding = (np.full(asked.size, x) for x in lives.start[::-1])
         return Found(force, holding, lives.error + ROUND_OFF, 0, None, "")
-    scales = Scales(_LENGTH * lives.length, _first(contacts, lives.length), lives.time, lives.rate / _RATE)
+    first = _first(contacts, lives.length)
+    start = _start(contacts, course[0], first)
+    scales = Scales(_LENGTH * lives.length, first, lives.time, lives.rate / _RATE, start)
     edges, slivers = _edges(contacts, course, delay)
     needed, fine = _needed(course, scales), _COARSEST
     lost, torn, exact = slivers is None, _torn(course, slivers), _exact_again(contacts)
@@ -190,6 +193,16 @@ def _first(contacts: Contacts, length: float) -> float:
     if contacts.thermal is None:
         return _LENGTH * length
     return min(_LENGTH * length, _FIRST * contacts.thermal.temperature / contacts.mean_threshold)
+
+
+def _start(contacts: Contacts, piece: Piece, first: float) -> float:
+    """The same where all begins: the weakest of those that start may be gone sooner than that, one after the other in
+    the logarithm of time."""
+    if contacts.thermal is None or piece.travel == 0.0:
+        return first
+    weakest, speed = float(contacts.thresholds.isf(1.0 - _WEAKEST)), abs(piece.travel) / piece.duration
+    rate = float(contacts.thermal.rate(0.0, weakest, contacts.relative_stiffness(weakest)))
+    return min(first, speed / contacts.thermal.attempt_frequency) if speed < rate * first else first
 
 
 def _edges(contacts: Contacts, course: list[Piece], delay: float) -> tuple[Array, Array | None]:

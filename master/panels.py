@@ -22,6 +22,7 @@ _SHARE = SLOW**MOST_NODES
 _GROWTH = 2.0
 _MORE = 3
 _MOST_PANELS = 1e9
+_ROUNDING = 2e-14
 
 
 @dataclass(frozen=True)
@@ -127,12 +128,15 @@ class Scales:
         The shortest time over which they do in a hold.
     rate : float
         At which fresh contacts break.
+    start : float
+        Like `first`, where all begins.
     """
 
     length: float
     first: float
     time: float
     rate: float
+    start: float = np.inf
 
 
 def panels(
@@ -157,7 +161,9 @@ def panels(
                 counts = [MOST_NODES + level if np.isfinite(scales.time) else 2] * (cuts.size - 1)
             else:
                 longest = min(scales.length / speed, 1.0 / scales.rate if scales.rate > 0.0 else np.inf)
-                first = min(scales.first / speed, longest) if number == 0 else longest
+                first = scales.first if piece is not course[0] else min(scales.first, scales.start)
+                # what is sooner than rounding of times is at once
+                first = min(max(first / speed, _ROUNDING * begin), longest) if number == 0 else longest
                 cuts = _moving(begin, last, first / fine, longest / fine, _GROWTH ** (1.0 / fine))
                 counts = [_count(fine * (b - a) / longest) + level for a, b in pairwise(cuts.tolist())]
             places = piece.before + piece.travel * ((cuts - piece.begin) / piece.duration)

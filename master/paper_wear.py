@@ -22,7 +22,7 @@ class PaperWear:
     """`worn` are the logarithm of what is left, times S(|r|), and |r|."""
 
     width, error, work = 2, 1e-13, 30
-    forgets, slow = True, 2.0
+    forgets, slow, skin = True, 2.0, 0.0
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         assert contacts.thermal is not None

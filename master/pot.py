@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from master.wear import Wear
+from master.wear import Keeper
 
 Array = npt.NDArray[np.float64]
 
@@ -15,9 +15,9 @@ class Pot:
         Stretches of births, and with each its weight over S(|r|).
     """
 
-    def __init__(self, wear: Wear, again: tuple[Array, Array]) -> None:
-        self._wear, self._stretch = wear.keeper(), again[0]
-        parts = [self._wear.standing(float(x)) for x in again[0]]
+    def __init__(self, keeper: Keeper, again: tuple[Array, Array]) -> None:
+        self._keeper, self._stretch = keeper, again[0]
+        parts = [self._keeper.standing(float(x)) for x in again[0]]
         self._ends = np.cumsum([part.rate.size for part in parts])[:-1]
         self._rate = np.concatenate([part.rate for part in parts])
         self._held = np.concatenate([part.held * share for part, share in zip(parts, again[1], strict=True)])
@@ -47,5 +47,5 @@ class Pot:
         with np.errstate(divide="ignore"):
             spent = -np.log(np.clip(self._left / self._born, 0.0, 1.0))
         parts = np.split(spent, self._ends)
-        kept = [self._wear.kept(float(x), part) for x, part in zip(self._stretch, parts, strict=True)]
+        kept = [self._keeper.kept(float(x), part) for x, part in zip(self._stretch, parts, strict=True)]
         return self._born, np.stack(kept)

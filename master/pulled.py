@@ -3,7 +3,10 @@
 A step is so long in X and in time together, σ dX/length + d(clock) = step, that it is even where the slider creeps and
 where it runs ahead of a slip, in which dX/dt grows without end: there X_T is smooth in X. The slider lets go where the
 force falls faster than the spring's as it moves in no time, F'(X) = -K. Where thresholds fluctuate none stand right at
-a stretch, and motion in no time breaks none at first: there it is where X_T, as a function of X, has come furthest.
+a stretch, and motion in no time breaks none at first: there it is where X_T, as a function of X, has come furthest. So
+it is where the weakest break by themselves before they are met, but there the faster the slider is the more of them
+hold, as if it was pushed: it has let go where it is so many times as fast as the drive, and comes to rest no sooner
+than they have been broken.
 """
 
 from __future__ import annotations
@@ -30,8 +33,11 @@ _NEARER = 4  # halvings of the last step before a slip
 _ABOUT, _EXACTLY = 0.1, 1e-7  # of a step, where it is
 _LEAST_WAY = 0.01
 _NO_TIME = 1e-11
+_FAST = 100.0  # times the drive's speed
 _SCAN = 0.25
 _MOST_STEPS = 20_000
+_SOON, _PER_FOLD, _FELT = 0.1, 0.7, 1e-5  # of a step's time; steps in a change by a factor e; breaks
+_INSTANT = 1e-12  # of the time, as good as none
 COARSEST = 0.5  # of the length over which births change
 
 
@@ -63,6 +69,11 @@ class Pull(Carried):
         self.tracks: list[Track] = []
         self.stretches: list[float] = []
         self.slips: list[Slip] = []
+        # the weakest contacts give way the later the faster the slider is: X_T comes to a stand only little by little
+        fastest = max(abs(piece.travel) / piece.duration for piece in course)
+        self._thin = lives.skin > fastest * lives.time
+        self._fuzzy = lives.fuzzy or self._thin
+        self._runs = LESS * spring / (1.0 + spring) / _FAST if self._thin else 0.0
         self._rise = (1.0 + spring) * length / LESS
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * length
         for piece in course:
@@ -72,7 +83,7 @@ class Pull(Carried):
     # -- straight on ---------------------------------------------------------------------------------------------------
     def _follow(self, piece: Piece, last: bool) -> None:
         """The drive goes on to the end of a piece."""
-        resets = 0
+        resets, before, since = 0, 0, len(self.tracks)
         sign = np.sign(piece.travel) or np.sign(self._force) or 1.0
         # while contacts hold, the slider follows a soft spring's drive from far
         drawn = self._length * (1.0 + self._spring) / self._spring
@@ -84,11 +95,14 @@ class Pull(Carried):
 
         while True:
             marks = [at for at, _ in self._pending if at < piece.end]
-            let_go = self._slide(min(marks, default=piece.end), drive, clock, float(sign))
+            end = min(marks, default=piece.end)
+            self._relax(end, drive, clock)
+            let_go = self._slide(end, drive, clock, float(sign))
             if let_go:
                 self._slip(drive(self._now), float(sign))
+                before, since = since, len(self.tracks)
                 resets += 1
-                if self._rule == "reset" and resets == 2 and self._repeat(piece, last):
+                if self._rule == "reset" and resets == 2 and self._repeat(piece, last, before):
                     return
             elif marks:
                 weight = sum(share for at, share in self._pending if at == self._now)
@@ -98,15 +112,16 @@ class Pull(Carried):
             else:
                 return
 
-    def _repeat(self, piece: Piece, last: bool) -> bool:
-        """After a reset all is as after the one before, again and again: whether to the end of all."""
-        track, slip, length = self.tracks[-1], self.slips[-1], self.stretches[-1]
-        period = self._now - track.clock[0]
-        way = slip.after - track.place[0]
+    def _repeat(self, piece: Piece, last: bool, since: int) -> bool:
+        """After a reset all is as after the one before, on the tracks since then, again and again: whether to the end
+        of all."""
+        tracks, slip, length = self.tracks[since:], self.slips[-1], self.stretches[-1]
+        period = self._now - tracks[0].clock[0]
+        way = slip.after - tracks[0].place[0]
         while last or self._now + period < piece.end:
             done = len(self.slips) - 1
-            track = track.later(period, way)
-            self.tracks.append(track)
+            tracks = [track.later(period, way) for track in tracks]
+            self.tracks += tracks
             self.stretches.append(length)
             if self._now + period > piece.end:
                 return True
@@ -117,6 +132,26 @@ class Pull(Carried):
                 raise TooLong
         self._settle(self._again())
         return False
+
+    def _relax(self, end: float, drive: Callable[[float], float], clock: Clock) -> None:
+        """On for a while in which contacts break faster than steps tell, as after a slip the weakest do, one after the
+        other in the logarithm of time."""
+        now = self._now
+        lasts = _SOON * (min(clock.time(clock.count(now) + 1.0), end) - now)
+        first = max(self._lives.time, _INSTANT * end)
+        if not first < _SOON * lasts or self._try(0.0, now + lasts).breaks - self._breaks[-1] < _FELT:
+            return
+        folds = float(np.log(lasts / first))
+        number = int(np.ceil(_PER_FOLD * folds)) * 2**self._level
+        track, travel = Track(), 0.0
+        self._bend()
+        self._write(track, 0.0)
+        for k in range(number + 1):
+            at = now + first * float(np.exp(folds * k / number))
+            travel, trial = self._to(at, drive, travel)
+            self._take(trial, travel, at)
+            self._write(track, k + 1.0)
+        self.tracks.append(track)
 
     def _slide(self, end: float, drive: Callable[[float], float], clock: Clock, sign: float) -> bool:
         """Until `end`, or until the slider lets go: which of them."""
@@ -129,7 +164,7 @@ class Pull(Carried):
         self._bend()
         self._write(track, 0.0)
         total, shares, taken = 0.0, [0.5], 0
-        let_go = not self._lives.fuzzy and self._force_slope(sign) + self._spring <= 0.0
+        let_go = not self._fuzzy and self._force_slope(sign) + self._spring <= 0.0
         while not let_go and self._now < end:
             taken += 1
             # the last of the planned steps takes what is left
@@ -143,7 +178,7 @@ class Pull(Carried):
             ahead = clock.count(at) - clock.count(self._now) < _AHEAD * LESS * size
             if at <= self._now or (ahead and self._falls(travel, at, trial, track, clock, sign) <= 0.0):
                 let_go = True
-                for _ in range(_NEARER if self._lives.fuzzy else 0):
+                for _ in range(_NEARER if self._fuzzy else 0):
                     # an edge that thins to nothing is followed down in ever smaller steps
                     half = 0.5 * self._onset(travel, drive, track, clock, sign, _ABOUT)[0]
                     now = self._when(half, drive, clock, sign)
@@ -211,7 +246,7 @@ class Pull(Carried):
         self, travel: float, at: float, trial: Trial | None, track: Track, clock: Clock, sign: float
     ) -> float:
         """Of the sign of F'(X) + K after such a step."""
-        if not self._lives.fuzzy:
+        if not self._fuzzy:
             beyond = self._try(travel, at) if trial is None else trial
             return self._force_slope(sign, beyond) + self._spring
         # the drive has come furthest: time as a function of the step, whose last slope is asked for
@@ -224,7 +259,7 @@ class Pull(Carried):
         np.fill_diagonal(apart, 1.0)
         weights = 1.0 / apart.prod(axis=1)
         slopes = weights[:-1] / weights[-1] / (nodes[-1] - nodes[:-1])
-        return float(slopes @ (counts[:-1] - now))
+        return float(slopes @ (counts[:-1] - now)) - self._runs
 
     # -- slips ---------------------------------------------------------------------------------------------------------
     def _onset(
@@ -234,11 +269,11 @@ class Pull(Carried):
 
         def slope(way: float) -> float:
             now = self._when(way, drive, clock, sign)
-            if self._lives.fuzzy and clock.count(now) - clock.count(self._now) < 2.0 * _NO_TIME:
+            if self._fuzzy and clock.count(now) - clock.count(self._now) < 2.0 * _NO_TIME:
                 return -1.0  # the drive would have to come back
             return self._falls(way, now, None, track, clock, sign)
 
-        low, high = _LEAST_WAY * travel if self._lives.fuzzy else 0.0, travel
+        low, high = _LEAST_WAY * travel if self._fuzzy else 0.0, travel
         way = high
         if slope(high) <= 0.0:
             way = low  # by rounding, or by what a coarse step before it has wrong
@@ -250,7 +285,7 @@ class Pull(Carried):
         """Time at which a travel balances the drive; now, where it did before."""
         begin = clock.count(self._now)
         # motion in no time is a limit that thresholds about to be met know nothing of
-        least = _NO_TIME if self._lives.fuzzy else 0.0
+        least = _NO_TIME if self._fuzzy else 0.0
 
         asked = [least, 0.0]
 
@@ -296,6 +331,7 @@ class Pull(Carried):
         size = sign * self._length * (planned / steps if planned else 0.5**self._level)
         self._bend()
         begin = self._place
+        away = not self._thin
 
         def excess(travel: float) -> float:
             trial = self._try(travel, self._now)
@@ -303,8 +339,10 @@ class Pull(Carried):
 
         while True:
             trial = self._try(size, self._now)
-            if sign * (trial.force - self._spring * (drive - self._place - size)) >= 0.0:
+            over = sign * (trial.force - self._spring * (drive - self._place - size))
+            if over >= 0.0 and (away or abs(self._place - begin) > self._unit):
                 break
+            away |= over < 0.0
             self._take(trial, size, self._now)
         low = 0.0 if self._place != begin else _BESIDE * size
         last = float(brentq(excess, low, size, xtol=1e-15 * self._unit, rtol=1e-14)) if excess(low) < 0.0 else low
@@ -321,9 +359,12 @@ class Pull(Carried):
 
         step = sign * _SCAN * self._length * 0.5
         low, high = _BESIDE * step, step
+        away = not self._thin
         for _ in range(_MOST_STEPS):
-            if excess(high) >= 0.0:
+            over = excess(high)
+            if over >= 0.0 and (away or abs(high) > self._unit):
                 break
+            away |= over < 0.0
             low, high = high, high + step
         else:
             raise TooLong

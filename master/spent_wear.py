@@ -11,7 +11,7 @@ import numpy.typing as npt
 from master.cut_law import SLACK, CutLaw
 from master.thermal_wear import error_of, fresh_rate
 from master.wear import Left, Standing
-from origins import Contacts
+from origins import Contacts, Thermal
 from origins.quadrature import GAUSS_NODES, NODES
 
 Array = npt.NDArray[np.float64]
@@ -24,31 +24,12 @@ _TINY = 1e-12  # a threshold of 0 has no rate
 _FROM, _WAY, _TIME, _CUT, _FIRST = range(5)  # columns before those of nodes, atoms, and nodes of a strand's own
 
 
-class SpentWear:
-    """Soft or stiff contacts, equally stiff or not; `plain`: few of them, for which numpy does as well."""
+class Spent:
+    """What such wears share: the motion at one speed that goes on, and what it costs; `settle` makes that part of what
+    is kept of the past."""
 
-    forgets, slow = False, 6.0
-
-    def __init__(self, contacts: Contacts, cut: CutLaw, length: float, plain: bool = False) -> None:
-        thermal = contacts.thermal
-        assert thermal is not None
-        self._plain = plain
-        if not plain:
-            from master import compiled
-
-            self._compiled = compiled
-        self._cut, self._thermal, self._stiffness = cut, thermal, contacts.relative_stiffness
-        self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
-        self.error, self.work = error_of(cut), cut.nodes.size + 100
-        self._least = _TINY * contacts.mean_threshold
-        self._atoms = slice(_FIRST + cut.nodes.size, _FIRST + cut.nodes.size + cut.atoms.size)
-        self._own = slice(self._atoms.stop, self._atoms.stop + cut.places.size)
-        self.width = self._own.stop
-        weights = np.stack([cut.weights, cut.weights * cut.stiffness])
-        tails = np.append(weights[:, ::-1].cumsum(axis=1)[:, ::-1], np.zeros((2, 1)), axis=1)
-        self._weights, self._tails = weights, np.ascontiguousarray(tails)
-        self._springs = np.asarray(cut.stiffness * (0.5 / thermal.temperature))
-        self._even, self._beyond = _barycentric(GAUSS_NODES), _barycentric(cut.places)
+    width: int
+    _thermal: Thermal
 
     def fresh(self, stretch: Array) -> Array:
         worn = np.zeros((stretch.size, self.width))
@@ -67,6 +48,65 @@ class SpentWear:
             worn[rows] = part
         worn[:, _WAY] += way
         worn[:, _TIME] += duration
+
+    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
+        raise NotImplementedError
+
+    def _legs(self, worn: Array, stretch: Array) -> tuple[bool, Array]:
+        """What compiled sums are told of the present motion."""
+        begin, way = worn[:, _FROM], np.abs(worn[:, _WAY])
+        near, far = np.abs(begin), np.abs(stretch)
+        legs = np.empty((stretch.size, 5))
+        legs[:, 0], legs[:, 1] = np.minimum(near, far), np.maximum(near, far)
+        legs[:, 2] = np.where(way > _TINY * (near + far), way, 0.0)
+        legs[:, 3] = worn[:, _TIME] * self._thermal.attempt_frequency
+        legs[:, 4] = (begin < 0.0) != (stretch < 0.0)
+        return self._thermal.law == "stiff", legs
+
+    def _leg(self, worn: Array, row: Numbers, stretch: Array, threshold: Array, spring: Array) -> Array:
+        """What the present motion has cost."""
+        begin, way, duration = worn[row, _FROM], worn[row, _WAY], worn[row, _TIME]
+        out = np.zeros(stretch.size)
+        moves = (np.abs(way) > _TINY * (np.abs(stretch) + np.abs(begin))) & (duration > 0.0)
+        stands = ~moves & (duration > 0.0)
+        thermal = self._thermal
+        if moves.any():
+            # rounding may take a stretch past its threshold
+            near, far = (np.clip(x[moves], -threshold[moves], threshold[moves]) for x in (begin, stretch))
+            log_spent = thermal.log_cumulative(far, threshold[moves], near, spring[moves])
+            out[moves] = np.exp(np.minimum(log_spent + np.log(duration[moves] / np.abs(way[moves])), 7.0))
+        if stands.any():
+            x = np.clip(stretch[stands], -threshold[stands], threshold[stands])
+            log_rate = thermal.log_rate(x, threshold[stands], spring[stands])
+            out[stands] = np.exp(np.minimum(log_rate + np.log(duration[stands]), 7.0))
+        return out
+
+
+class SpentWear(Spent):
+    """Soft or stiff contacts, equally stiff or not; `plain`: few of them, for which numpy does as well."""
+
+    forgets, slow, skin = False, 6.0, 0.0
+
+    def __init__(self, contacts: Contacts, cut: CutLaw, length: float, plain: bool = False) -> None:
+        thermal = contacts.thermal
+        assert thermal is not None
+        self._plain = plain
+        if not plain:
+            from master import compiled
+
+            self._compiled = compiled
+        self._cut, self._thermal, self._stiffness = cut, thermal, contacts.relative_stiffness
+        self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts)
+        self.error, self.work = error_of(cut), cut.nodes.size + 100
+        self._least = _TINY * contacts.mean_threshold
+        self._atoms = slice(_FIRST + cut.nodes.size, _FIRST + cut.nodes.size + cut.atoms.size)
+        self._own = slice(self._atoms.stop, self._atoms.stop + cut.places.size)
+        self.width = self._own.stop
+        weights = np.stack([cut.weights, cut.weights * cut.stiffness])
+        tails = np.append(weights[:, ::-1].cumsum(axis=1)[:, ::-1], np.zeros((2, 1)), axis=1)
+        self._weights, self._tails = weights, np.ascontiguousarray(tails)
+        self._springs = np.asarray(cut.stiffness * (0.5 / thermal.temperature))
+        self._even, self._beyond = barycentric(GAUSS_NODES), barycentric(cut.places)
 
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
         """In place: what the motion so far has cost becomes part of what is kept."""
@@ -159,17 +199,6 @@ class SpentWear:
         out[row, column] = np.minimum(worn[:, _FIRST : self._atoms.start][row, column] + more, _MOST)
         return out
 
-    def _legs(self, worn: Array, stretch: Array) -> tuple[bool, Array]:
-        """What compiled sums are told of the present motion."""
-        begin, way = worn[:, _FROM], np.abs(worn[:, _WAY])
-        near, far = np.abs(begin), np.abs(stretch)
-        legs = np.empty((stretch.size, 5))
-        legs[:, 0], legs[:, 1] = np.minimum(near, far), np.maximum(near, far)
-        legs[:, 2] = np.where(way > _TINY * (near + far), way, 0.0)
-        legs[:, 3] = worn[:, _TIME] * self._thermal.attempt_frequency
-        legs[:, 4] = (begin < 0.0) != (stretch < 0.0)
-        return self._thermal.law == "stiff", legs
-
     def _strands(
         self, worn: Array, stretch: Array, first: Numbers
     ) -> tuple[bool, Array, Array, Numbers, Array, Array, Array]:
@@ -222,26 +251,9 @@ class SpentWear:
             out[mine] = _interpolated(values, at[mine], rule)
         return out
 
-    def _leg(self, worn: Array, row: Numbers, stretch: Array, threshold: Array, spring: Array) -> Array:
-        """What the present motion has cost."""
-        begin, way, duration = worn[row, _FROM], worn[row, _WAY], worn[row, _TIME]
-        out = np.zeros(stretch.size)
-        moves = (np.abs(way) > _TINY * (np.abs(stretch) + np.abs(begin))) & (duration > 0.0)
-        stands = ~moves & (duration > 0.0)
-        thermal = self._thermal
-        if moves.any():
-            # rounding may take a stretch past its threshold
-            near, far = (np.clip(x[moves], -threshold[moves], threshold[moves]) for x in (begin, stretch))
-            log_spent = thermal.log_cumulative(far, threshold[moves], near, spring[moves])
-            out[moves] = np.exp(np.minimum(log_spent + np.log(duration[moves] / np.abs(way[moves])), 7.0))
-        if stands.any():
-            x = np.clip(stretch[stands], -threshold[stands], threshold[stands])
-            log_rate = thermal.log_rate(x, threshold[stands], spring[stands])
-            out[stands] = np.exp(np.minimum(log_rate + np.log(duration[stands]), 7.0))
-        return out
 
 
-def _barycentric(nodes: Array) -> Array:
+def barycentric(nodes: Array) -> Array:
     """Nodes and, of values there, the weights in what is read between them; shape (2, k)."""
     apart = nodes[:, None] - nodes
     np.fill_diagonal(apart, 1.0)

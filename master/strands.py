@@ -32,6 +32,7 @@ class CohortLives:
     def __init__(self, wear: Wear, start: Nodes, again: Nodes) -> None:
         self.length, self.time, self.rate = wear.length, wear.time, wear.rate
         self.work = wear.work * again[0].size
+        self.skin = wear.skin
         self.fuzzy = False
         self._wear, self._at, self._again = wear, 0.0, again
         self._start, self._births = Strands(wear, *start), Strands(wear, *again)

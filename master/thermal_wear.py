@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cut_law import SLACK, CutLaw
-from master.wear import Left, Standing, Wear
+from master.wear import Keeper, Left
 from origins import Contacts
-from origins.quadrature import NODES
+from origins.quadrature import NODES, finite_density, gauss, panel_edges
 from origins.soft_contact import log_between
 
 Array = npt.NDArray[np.float64]
@@ -21,6 +21,7 @@ _CHANGE = 1.5  # of ln A that eight nodes see through, but for ERROR
 ERROR = 5e-9
 _CHUNK = 40_000
 _NEVER = -35.0  # ln A
+_WEAK = 0.3
 _STEEPER = 1.75  # a stiff contact's barrier changes so much faster with its threshold, at most
 
 
@@ -44,26 +45,31 @@ def error_of(cut: CutLaw) -> float:
     return ERROR * cut.spread**4 if cut.spread < 2.0 else 0.3 * float(np.abs(np.diff(cut.law.sf(cut.edges))).max())
 
 
-def fresh_rate(contacts: Contacts, cut: CutLaw) -> float:
-    """Mean rate at which relaxed fresh contacts break."""
-    assert contacts.thermal is not None
-    own = contacts.thermal.rate(np.zeros(cut.nodes.size), cut.nodes, cut.stiffness)
-    lone = contacts.thermal.rate(np.zeros(cut.atoms.size), cut.atoms, cut.atom_stiffness)
-    return float((cut.weights * own).sum() + (cut.atom_weights * lone).sum())
+def fresh_rate(contacts: Contacts) -> float:
+    """Rate at which relaxed fresh contacts break; the weakest three in ten do not count, as it is soon gone
+    and others feel little of it."""
+    thermal, law = contacts.thermal, contacts.thresholds
+    assert thermal is not None
+    weakest = float(law.isf(1.0 - _WEAK))
+    edges = panel_edges(law)
+    nodes, weights = gauss(edges[:-1], edges[1:])
+    nodes, weights = np.append(nodes, law.atoms[0]), np.append(weights * finite_density(law, nodes), law.atoms[1])
+    rates = thermal.rate(np.zeros(nodes.size), nodes, contacts.relative_stiffness(nodes))
+    return min(float(weights @ rates), float(thermal.rate(0.0, weakest, contacts.relative_stiffness(weakest))))
 
 
 class SoftWear:
     """Soft contacts, equally stiff; `worn` is ln W."""
 
     width = 1
-    forgets, slow = False, 1.0
+    forgets, slow, skin = False, 1.0, 0.0
 
     def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
         thermal = contacts.thermal
         assert thermal is not None
         self._contacts, self._cut, self._spring = contacts, cut, 0.5 / thermal.temperature
         self._log_frequency = float(np.log(thermal.attempt_frequency))
-        self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts, cut)
+        self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts)
         self.error, self.work = error_of(cut), cut.nodes.size + 50
         self._barrier, self._atom_barrier = (self._spring * at * at for at in (cut.nodes, cut.atoms))
 
@@ -71,30 +77,7 @@ class SoftWear:
         return np.full((stretch.size, 1), -np.inf)
 
     def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float | Array) -> None:
-        if np.any(duration):
-            with np.errstate(divide="ignore"):
-                spent = self._log_mean(begin, end) + (self._log_frequency + np.log(duration))
-            np.logaddexp(worn[:, 0], spent, out=worn[:, 0])
-
-    def _log_mean(self, begin: Array, end: Array) -> Array:
-        """ln of the mean of e^(x²/2T) between two stretches."""
-        first, last = np.abs(begin), np.abs(end)
-        near, far = np.minimum(first, last), np.maximum(first, last)
-        way, zero = np.abs(end - begin), np.zeros(begin.size)
-        spring = np.full(begin.size, self._spring)
-        out = self._spring * far * far
-        moved = way > 1e-12 * far
-        across = moved & ((begin < 0.0) != (end < 0.0)) & (near > 0.0)
-        plain = moved & ~across
-        with np.errstate(divide="ignore"):
-            if plain.any():
-                both = log_between(near[plain], far[plain], zero[plain], spring[plain])
-                out[plain] = both - np.log(way[plain])
-            if across.any():
-                none, springs = zero[across], spring[across]
-                parts = (log_between(none, some[across], none, springs) for some in (near, far))
-                out[across] = np.logaddexp(*parts) - np.log(way[across])
-        return out
+        spent_softly(worn, begin, end, duration, self._spring, self._log_frequency)
 
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
         pass
@@ -123,17 +106,42 @@ class SoftWear:
         edge = cut.law.pdf(furthest) * _kept(level - self._spring * furthest * furthest)
         return Left(held, held, edge, edge)
 
-    def standing(self, stretch: float) -> Standing:
-        return self.keeper().standing(stretch)
-
-    def keeper(self) -> Wear:
+    def keeper(self) -> Keeper:
         # of contacts of many ages W does not tell enough
         from master.spent_wear import SpentWear
 
         return SpentWear(self._contacts, self._cut, self.length, plain=True)
 
-    def kept(self, stretch: float, spent: Array) -> Array:
-        return self.keeper().kept(stretch, spent)
+
+def spent_softly(
+    worn: Array, begin: Array, end: Array, duration: float | Array, spring: float, log_frequency: float
+) -> None:
+    """In place: what a motion adds to ln W."""
+    if np.any(duration):
+        with np.errstate(divide="ignore"):
+            spent = _log_mean(begin, end, spring) + (log_frequency + np.log(duration))
+        np.logaddexp(worn[:, 0], spent, out=worn[:, 0])
+
+
+def _log_mean(begin: Array, end: Array, stiffness: float) -> Array:
+    """ln of the mean of e^(x²/2T) between two stretches; `stiffness` is 1/2T."""
+    first, last = np.abs(begin), np.abs(end)
+    near, far = np.minimum(first, last), np.maximum(first, last)
+    way, zero = np.abs(end - begin), np.zeros(begin.size)
+    spring = np.full(begin.size, stiffness)
+    out = stiffness * far * far
+    moved = way > 1e-12 * far
+    across = moved & ((begin < 0.0) != (end < 0.0)) & (near > 0.0)
+    plain = moved & ~across
+    with np.errstate(divide="ignore"):
+        if plain.any():
+            both = log_between(near[plain], far[plain], zero[plain], spring[plain])
+            out[plain] = both - np.log(way[plain])
+        if across.any():
+            none, springs = zero[across], spring[across]
+            parts = (log_between(none, some[across], none, springs) for some in (near, far))
+            out[across] = np.logaddexp(*parts) - np.log(way[across])
+    return out
 
 
 def _kept(log_spent: Array) -> Array:

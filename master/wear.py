@@ -60,7 +60,7 @@ class Standing:
 class Wear(Protocol):
     """Stretches and largest |x| are lengths of shape (m,); `worn` has shape (m, width).
 
-    `length`, `time`, `rate`, `error` and `work` are those of master.lives.Lives.
+    `length`, `time`, `rate`, `error`, `skin` and `work` are those of master.lives.Lives.
     `forgets`: whether thresholds tell where |x| grows, however large it was before; `slow`: how many times longer than
     usual it takes to look at a number.
     """
@@ -73,6 +73,7 @@ class Wear(Protocol):
     width: int
     forgets: bool
     slow: float
+    skin: float
 
     def fresh(self, stretch: Array) -> Array:
         """Numbers of strands born at these stretches."""
@@ -85,11 +86,15 @@ class Wear(Protocol):
 
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left: ...
 
+    def keeper(self) -> Keeper | None:
+        """The wear of contacts born all through a hold; None where they are followed like all others."""
+
+
+class Keeper(Wear, Protocol):
+    """A wear that tells what is left of contacts of many ages, born at one stretch."""
+
     def standing(self, stretch: float) -> Standing:
         """Those born at a stretch, while the slider stands."""
-
-    def keeper(self) -> Wear:
-        """The wear of contacts born all through a hold."""
 
     def kept(self, stretch: float, spent: Array) -> Array:
         """Numbers, shape (width,), of contacts born at a stretch, of which e^-spent is left at each rate of
@@ -100,14 +105,14 @@ class ColdWear:
     """Nothing breaks below its threshold."""
 
     time, rate, error, work, width = np.inf, 0.0, 1e-15, 10, 0
-    forgets, slow = False, 1.0
+    forgets, slow, skin = False, 1.0, 0.0
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         self._law, self.length = contacts.thresholds, length
         if isinstance(self._law, FrozenThresholds):
             self.slow = _FROZEN
         self._stiffness = contacts.relative_stiffness
-        self._beyond = _stiffness_beyond(contacts) if contacts.stiffness == "linked" else None
+        self._beyond = stiffness_beyond(contacts) if contacts.stiffness == "linked" else None
 
     def fresh(self, stretch: Array) -> Array:
         return np.empty((stretch.size, 0))
@@ -130,14 +135,14 @@ class ColdWear:
         left = self.left(self.fresh(np.array([stretch])), np.array([stretch]), np.array([abs(stretch)]))
         return Standing(np.zeros(1), left.held, left.stiff)
 
-    def keeper(self) -> Wear:
+    def keeper(self) -> Keeper:
         return self
 
     def kept(self, stretch: float, spent: Array) -> Array:
         return np.empty(0)
 
 
-def _stiffness_beyond(contacts: Contacts) -> Callable[[Array], Array]:
+def stiffness_beyond(contacts: Contacts) -> Callable[[Array], Array]:
     """Integral of k P_c beyond a stretch."""
     law, unit = contacts.thresholds, contacts.mean_threshold
     atoms, weights = law.atoms

@@ -48,7 +48,7 @@ def _lasts(contacts: Contacts, stretch: Array, threshold: Array, speed: float, g
         if contacts.thermal is None:
             return np.full(size, np.inf)
         rate = contacts.thermal.rate(stretch, threshold, contacts.relative_stiffness(threshold))
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore"):  # those that never break
             return generator.exponential(size=size) / rate
     x = stretch * np.sign(speed)
     far = threshold
