@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.ageing_breaking import AgeingBreaking
+from master.breaking_law import early
 from master.corners import bends
 from master.first import FirstBreaks, tabulate_rows
 from master.grain_breaking import GrainBreaking
@@ -79,6 +80,7 @@ class OriginBreaks(FirstBreaks):
         known = law.edges[::2] - self.mean_start
         known = known if self.single else thin(known, 0.06 * (high - low))
         edges = np.concatenate([known, breaking.panels / unit, np.linspace(0.0, top, 5)])
+        edges = np.append(edges, early(lambda x: self._integrals(x)[0], top))
         edges = np.unique(np.append(edges[(edges >= 0.0) & (edges <= top)], seeds))
         # closer than rounding is once
         edges = edges[np.append(np.diff(edges) > min(_SAME, 0.01 * top), True)]

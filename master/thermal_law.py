@@ -123,7 +123,8 @@ class ThermalBreaking:
             at, here = x[i : i + chunk], out[:, :, i : i + chunk]
             for row, mass, threshold in self._thresholds(at, np.zeros(at.size), np.abs(at)):
                 rate, spent = self._passed(at[row, None], threshold, np.zeros(1))
-                self._fan_out(here, row, mass, rate * np.exp(-spent), threshold, (origins, lowest, least))
+                held = np.exp(np.minimum(-spent, MOST_SPENT))  # only thresholds that weigh nothing exceed it
+                self._fan_out(here, row, mass, rate * held, threshold, (origins, lowest, least))
             own = np.flatnonzero((at > 0.0) & (finite_density(self.law, at) > 0.0))
             mass, threshold = finite_density(self.law, at[own])[:, None], at[own, None]
             held = self.held(threshold, threshold, np.zeros(1))

@@ -55,7 +55,7 @@ class ThresholdPanels:
         continuous = float(law.atoms[1].sum()) < 1.0 - 1e-14
         inner = panel_edges(law, tail=_TAIL) if continuous else np.empty(0)
         edges = np.unique(np.concatenate([[lower], inner, [min(far, upper)]]))
-        parts = np.ceil(np.diff(barrier(edges)) / _RUNG).astype(int)
+        parts = np.minimum(np.ceil(np.diff(barrier(edges)) / _RUNG), _MOST_PARTS + 1).astype(int)
         # where that takes many, stretches need panels of their own anyway
         much = np.abs(np.diff(law.cdf(edges))) > heavy
         self.even = not (much & (parts > _MOST_PARTS)).any()
