@@ -17,7 +17,8 @@ _ACCURACY = 1e-13
 _TAIL = 1e-20
 _CUTS, _CLOSE = 40, 1e-3
 _DOWN, _ACROSS = np.geomspace(1e-12, 1.0, 33)[:-1], np.linspace(0.0, 1.0, 34)[1:-1]
-_LADDER, _STEEP, _SEEN = 4.0 ** -np.arange(1.0, 60.0), 1.5, 1e-14
+_LADDER, _STEEP, _SEEN = 16.0 ** -np.arange(0.5, 19.0), 1.5, 1e-14
+LEAST = 1e-140  # of a mean threshold: squares of it are still numbers
 
 
 class BreakingLaw(Thresholds):
@@ -48,7 +49,7 @@ class BreakingLaw(Thresholds):
         self._atom_weights = breaking.atom_weights * left
         self._end = self._reach(_TAIL)
         seeds = np.append(np.linspace(0.0, self._end, 9), breaking.marks[breaking.marks < self._end])
-        seeds = np.append(seeds, early(lambda x: breaking.rows(x)[0], self._end))
+        seeds = np.append(seeds, early(lambda x: breaking.rows(x)[0], self._end, LEAST * self._unit))
         tables = tabulate(self._rows, np.unique(seeds), _ACCURACY)
         self._breaks, self._held = tables[:2]
         self.stiffness: Piecewise | None = tables[2] if breaking.linked else None
@@ -118,10 +119,11 @@ class BreakingLaw(Thresholds):
         return total
 
 
-def early(density: Callable[[Array], Array], end: float) -> Array:
-    """Travels towards 0 over which a density of breaks falls steeply: panels as wide as the longest lives, up to
-    `end`, would miss it."""
+def early(density: Callable[[Array], Array], end: float, least: float) -> Array:
+    """Travels towards 0, down to `least`, over which a density of breaks falls steeply: panels as wide as the longest
+    lives, up to `end`, would miss it."""
     x = end * _LADDER
+    x = x[x > least]
     p = np.maximum(density(x), 1e-300)
     steep = np.flatnonzero((np.abs(np.diff(np.log(p))) > _STEEP) & (np.maximum(p[1:] * x[1:], p[:-1] * x[:-1]) > _SEEN))
     return x[np.unique(np.concatenate([steep, steep + 1]))]

@@ -13,7 +13,7 @@ from master.powers import find_powers
 from master.problem import POWERS_FELT, Problem, law_of
 from master.renewal import RESOLVED, LaterReleased, bound
 from master.solution import Solution
-from master.steady import steady_of
+from master.steady import check_finite, steady_of
 from origins import Contacts
 from origins.errors import refuse
 
@@ -101,6 +101,7 @@ def _solve_far(
         problem = Problem(contacts, at, tolerance / share, cycle)
         early = x <= at
         solved = solve_problem(problem, np.append(path[early], at * cycle.unit), tolerance, began, progress)
+        check_finite(contacts)
         steady = steady_of(contacts, cycle)
         left = left_to_settle(problem, solved._later, steady, at, tolerance / share)
         error = max(solved.force_error, left * share + steady.force_error)
@@ -156,7 +157,8 @@ def _holding(problem: Problem, later: LaterReleased | None, x: Array) -> Array:
         count = problem.first.count.once(x) + problem.chain.count.once(x)
         return count if later is None else count + later.count(x)
 
-    return 1.0 - (broken(x) - broken(np.maximum(x - delay, -1e-300)))
+    # errors of the counts are not to make it less than none, or more than all
+    return np.clip(1.0 - (broken(x) - broken(np.maximum(x - delay, -1e-300))), 0.0, 1.0)
 
 
 def refined(
@@ -229,7 +231,9 @@ def refined(
 
 def round_off(problem: Problem) -> float:
     """Error that no lattice goes below: tables, and what the rounding of each step adds up to."""
-    return _added_up(problem.end) + known_to(problem)
+    # contacts that form again close to their thresholds break more often than they are long
+    often = 1.0 if problem.release.born is None else max(problem.unit / problem.cycle.law.mean(), 1.0)
+    return _added_up(problem.end * often) + known_to(problem)
 
 
 def known_to(problem: Problem) -> float:

@@ -219,6 +219,7 @@ def tabulate(
     `narrow` stays whole: the function is not known more finely there. Nor is it where it takes its positions from a
     place as far off as `offset`, below the rounding of that.
     """
+    edges = edges[np.diff(edges, prepend=-np.inf) > 0.0]
     left, right = edges[:-1], edges[1:]
     lean, pairs = np.zeros(left.size, dtype=np.int64), 0
     done_left: list[Array] = []

@@ -100,11 +100,25 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | 
 
         check_alone(contacts)
         return paper_steady_state(contacts.thresholds, contacts.ageing, positive("velocity", velocity))
+    check_finite(contacts)
     return steady_of(contacts, Cycle(contacts, positive("velocity", velocity)))
 
 
+def check_finite(contacts: Contacts) -> None:
+    """InputError where the kinetic force is infinite. At a temperature as well: the stronger a contact, the less it
+    breaks before its threshold. Thresholds that diffuse leave theirs, and those that grow have a strongest."""
+    if contacts.ageing is not None or contacts.grains is not None:
+        return
+    power = 3 if contacts.stiffness == "linked" else 2
+    if not np.isfinite(contacts.thresholds.moment(power)):
+        raise InputError(
+            f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever; use a "
+            f"law whose tail falls faster than x^-{power + 1}"
+        )
+
+
 def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
-    """The same, of contacts whose cycle is known."""
+    """The same, of contacts whose cycle is known, after `check_finite`."""
     length, area, again_length, again_area = _cycle_integrals(contacts, cycle)
     wait = cycle.release.delay * cycle.unit
     if not (area > 0.0 and length > 0.0 and again_length > 0.0):
@@ -157,13 +171,7 @@ def _cycle_integrals(contacts: Contacts, cycle: Cycle) -> tuple[float, float, fl
     law, release, unit = cycle.relaxed, cycle.release, cycle.unit
     if release.born is not None:
         return _born_integrals(release, unit)
-    power = 3 if release.stiffness and cycle.breaking is None else 2
-    moment = law.moment(power)
-    if not np.isfinite(moment):
-        raise InputError(
-            f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever; use a "
-            f"law whose tail falls faster than x^-{power + 1}"
-        )
+    moment = law.moment(3 if release.stiffness and cycle.breaking is None else 2)
     if isinstance(law, BreakingLaw | EffectiveLaw) and not release.stiffness:
         nodes, weights = gauss(law.panels[:-1], law.panels[1:])
         held = weights * law.sf(nodes)
