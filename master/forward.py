@@ -32,6 +32,7 @@ _SHARE = 0.3  # of the tolerance, for a law known by a numerical solution
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
 _FEWEST_NODES = 256
 BROAD, _ENOUGH = 50.0, 2048  # means up to the longest of lives of all lengths, and nodes for them
+_BY_CHANCE = 8.0
 _STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
 _BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
 _MOST_AROUND = 2000
@@ -238,7 +239,9 @@ def round_off(problem: Problem) -> float:
 
 def known_to(problem: Problem) -> float:
     """What the errors of the first breaks and of the law add to the force up to the path's end."""
-    return problem.first.error + problem.cycle.error * (1.0 + problem.end)
+    born = problem.release.born
+    law = problem.cycle.error + (0.0 if born is None else born.rounding)
+    return problem.first.error + law * (1.0 + problem.end)
 
 
 def _added_up(end: float) -> float:
@@ -305,4 +308,6 @@ def estimate(difference: float, before: float, least: float, diverges: bool) -> 
     if diverges:
         return 4.0 * max(difference, 0.25 * before if np.isfinite(before) else 0.0)
     ratio = difference / before if before > 0.0 else 1.0
+    if ratio > 1.0:  # the one before was small by chance, and tells nothing
+        return difference * max(_BY_CHANCE, least)
     return difference * max(4.0 * ratio if ratio < 0.25 else 2.0, least)

@@ -31,6 +31,7 @@ _CHUNK = 8_000
 _SAME = 1e-14
 _NEGLIGIBLE, _UNFELT = 1e-19, 1e-5
 _SIGNS = 8.0
+_EPSILON = float(np.finfo(float).eps)
 
 
 class OriginBreaks(FirstBreaks):
@@ -95,6 +96,10 @@ class OriginBreaks(FirstBreaks):
         broken = self.density.total + float(self.atom_weights[self.atoms <= top].sum())
         # over a start errors of many signs add up to the defect, and in the force with other weights
         self._defect = abs(1.0 - rest - broken) * (1.0 if self.single else _SIGNS) + breaking.error
+        if self.single:
+            width, weight = np.diff(self.density.edges), np.abs(np.diff(self.density.integral(self.density.edges)))
+            self.rounding = _EPSILON * abs(low) * float((weight / width).sum())
+            self._defect += self.rounding
 
     def _find_corners(self, seeds: Array, law: Law) -> None:
         """Jumps of b_0 between panels, and bends where the law has atoms."""

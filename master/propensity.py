@@ -13,7 +13,7 @@ from master.forward import MOST_NODES, SMOOTH, estimate, first_step, round_off
 from master.problem import Problem
 from master.renewal import LaterReleased
 from master.steady import check_finite, steady_of
-from origins import Contacts
+from origins import Contacts, InputError
 from origins.contacts import check_contacts
 from origins.errors import TOLERANCE, positive
 
@@ -84,6 +84,11 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     steady = steady_of(contacts, cycle)
     unit = cycle.unit
     kinetic = steady.force / unit
+    if not kinetic > 0.0:
+        raise InputError(
+            f"reforming: contacts form again behind x = 0 and bear {steady.force:.3g} in steady sliding, of which no "
+            "F_s is a multiple; ask master.phase_line for K* alone"
+        )
     spring, spring_error, static, static_error = extremes(contacts, cycle, tolerance)
     length, length_error = decoherence_length(contacts, cycle)
     ratio = max(static / kinetic, 1.0)

@@ -121,7 +121,8 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
     """The same, of contacts whose cycle is known, after `check_finite`."""
     length, area, again_length, again_area = _cycle_integrals(contacts, cycle)
     wait = cycle.release.delay * cycle.unit
-    if not (area > 0.0 and length > 0.0 and again_length > 0.0):
+    # contacts that form again behind x = 0 and break before they get there bear less than nothing
+    if not ((area > 0.0 or cycle.release.born is not None) and length > 0.0 and again_length > 0.0):
         rule = "contacts break before they have moved a length that is a number; slide faster"
         refuse("velocity", cycle.velocity, rule)
     force = area / (length + wait)
@@ -138,7 +139,7 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         reach = float(cycle.relaxed.isf(_REACHED))
         off = float(off + cycle.error * (0.5 * reach**2 + force * reach) / (length + wait))
         length_off += cycle.error * reach
-    if cycle.tabulated and off > _WELL * force:
+    if cycle.tabulated and off > _WELL * abs(force):
         force, off, length, length_off = _summed(contacts, cycle, (force, off, length, length_off))
     return SteadyState(
         force=force,

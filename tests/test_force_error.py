@@ -1,10 +1,12 @@
 """The promise on force_error: over 1,000 random cases it bounds the true error, and not by much too much.
 
 Contacts that break at their thresholds alone, on 1,000 cases; contacts with temperature, delay, re-forming, linked
-stiffness or ageing on 24, and but for ageing on 20 paths that turn, change speed and wait, or on as many as
-FORCE_ERROR_CASES says (paths that turn round without laws: tests/test_cohorts.py):
+stiffness or ageing on 14, and but for ageing on 20 paths that turn, change speed and wait, or on as many as
+FORCE_ERROR_CASES says (paths that turn round without laws: tests/test_cohorts.py). At a steady speed a third of all
+numbers come from far corners: lengths in any unit, heat, speeds, waits and ages over many decades, starts beyond most
+thresholds, narrow laws and wide ones. The median of 14 such cases is that of 1,000 only within a factor of three:
 
-    FORCE_ERROR_CASES=1000 python -m pytest tests/test_force_error.py -k laws
+    FORCE_ERROR_CASES=1000 python -m pytest tests/test_force_error.py -k "laws and not time"
 """
 
 import os
@@ -20,9 +22,9 @@ import master
 import origins
 
 CASES = 1000
-CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "24"))
+CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "14"))
 CASES_IN_TIME = int(os.environ.get("FORCE_ERROR_CASES", "20"))
-SEED = 20100902
+SEED, SEED_OF_LAWS = 20100902, 20250902
 ROUND_OFF = 1e-13
 
 
@@ -154,8 +156,10 @@ def any_law(draw: Draw) -> Case:
 
 
 def far_start(draw: Draw, law: origins.Thresholds) -> float:
-    """Beyond most thresholds, on either side."""
-    return [-1.0, 1.0][draw.whole(0, 2)] * float(law.isf(draw.log(1e-5, 1.0)))
+    """Beyond most thresholds, on either side, and close below one that is the strongest of all."""
+    at = float(law.isf(draw.log(1e-5, 1.0)))
+    at *= 1.0 if law.sf(at) > 0.0 else 1.0 - 1e-3
+    return [-at, at][draw.whole(0, 2)]
 
 
 def any_start(draw: Draw, law: origins.Thresholds) -> object:
@@ -305,10 +309,10 @@ def solved(case: Case, path: np.ndarray, tolerance: float) -> master.Solution:
     return master.solve(case.contacts, path, tolerance, velocity=case.velocity, time=case.time)
 
 
-def judge(number: int, kinds: list[Callable[[Draw], Case]]) -> tuple[Case, float, float]:
+def judge(number: int, kinds: list[Callable[[Draw], Case]], seed: int = SEED) -> tuple[Case, float, float]:
     """Case `number`, its estimate and true error; drawn again until the truth is known well enough."""
     for attempt in range(100):
-        draw = Draw(SEED, number, attempt)
+        draw = Draw(seed, number, attempt)
         case = kinds[number % len(kinds)](draw)
         solution = solved(case, case.path, case.tolerance)
         assert np.isfinite(solution.force).all()
@@ -324,7 +328,8 @@ def judge(number: int, kinds: list[Callable[[Draw], Case]]) -> tuple[Case, float
     ids=["cold", "laws", "laws in time"],
 )
 def test_force_error_is_the_promise_it_is_said_to_be(kinds: list[Callable[[Draw], Case]], cases: int) -> None:
-    judged = [judge(number, kinds)[1:] for number in range(cases)]
+    seed = SEED_OF_LAWS if kinds is KINDS_OF_LAWS else SEED
+    judged = [judge(number, kinds, seed)[1:] for number in range(cases)]
     estimate, error = np.array(judged).T
     assert (estimate >= error).mean() >= 0.995
     assert (error / estimate).max() <= 2.0

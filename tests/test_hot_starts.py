@@ -85,3 +85,13 @@ def test_a_short_path_is_the_beginning_of_a_long_one(law: Literal["soft", "stiff
         short, long = (master.solve(contacts, path, 1e-9) for path in ([end], [end, 2.5]))
         assert short.success
         assert short.force[0] == pytest.approx(long.force[0], abs=short.force_error + long.force_error)
+
+
+def test_contacts_that_form_again_behind_and_break_at_once_bear_less_than_nothing() -> None:
+    # after a short life each waits for 1: those that hold stand at -0.3
+    thermal = Thermal("soft", 0.5, 1e6)
+    contacts = Contacts(gaussian(1.0, 0.05), thermal=thermal, reforming=-0.3, delay=Delay(1.0))
+    steady = master.steady_state(contacts)
+    assert steady.force / steady.holding == pytest.approx(-0.3, abs=1e-4)
+    with pytest.raises(InputError, match=r"^reforming: contacts form again behind x = 0 and bear -"):
+        master.propensity(contacts)
