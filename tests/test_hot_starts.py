@@ -66,7 +66,7 @@ def test_contacts_that_break_as_they_start_were_born_there(start: float, again: 
     # within 1e-5 all have broken, and stand where they form again
     def force(begin: float) -> np.ndarray:
         contacts = Contacts(gaussian(1.0, 0.02), begin, thermal=Thermal("soft", 0.01, 1e10), reforming=again or None)
-        solution = master.solve(contacts, path, 3e-5)
+        solution = master.solve(contacts, path, 2e-4)
         assert solution.success
         return solution.force
 
