@@ -1,5 +1,7 @@
 """The stretches at which contacts born relaxed break at a temperature, as a law of thresholds."""
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
@@ -13,7 +15,10 @@ Array = npt.NDArray[np.float64]
 
 _ACCURACY = 1e-13
 _TAIL = 1e-20
-_CUTS, _CLOSE = 10, 1e-3
+_CUTS, _CLOSE = 40, 1e-3
+_DOWN, _ACROSS = np.geomspace(1e-12, 1.0, 33)[:-1], np.linspace(0.0, 1.0, 34)[1:-1]
+_LADDER, _STEEP, _SEEN = 16.0 ** -np.arange(0.5, 19.0), 1.5, 1e-14
+LEAST = 1e-140  # of a mean threshold: squares of it are still numbers
 
 
 class BreakingLaw(Thresholds):
@@ -42,19 +47,20 @@ class BreakingLaw(Thresholds):
         self._atoms = breaking.atoms
         left = breaking.held(breaking.atoms, breaking.atoms, np.zeros(breaking.atoms.size))
         self._atom_weights = breaking.atom_weights * left
-        self._end = self._reach()
-        marks = breaking.marks
-        inner = np.append(np.linspace(0.0, self._end, 9), marks[marks < self._end])
-        tables = tabulate(self._rows, np.unique(inner), _ACCURACY)
+        self._end = self._reach(_TAIL)
+        seeds = np.append(np.linspace(0.0, self._end, 9), breaking.marks[breaking.marks < self._end])
+        seeds = np.append(seeds, early(lambda x: breaking.rows(x)[0], self._end, LEAST * self._unit))
+        tables = tabulate(self._rows, np.unique(seeds), _ACCURACY)
         self._breaks, self._held = tables[:2]
         self.stiffness: Piecewise | None = tables[2] if breaking.linked else None
 
-    def _reach(self) -> float:
-        """Stretch that fewer than 1e-20 pass."""
+    def _reach(self, tail: float) -> float:
+        """Stretch that fewer than `tail` pass."""
         low, high = 0.0, self.breaking.top
         for _ in range(_CUTS):
-            at = np.linspace(low, high, 34)[1:-1]
-            passed = int((self.breaking.rows(at)[1] > _TAIL).sum())
+            # the strongest may be any number of times as strong as most
+            at = low + (high - low) * _ACROSS if low > 0.0 else high * _DOWN
+            passed = int((self.breaking.rows(at)[1] > tail).sum())
             low, high = (at[passed - 1] if passed else low), (at[passed] if passed < at.size else high)
             if high - low < _CLOSE * low:
                 break
@@ -111,3 +117,13 @@ class BreakingLaw(Thresholds):
         for atom, weight in zip(*self.atoms, strict=True):
             total += np.where(x >= atom, weight, 0.0)
         return total
+
+
+def early(density: Callable[[Array], Array], end: float, least: float) -> Array:
+    """Travels towards 0, down to `least`, over which a density of breaks falls steeply: panels as wide as the longest
+    lives, up to `end`, would miss it."""
+    x = end * _LADDER
+    x = x[x > least]
+    p = np.maximum(density(x), 1e-300)
+    steep = np.flatnonzero((np.abs(np.diff(np.log(p))) > _STEEP) & (np.maximum(p[1:] * x[1:], p[:-1] * x[:-1]) > _SEEN))
+    return x[np.unique(np.concatenate([steep, steep + 1]))]

@@ -52,9 +52,12 @@ class FirstBreaks:
         Stiffness that breaks release, where contacts are not equally stiff; `atom_stiffness` that of the atoms.
     mean_start : float
         <x_ini>.
+    rounding : float
+        Weight that is not known, as stretches are rounded, where contacts break within little of where they stood.
     """
 
     stiffness: Piecewise | None = None
+    rounding = 0.0
     _poles: Poles | None = None
 
     def __init__(self, contacts: Contacts, law: Law, end: float, accuracy: float) -> None:

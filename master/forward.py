@@ -13,7 +13,7 @@ from master.powers import find_powers
 from master.problem import POWERS_FELT, Problem, law_of
 from master.renewal import RESOLVED, LaterReleased, bound
 from master.solution import Solution
-from master.steady import steady_of
+from master.steady import check_finite, steady_of
 from origins import Contacts
 from origins.errors import refuse
 
@@ -32,6 +32,7 @@ _SHARE = 0.3  # of the tolerance, for a law known by a numerical solution
 _FEW = 200  # positions: fewer may all fall where a lattice happens to be good
 _FEWEST_NODES = 256
 BROAD, _ENOUGH = 50.0, 2048  # means up to the longest of lives of all lengths, and nodes for them
+_BY_CHANCE = 8.0
 _STALL = 20.0  # times the floor: differences below this that no longer fall are round-off
 _BESIDE = 0.9 * np.arange(-7.0, 8.0, 2.0)
 _MOST_AROUND = 2000
@@ -101,6 +102,7 @@ def _solve_far(
         problem = Problem(contacts, at, tolerance / share, cycle)
         early = x <= at
         solved = solve_problem(problem, np.append(path[early], at * cycle.unit), tolerance, began, progress)
+        check_finite(contacts)
         steady = steady_of(contacts, cycle)
         left = left_to_settle(problem, solved._later, steady, at, tolerance / share)
         error = max(solved.force_error, left * share + steady.force_error)
@@ -156,7 +158,8 @@ def _holding(problem: Problem, later: LaterReleased | None, x: Array) -> Array:
         count = problem.first.count.once(x) + problem.chain.count.once(x)
         return count if later is None else count + later.count(x)
 
-    return 1.0 - (broken(x) - broken(np.maximum(x - delay, -1e-300)))
+    # errors of the counts are not to make it less than none, or more than all
+    return np.clip(1.0 - (broken(x) - broken(np.maximum(x - delay, -1e-300))), 0.0, 1.0)
 
 
 def refined(
@@ -229,12 +232,16 @@ def refined(
 
 def round_off(problem: Problem) -> float:
     """Error that no lattice goes below: tables, and what the rounding of each step adds up to."""
-    return _added_up(problem.end) + known_to(problem)
+    # contacts that form again close to their thresholds break more often than they are long
+    often = 1.0 if problem.release.born is None else max(problem.unit / problem.cycle.law.mean(), 1.0)
+    return _added_up(problem.end * often) + known_to(problem)
 
 
 def known_to(problem: Problem) -> float:
     """What the errors of the first breaks and of the law add to the force up to the path's end."""
-    return problem.first.error + problem.cycle.error * (1.0 + problem.end)
+    born = problem.release.born
+    law = problem.cycle.error + (0.0 if born is None else born.rounding)
+    return problem.first.error + law * (1.0 + problem.end)
 
 
 def _added_up(end: float) -> float:
@@ -301,4 +308,6 @@ def estimate(difference: float, before: float, least: float, diverges: bool) -> 
     if diverges:
         return 4.0 * max(difference, 0.25 * before if np.isfinite(before) else 0.0)
     ratio = difference / before if before > 0.0 else 1.0
+    if ratio > 1.0:  # the one before was small by chance, and tells nothing
+        return difference * max(_BY_CHANCE, least)
     return difference * max(4.0 * ratio if ratio < 0.25 else 2.0, least)

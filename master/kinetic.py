@@ -18,7 +18,7 @@ from master.break_sums import law_edges, summable, summed
 from master.cycle import LAWS
 from master.outcome import WELL, judged
 from master.points import Points, changed
-from master.steady import steady_state
+from master.steady import check_finite, steady_state
 from origins import Contacts
 from origins.brief import brief
 from origins.contacts import check_contacts
@@ -151,6 +151,7 @@ def _growing(
 
 def _at_once(contacts: Contacts, speeds: Array, edges: Array | None) -> Array:
     """Force, its error, C and its error (lengths) at each speed, shape (4, n); `edges` of panels over thresholds."""
+    check_finite(contacts)
     out = np.full((4, speeds.size), np.nan)
     if summable(contacts):
         sums = summed(contacts, speeds, edges)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.ageing_breaking import AgeingBreaking
+from master.breaking_law import LEAST, early
 from master.corners import bends
 from master.first import FirstBreaks, tabulate_rows
 from master.grain_breaking import GrainBreaking
@@ -30,6 +31,8 @@ _CHUNK = 8_000
 _SAME = 1e-14
 _SHORT = 0.5  # of a mean stretch at a break: panels of the start on which breaks hardly change but at cuts
 _NEGLIGIBLE, _UNFELT = 1e-19, 1e-5
+_SIGNS = 8.0
+_EPSILON = float(np.finfo(float).eps)
 
 
 class OriginBreaks(FirstBreaks):
@@ -80,6 +83,7 @@ class OriginBreaks(FirstBreaks):
         known = law.edges[::2] - self.mean_start
         known = known if self.single else thin(known, 0.06 * (high - low))
         edges = np.concatenate([known, breaking.panels / unit, np.linspace(0.0, top, 5)])
+        edges = np.append(edges, early(lambda x: self._integrals(x)[0], top, LEAST * contacts.mean_threshold / unit))
         edges = np.unique(np.append(edges[(edges >= 0.0) & (edges <= top)], seeds))
         # closer than rounding is once
         edges = edges[np.append(np.diff(edges) > min(_SAME, 0.01 * top), True)]
@@ -91,7 +95,12 @@ class OriginBreaks(FirstBreaks):
         self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
         rest = float(self._integrals(np.array([top]), holds=True)[1, 0]) if top < breaking.top / unit - low else 0.0
         broken = self.density.total + float(self.atom_weights[self.atoms <= top].sum())
-        self._defect = abs(1.0 - rest - broken) + breaking.error
+        # over a start errors of many signs add up to the defect, and in the force with other weights
+        self._defect = abs(1.0 - rest - broken) * (1.0 if self.single else _SIGNS) + breaking.error
+        if self.single:
+            width, weight = np.diff(self.density.edges), np.abs(np.diff(self.density.integral(self.density.edges)))
+            self.rounding = _EPSILON * abs(low) * float((weight / width).sum())
+            self._defect += self.rounding
 
     def _find_corners(self, seeds: Array, law: Law) -> None:
         """Jumps of b_0 between panels, and bends where the law has atoms."""

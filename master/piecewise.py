@@ -221,6 +221,7 @@ def tabulate(
     place as far off as `offset`, below the rounding of that. `accuracy` is of values times `scale`, shape (rows, n) at
     positions of shape (n,), where there is one.
     """
+    edges = edges[np.diff(edges, prepend=-np.inf) > 0.0]
     left, right = edges[:-1], edges[1:]
     lean, pairs = np.zeros(left.size, dtype=np.int64), 0
     done_left: list[Array] = []

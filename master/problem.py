@@ -105,7 +105,7 @@ class Problem:
                 return FirstBreaks(contacts, law, end, accuracy)
         relaxed = self.law
         if self.cycle.law is not self.cycle.relaxed:
-            relaxed = Law(contacts, end, self.cycle.relaxed, self.unit)
+            relaxed = Law(contacts, end + max(contacts.start.span[1], 0.0) / self.unit, self.cycle.relaxed, self.unit)
         from master.origin_breaks import OriginBreaks
 
         return OriginBreaks(contacts, relaxed, breaking, end, 100.0 * accuracy)  # sums of sums, each with rounding

@@ -13,8 +13,8 @@ from master.forward import MOST_NODES, SMOOTH, estimate, first_step, round_off
 from master.outcome import judged
 from master.problem import Problem
 from master.renewal import LaterReleased
-from master.steady import steady_of
-from origins import Contacts
+from master.steady import check_finite, steady_of
+from origins import Contacts, InputError
 from origins.contacts import check_contacts
 from origins.errors import check_tolerance, positive
 
@@ -87,10 +87,16 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     began = time.perf_counter()
     tolerance = check_tolerance("tolerance", tolerance)
     check_contacts(contacts, "master.propensity", LAWS)
+    check_finite(contacts)
     cycle = Cycle(contacts, positive("velocity", velocity))
     steady = steady_of(contacts, cycle)
     unit = cycle.unit
     kinetic = steady.force / unit
+    if not kinetic > 0.0:
+        raise InputError(
+            f"reforming: contacts form again behind x = 0 and bear {steady.force:.3g} in steady sliding, of which no "
+            "F_s is a multiple; ask master.phase_line for K* alone"
+        )
     spring, spring_error, static, static_error = extremes(contacts, cycle, tolerance)
     length, length_error = decoherence_length(contacts, cycle)
     ratio = max(static / kinetic, 1.0)
@@ -114,10 +120,11 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
 def extremes(contacts: Contacts, cycle: Cycle, tolerance: float) -> tuple[float, float, float, float]:
     """K*/(N_c <k>), its error, the largest force and its error, these in units of the cycle's length."""
     lowest = min(contacts.start.span[0] / cycle.unit, 0.0)
-    horizon = _horizon(contacts, cycle)
+    horizon, followed = _horizon(contacts, cycle)
     problem = Problem(contacts, horizon - lowest, tolerance, cycle)
     spring, spring_error, static, static_error = _extremes(problem, tolerance)
-    if horizon * float(cycle.law.sf(horizon * cycle.unit)) > 2.0 * _FEW:
+    if not followed and horizon * float(cycle.law.sf(horizon * cycle.unit)) > 2.0 * _FEW:
+        check_finite(contacts)
         kinetic = steady_of(contacts, cycle).force / cycle.unit
         fall, excess = _beyond(cycle, horizon, kinetic)
         spring_error = max(spring_error, fall - spring)
@@ -125,18 +132,18 @@ def extremes(contacts: Contacts, cycle: Cycle, tolerance: float) -> tuple[float,
     return spring, spring_error, static, static_error
 
 
-def _horizon(contacts: Contacts, cycle: Cycle) -> float:
+def _horizon(contacts: Contacts, cycle: Cycle) -> tuple[float, bool]:
     """How far to follow F, in units of the cycle's mean: ten and beyond one in a million; where generations come one
-    after the other, clearly apart, only the first, which is the sharpest."""
+    after the other, clearly apart, only the first, which is the sharpest: then all that matters is followed."""
     unit, law = cycle.unit, cycle.law
     shortest, longest = float(law.ppf(1e-17)) / unit, float(law.isf(1e-17)) / unit
     # those that hold at X = 0 may break later than others do after a break
     longest = max(longest, float(contacts.thresholds.isf(1e-17)) / unit)
     low, high = (float(end) / unit for end in contacts.start.span)
     if longest - low < 2.0 * shortest - high:
-        return longest - max(low, 0.0)
+        return longest - max(low, 0.0), True
     if cycle.breaking is not None and longest > _BROAD:
-        return _LIVES * longest  # of contacts with lives of all lengths the longest-lived bear the force
+        return _LIVES * longest, False  # of contacts with lives of all lengths the longest-lived bear the force
     # of those that hold at a time one in a million is older: the older, the longer a contact is there to be met
     last = 1.0
     for _ in range(_TURNS):
@@ -146,7 +153,7 @@ def _horizon(contacts: Contacts, cycle: Cycle) -> float:
         # those that hold at X = 0 are the older, and stronger than all that come after them
         older = contacts.grains.age - contacts.grains.growth.first_pinning_time
         followed = max(followed, contacts.grains.breaking(cycle.velocity, older).support()[1] / unit - low)
-    return followed
+    return followed, False
 
 
 def _beyond(cycle: Cycle, horizon: float, kinetic: float) -> tuple[float, float]:

@@ -108,11 +108,25 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | 
 
         check_alone(contacts)
         return paper_steady_state(contacts.thresholds, contacts.ageing, positive("velocity", velocity))
+    check_finite(contacts)
     return steady_of(contacts, Cycle(contacts, positive("velocity", velocity)))
 
 
+def check_finite(contacts: Contacts) -> None:
+    """InputError where the kinetic force is infinite. At a temperature as well: the stronger a contact, the less it
+    breaks before its threshold. Thresholds that diffuse leave theirs, and those that grow have a strongest."""
+    if contacts.ageing is not None or contacts.grains is not None:
+        return
+    power = 3 if contacts.stiffness == "linked" else 2
+    if not np.isfinite(contacts.thresholds.moment(power)):
+        raise InputError(
+            f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever; use a "
+            f"law whose tail falls faster than x^-{power + 1}"
+        )
+
+
 def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
-    """The same, of contacts whose cycle is known."""
+    """The same, of contacts whose cycle is known, after `check_finite`."""
     if contacts.reforming is not None and summable(contacts):
         known = _summed(contacts, cycle)
         if not np.isfinite(known[1]):
@@ -120,7 +134,8 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         return _steady(contacts, cycle, known)
     length, area, again_length, again_area = _cycle_integrals(contacts, cycle)
     wait = cycle.wait
-    if not (area > 0.0 and length > 0.0 and again_length > 0.0):
+    # contacts that form again behind x = 0 and break before they get there bear less than nothing
+    if not ((area > 0.0 or cycle.release.born is not None) and length > 0.0 and again_length > 0.0):
         refuse("velocity", cycle.velocity, _TOO_SLOW)
     force = area / (length + wait)
     if not np.isfinite(again_area / again_length):
@@ -137,7 +152,7 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
         off = float(off + cycle.error * (0.5 * reach**2 + force * reach) / (length + wait))
         length_off += cycle.error * reach
     known = force, float(off), length, float(length_off)
-    if cycle.tabulated and off > _WELL * force and contacts.reforming is None and summable(contacts):
+    if cycle.tabulated and off > _WELL * abs(force) and contacts.reforming is None and summable(contacts):
         # tables of cold stretches at which contacts break are narrower than x is known
         known = min(known, _summed(contacts, cycle), key=lambda one: one[1])
     return _steady(contacts, cycle, known)
@@ -146,7 +161,7 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
 def _steady(contacts: Contacts, cycle: Cycle, known: tuple[float, float, float, float]) -> SteadyState:
     """From the force, C and their errors, lengths."""
     force, off, length, length_off = known
-    success, message = judged("F_k", off / force, WELL)
+    success, message = judged("F_k", off / max(abs(force), WELL * contacts.mean_threshold), WELL)
     return SteadyState(
         force=force,
         force_error=off / contacts.mean_threshold,
@@ -174,13 +189,7 @@ def _cycle_integrals(contacts: Contacts, cycle: Cycle) -> tuple[float, float, fl
     law, release, unit = cycle.relaxed, cycle.release, cycle.unit
     if release.born is not None:
         return _born_integrals(release, unit)
-    power = 3 if release.stiffness and cycle.breaking is None else 2
-    moment = law.moment(power)
-    if not np.isfinite(moment):
-        raise InputError(
-            f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever; use a "
-            f"law whose tail falls faster than x^-{power + 1}"
-        )
+    moment = law.moment(3 if release.stiffness and cycle.breaking is None else 2)
     if isinstance(law, BreakingLaw | EffectiveLaw) and not release.stiffness:
         nodes, weights = gauss(law.panels[:-1], law.panels[1:])
         held = weights * law.sf(nodes)

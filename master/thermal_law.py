@@ -32,6 +32,7 @@ _BELOW = 3.2  # 16 times the part of a change that is felt where A/v is about 1;
 MOST_SPENT = 40.0  # exponent: beyond, the round-off of a difference of two is felt
 MOST_GROWTH = 3.0  # of A/v over the starts told by one table
 _STEPS, _CLOSE = 12, 0.02  # and how well ln(A/v) is known where panels are laid around it
+_NEAR, _FURTHER = 4.0, 100
 _CHUNK = 36_000  # so that what is made on the way stays in the cache
 _GONE = 7.0  # e^(-e^7) is nothing
 
@@ -123,7 +124,8 @@ class ThermalBreaking:
             at, here = x[i : i + chunk], out[:, :, i : i + chunk]
             for row, mass, threshold in self._thresholds(at, np.zeros(at.size), np.abs(at)):
                 rate, spent = self._passed(at[row, None], threshold, np.zeros(1))
-                self._fan_out(here, row, mass, rate * np.exp(-spent), threshold, (origins, lowest, least))
+                held = np.exp(np.minimum(-spent, MOST_SPENT))  # only thresholds that weigh nothing exceed it
+                self._fan_out(here, row, mass, rate * held, threshold, (origins, lowest, least))
             own = np.flatnonzero((at > 0.0) & (finite_density(self.law, at) > 0.0))
             mass, threshold = finite_density(self.law, at[own])[:, None], at[own, None]
             held = self.held(threshold, threshold, np.zeros(1))
@@ -222,10 +224,25 @@ class ThermalBreaking:
             return self._log_spent(x, np.maximum(threshold, 1e-300), origin)
 
         low = np.maximum(least, self._panels.edges[0])
-        high = np.maximum(np.full(x.shape, self.top), low)
-        centre = _falling_root(level, low, high, 0.0)
-        further = _falling_root(level, centre, np.maximum(2.0 * centre, high), level(centre) - 1.0)
+        top = np.maximum(self.top, low)
+        centre = _falling_root(level, low, self._beyond(level, low, top, 0.0), 0.0)
+        goal = level(centre) - 1.0
+        further = _falling_root(level, centre, self._beyond(level, centre, np.maximum(2.0 * centre, top), goal), goal)
         return centre, further - centre
+
+    def _beyond(self, level: Function, low: Array, strongest: Array, goal: Array | float) -> Array:
+        """Thresholds above `low`, up to the strongest, at which a falling function is below `goal`: not so far above
+        that false position does not come back."""
+        high = np.minimum(np.maximum(_NEAR * low, _NEAR * self._contacts.mean_threshold), strongest)
+        for _ in range(_FURTHER):
+            short = high < strongest
+            if not short.any():
+                break
+            short &= level(high) > goal
+            if not short.any():
+                break
+            high = np.where(short, np.minimum(_NEAR * high, strongest), high)
+        return high
 
 
 def _falling_root(level: Function, low: Array, high: Array, goal: Array | float) -> Array:

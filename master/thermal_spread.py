@@ -83,7 +83,7 @@ class SpreadBreaks:
         weight, across = np.diff(law.cdf(law.edges)), np.diff(law.edges)
         order = across.argsort()
         enough = int(np.searchsorted(weight[order].cumsum(), _FEW))
-        narrowest = float(across[order][enough]) if enough < across.size else np.inf
+        narrowest = float(across[order][enough]) if enough < across.size else float(across.max(initial=start.widest))
         width = max(narrowest, (start.high - start.low) / _MOST_PANELS)
         self.cuts = np.unique(np.concatenate([law.inner_edges(0.99 * width), marks]))
         pieces = np.ceil(np.diff(start.edges) / width).astype(int)

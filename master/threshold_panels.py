@@ -14,6 +14,7 @@ Rows = npt.NDArray[np.intp]
 
 _TAIL = 1e-30
 _HEAVY = 1e-13
+_FURTHEST = 1e40  # means: its cube is still a number
 _FINE = 20  # nodes of a panel over the root of the distance
 _X, _W = np.polynomial.legendre.leggauss(_FINE)
 _X, _W = 0.5 * (_X + 1.0), 0.5 * _W
@@ -51,11 +52,11 @@ class ThresholdPanels:
     ) -> None:
         self._weights, self._rooted = NodeWeights(law), rooted
         lower, upper = law.support()
-        far = upper if np.isfinite(upper) else float(law.isf(1e-300))
+        far = upper if np.isfinite(upper) else min(float(law.isf(1e-300)), _FURTHEST * law.mean())
         continuous = float(law.atoms[1].sum()) < 1.0 - 1e-14
         inner = panel_edges(law, tail=_TAIL) if continuous else np.empty(0)
         edges = np.unique(np.concatenate([[lower], inner, [min(far, upper)]]))
-        parts = np.ceil(np.diff(barrier(edges)) / _RUNG).astype(int)
+        parts = np.minimum(np.ceil(np.diff(barrier(edges)) / _RUNG), _MOST_PARTS + 1).astype(int)
         # where that takes many, stretches need panels of their own anyway
         much = np.abs(np.diff(law.cdf(edges))) > heavy
         self.even = not (much & (parts > _MOST_PARTS)).any()

@@ -36,7 +36,8 @@ class Rectangular(Thresholds):
         return (self.upper - x) / self._width
 
     def _logsf(self, x: Array) -> Array:
-        return np.where(self._cdf(x) < 0.5, np.log1p(-self._cdf(x)), np.log(self._sf(x)))
+        with np.errstate(divide="ignore"):
+            return np.where(self._cdf(x) < 0.5, np.log1p(-self._cdf(x)), np.log(self._sf(x)))
 
     def _ppf(self, q: Array) -> Array:
         return self.lower + self._width * q

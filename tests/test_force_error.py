@@ -1,10 +1,12 @@
 """The promise on force_error: over 1,000 random cases it bounds the true error, and not by much too much.
 
 Contacts that break at their thresholds alone, on 1,000 cases; contacts with temperature, delay, re-forming, linked
-stiffness or ageing on 24, and but for ageing on 20 paths that turn, change speed and wait, or on as many as
-FORCE_ERROR_CASES says (paths that turn round without laws: tests/test_cohorts.py):
+stiffness or ageing on 14, and but for ageing on 20 paths that turn, change speed and wait, or on as many as
+FORCE_ERROR_CASES says (paths that turn round without laws: tests/test_cohorts.py). At a steady speed a third of all
+numbers come from far corners: lengths in any unit, heat, speeds, waits and ages over many decades, starts beyond most
+thresholds, narrow laws and wide ones. The median of 14 such cases is that of 1,000 only within a factor of three:
 
-    FORCE_ERROR_CASES=1000 python -m pytest tests/test_force_error.py -k laws
+    FORCE_ERROR_CASES=1000 python -m pytest tests/test_force_error.py -k "laws and not time"
 """
 
 import os
@@ -20,9 +22,9 @@ import master
 import origins
 
 CASES = 1000
-CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "24"))
+CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "14"))
 CASES_IN_TIME = int(os.environ.get("FORCE_ERROR_CASES", "20"))
-SEED = 20100902
+SEED, SEED_OF_LAWS = 20100902, 20250902
 ROUND_OFF = 1e-13
 
 
@@ -39,22 +41,35 @@ class Case:
 
 
 class Draw:
-    """Numbers for one case."""
+    """Numbers for one case, in lengths of `unit`."""
 
     def __init__(self, *key: int) -> None:
         self.rng = np.random.default_rng(key)
+        self.unit, self._far = 1.0, 0.0
+
+    def widely(self) -> "Draw":
+        """Itself, from now on each number also from far corners, if it has any, and lengths in any unit."""
+        self._far = 1.0 / 3.0
+        self.unit = self.log(1.0, 1.0, 1e-9, 1e9)
+        return self
+
+    def far(self) -> bool:
+        return self._far > 0.0 and float(self.rng.random()) < self._far
 
     def even(self, low: float, high: float) -> float:
         return float(self.rng.uniform(low, high))
 
-    def log(self, low: float, high: float) -> float:
+    def log(self, low: float, high: float, *corners: float) -> float:
+        """Even in the logarithm between low and high, or between the two corners where the draw goes far."""
+        if corners and self.far():
+            low, high = corners
         return float(np.exp(self.rng.uniform(np.log(low), np.log(high))))
 
     def whole(self, low: int, high: int) -> int:
         return int(self.rng.integers(low, high))
 
     def path(self, longest: float, mean: float) -> np.ndarray:
-        end, points = self.log(0.5, longest) * mean, self.whole(2, 250)
+        end, points = self.log(0.5, longest, 1e-6, 100.0) * mean, self.whole(2, 250)
         if self.rng.random() < 0.5:
             return np.linspace(0.0, end, points)
         return np.sort(self.rng.uniform(0.0, end, points))
@@ -64,65 +79,75 @@ class Draw:
 
 
 def narrow_gaussian(draw: Draw) -> Case:
-    std, start, start_std = draw.log(0.01, 0.11), draw.even(-0.05, 0.1), draw.log(0.003, 0.03)
-    contacts = origins.Contacts(origins.gaussian(1.0, std), origins.gaussian_start(start, start_std))
-    path = draw.path(20.0, 1.0)
-    return Case(contacts, path, draw.tolerance(), lambda x: gaussian_force(x, 1.0, std, start, start_std))
+    unit = draw.widely().unit
+    std, start, start_std = draw.log(0.01, 0.11, 1e-4, 0.11), draw.even(-0.05, 0.1), draw.log(0.003, 0.03, 1e-4, 0.03)
+    law, begins = origins.gaussian(unit, unit * std), origins.gaussian_start(unit * start, unit * start_std)
+    contacts = origins.Contacts(law, begins)
+    path = draw.path(20.0, unit)
+    return Case(contacts, path, draw.tolerance(), lambda x: unit * gaussian_force(x / unit, 1.0, std, start, start_std))
 
 
 def phase_type(draw: Draw) -> Case:
-    kind = draw.whole(0, 4)
+    kind, rate = draw.whole(0, 4), 1.0 / draw.widely().unit
     if kind == 0:
         stages = draw.whole(1, 7)
-        chain = hyper_erlang([1.0], [stages], [float(stages)])
+        chain = hyper_erlang([1.0], [stages], [rate * stages])
     elif kind == 1:
         share = draw.even(0.1, 0.9)
-        chain = hyper_erlang([share, 1.0 - share], [1, 1], [draw.log(0.3, 3.0), draw.log(0.3, 3.0)])
+        chain = hyper_erlang([share, 1.0 - share], [1, 1], [rate * draw.log(0.3, 3.0), rate * draw.log(0.3, 3.0)])
     elif kind == 2:
         share = draw.even(0.1, 0.9)
-        chain = hyper_erlang([share, 1.0 - share], [draw.whole(1, 4), draw.whole(1, 4)], [2.0, draw.log(2.5, 8.0)])
+        stages = [draw.whole(1, 4), draw.whole(1, 4)]
+        chain = hyper_erlang([share, 1.0 - share], stages, [2.0 * rate, rate * draw.log(2.5, 8.0)])
     else:
-        chain = coxian(draw.log(0.3, 0.9), draw.log(1.1, 4.0), draw.even(0.1, 1.0))
+        chain = coxian(rate * draw.log(0.3, 0.9), rate * draw.log(1.1, 4.0), draw.even(0.1, 1.0))
     start = [0.0, draw.even(0.0, 0.8), draw.even(-0.5, 0.0)][draw.whole(0, 3)] * chain.mean
     path = draw.path(20.0, chain.mean)
     return Case(origins.Contacts(chain.law, start), path, draw.tolerance(), lambda x: chain.force(x, start))
 
 
 LAWS: list[Callable[[Draw], object]] = [
-    lambda d: origins.gaussian(1.0, d.log(0.01, 1.0)),
-    lambda d: origins.rectangular(low := d.even(0.0, 1.0), low + d.even(0.1, 1.5)),
-    lambda d: origins.gw_elastic(d.log(0.1, 10.0)),
-    lambda d: origins.gw_plastic(d.log(0.1, 10.0)),
-    lambda d: origins.persson(1.0, d.log(0.1, 5.0)),
-    lambda d: origins.lubricated(d.log(0.3, 3.0)),
+    lambda d: origins.gaussian(d.unit, d.unit * d.log(0.01, 1.0, 1e-4, 3.0)),
+    lambda d: origins.rectangular(low := d.unit * d.even(0.0, 1.0), low + d.unit * d.log(0.1, 1.5, 1e-4, 1.5)),
+    lambda d: origins.gw_elastic(d.log(0.1, 10.0) / d.unit ** (4.0 / 3.0)),
+    lambda d: origins.gw_plastic(d.log(0.1, 10.0) / d.unit**2),
+    lambda d: origins.persson(d.unit, d.unit * d.log(0.1, 5.0, 1e-3, 1e3)),
+    lambda d: origins.lubricated(d.unit * d.log(0.3, 3.0)),
+    lambda d: origins.mixture([peak(d, 0.2, 1.0, 0.02), peak(d, 1.0, 2.0, 0.02)], [0.3, 0.7]),
+    lambda d: origins.mixture([origins.rectangular(0.2 * d.unit, 0.4 * d.unit), peak(d, 0.8, 2.0, 0.02)], [0.3, 0.7]),
     lambda d: origins.mixture(
-        [origins.gaussian(d.even(0.2, 1), d.log(0.02, 0.2)), origins.gaussian(d.even(1, 2), d.log(0.02, 0.2))],
-        [0.3, 0.7],
-    ),
-    lambda d: origins.mixture(
-        [origins.rectangular(0.2, 0.4), origins.gaussian(d.even(0.8, 2), d.log(0.02, 0.2))], [0.3, 0.7]
-    ),
-    lambda d: origins.mixture(
-        [origins.identical(d.even(0.3, 1.5)), origins.rectangular(low := d.even(0.1, 1.0), low + d.even(0.01, 1.0))],
+        [
+            origins.identical(d.unit * d.even(0.3, 1.5)),
+            origins.rectangular(low := d.unit * d.even(0.1, 1.0), low + d.unit * d.even(0.01, 1.0)),
+        ],
         [0.4, 0.6],
     ),
     lambda d: origins.mixture(
-        [origins.identical(d.even(0.3, 0.8)), origins.identical(d.even(0.8, 1.5)), origins.gaussian(1.0, 0.1)],
+        [
+            origins.identical(d.unit * d.even(0.3, 0.8)),
+            origins.identical(d.unit * d.even(0.8, 1.5)),
+            origins.gaussian(d.unit, 0.1 * d.unit),
+        ],
         [0.2, 0.3, 0.5],
     ),
-    lambda d: origins.from_samples(d.rng.gamma(3.0, 1.0 / 3.0, size=200)),
-    lambda d: scipy.stats.gamma(d.log(0.5, 8.0)),
-    lambda d: scipy.stats.lognorm(d.log(0.1, 1.0)),
-    lambda d: scipy.stats.lomax(d.even(2.2, 5.0)),
-    lambda d: scipy.stats.beta(d.even(1.0, 4.0), d.even(1.0, 4.0)),
+    lambda d: origins.from_samples(d.unit * d.rng.gamma(3.0, 1.0 / 3.0, size=200)),
+    lambda d: scipy.stats.gamma(d.log(0.5, 8.0), scale=d.unit),
+    lambda d: scipy.stats.lognorm(d.log(0.1, 1.0), scale=d.unit),
+    lambda d: scipy.stats.lomax(d.log(2.2, 5.0, 2.1, 2.2), scale=d.unit),
+    lambda d: scipy.stats.beta(d.even(1.0, 4.0), d.even(1.0, 4.0), scale=d.unit),
 ]
 
 
+def peak(draw: Draw, low: float, high: float, width: float) -> origins.Thresholds:
+    return origins.gaussian(draw.unit * draw.even(low, high), draw.unit * draw.log(width, 0.2, 1e-4, 0.2))
+
+
 def any_law(draw: Draw) -> Case:
+    draw.widely()
     law = origins.Contacts(LAWS[draw.whole(0, len(LAWS))](draw)).thresholds
     mean, low = law.mean(), float(law.ppf(0.1))
     start = [
-        None,
+        far_start(draw, law) if draw.far() else None,
         draw.even(-0.5, 0.8) * low,
         origins.gaussian_start(draw.even(-0.2, 0.3) * low, draw.log(0.003, 0.05) * low),
         scipy.stats.uniform(draw.even(-0.3, 0.3) * low, 0.3 * low),
@@ -130,69 +155,94 @@ def any_law(draw: Draw) -> Case:
     return Case(origins.Contacts(law, start), draw.path(20.0, mean), draw.tolerance())
 
 
+def far_start(draw: Draw, law: origins.Thresholds) -> float:
+    """Beyond most thresholds, on either side, and close below one that is the strongest of all."""
+    at = float(law.isf(draw.log(1e-5, 1.0)))
+    at *= 1.0 if law.sf(at) > 0.0 else 1.0 - 1e-3
+    return [-at, at][draw.whole(0, 2)]
+
+
 def any_start(draw: Draw, law: origins.Thresholds) -> object:
+    if draw.far():
+        return far_start(draw, law)
     low = float(law.ppf(0.1))
     return [None, draw.even(-0.5, 0.8) * low, draw.even(0.0, 0.5) * low][draw.whole(0, 3)]
 
 
 def with_law(draw: Draw, start: bool = True, **more: object) -> Case:
-    law = origins.Contacts(LAWS[draw.whole(0, 8)](draw)).thresholds
+    law = origins.Contacts(LAWS[draw.whole(0, len(LAWS) if draw.far() else 8)](draw)).thresholds
     contacts = origins.Contacts(law, any_start(draw, law) if start else None, **more)
     path = draw.path(12.0, law.mean())
-    return Case(contacts, path, draw.tolerance(), velocity=draw.log(0.3, 3.0))
+    return Case(contacts, path, draw.tolerance(), velocity=draw.unit * draw.log(0.3, 3.0))
 
 
 def heat(draw: Draw) -> origins.Thermal:
     law = ["soft", "stiff"][draw.whole(0, 2)]
-    return origins.Thermal(law, draw.log(1e-3, 1.0), draw.log(0.03, 30.0))
+    return origins.Thermal(law, draw.unit**2 * draw.log(1e-3, 1.0, 1e-8, 1e3), draw.log(0.03, 30.0, 1e-12, 1e12))
 
 
 def warm(draw: Draw) -> Case:
+    unit = draw.widely().unit
     if draw.rng.random() < 0.2:
-        law, start = origins.gaussian(1.0, draw.log(0.05, 0.1)), origins.gaussian_start(draw.even(0.0, 0.2), 0.02)
+        law = origins.gaussian(unit, unit * draw.log(0.05, 0.1))
+        start = origins.gaussian_start(unit * draw.even(0.0, 0.2), 0.02 * unit)
         contacts = origins.Contacts(law, start, thermal=heat(draw))
-        return Case(contacts, draw.path(12.0, 1.0), draw.tolerance(), velocity=draw.log(0.3, 3.0))
+        return Case(contacts, draw.path(12.0, unit), draw.tolerance(), velocity=unit * draw.log(0.3, 3.0))
     return with_law(draw, thermal=heat(draw))
 
 
 def delayed(draw: Draw) -> Case:
-    return with_law(draw, delay=origins.Delay(draw.log(0.03, 2.0)))
+    draw.widely()
+    return with_law(draw, delay=origins.Delay(draw.log(0.03, 2.0, 1e-6, 1e6)))
 
 
 def linked(draw: Draw) -> Case:
-    return with_law(draw, stiffness="linked")
+    return with_law(draw.widely(), stiffness="linked")
 
 
 def formed_again(draw: Draw) -> Case:
-    law = origins.gaussian(1.0, draw.log(0.02, 0.3))
-    again = draw.even(-0.3, 0.3) if draw.rng.random() < 0.5 else origins.boltzmann_reforming(draw.log(1e-4, 1e-2))
+    unit = draw.widely().unit
+    law = origins.gaussian(unit, unit * draw.log(0.02, 0.3, 1e-4, 1.0))
+    again: object = unit * draw.even(-0.3, 0.3)
+    if draw.rng.random() < 0.5:
+        again = origins.boltzmann_reforming(unit**2 * draw.log(1e-4, 1e-2, 1e-8, 1e-2))
+    elif draw.far():
+        again = far_start(draw, law)
     contacts = origins.Contacts(law, any_start(draw, law), reforming=again)
-    return Case(contacts, draw.path(12.0, 1.0), draw.tolerance())
+    return Case(contacts, draw.path(12.0, unit), draw.tolerance())
 
 
 def all_at_once(draw: Draw) -> Case:
-    wait = origins.Delay(draw.log(0.03, 1.0))
-    law = origins.gaussian(1.0, draw.log(0.03, 0.3))
+    unit = draw.widely().unit
+    wait = origins.Delay(draw.log(0.03, 1.0, 1e-6, 1e6))
+    law = origins.gaussian(unit, unit * draw.log(0.03, 0.3, 1e-4, 1.0))
+    again = far_start(draw, law) if draw.far() else unit * draw.even(-0.2, 0.2)
     contacts = origins.Contacts(
-        law, any_start(draw, law), thermal=heat(draw), delay=wait, reforming=draw.even(-0.2, 0.2), stiffness="linked"
+        law, any_start(draw, law), thermal=heat(draw), delay=wait, reforming=again, stiffness="linked"
     )
-    return Case(contacts, draw.path(12.0, 1.0), draw.tolerance(), velocity=draw.log(0.3, 3.0))
+    return Case(contacts, draw.path(12.0, unit), draw.tolerance(), velocity=unit * draw.log(0.3, 3.0))
 
 
 def ageing(draw: Draw) -> Case:
-    fresh, final = origins.gaussian(0.5, draw.log(0.03, 0.1)), origins.gaussian(1.0, draw.log(0.02, 0.1))
-    contacts = origins.Contacts(fresh, ageing=origins.Ageing(final, draw.log(1e-4, 1e-2)))
-    return Case(contacts, draw.path(4.0, 1.0), max(draw.tolerance(), 1e-7))
+    unit = draw.widely().unit
+    fresh = origins.gaussian(0.5 * unit, unit * draw.log(0.03, 0.1, 1e-3, 0.3))
+    final = origins.gaussian(unit, unit * draw.log(0.02, 0.1, 1e-3, 0.3))
+    contacts = origins.Contacts(fresh, ageing=origins.Ageing(final, unit**2 * draw.log(1e-4, 1e-2, 1e-8, 1e4)))
+    return Case(contacts, draw.path(4.0, unit), max(draw.tolerance(), 1e-7), velocity=unit)
 
 
 def growing(draw: Draw) -> Case:
-    alpha, wide = draw.log(0.4, 2.5), draw.log(0.05, 20.0)
+    unit = draw.widely().unit
+    alpha, wide = draw.log(0.4, 2.5, 1e-3, 1e3), draw.log(0.05, 20.0, 1e-6, 1e6) / unit**2
     first = (2.0 / (3.0 * alpha)) ** 3
-    grains = origins.growing_grains(alpha, wide, age=first * (1.0 + draw.log(0.3, 50.0)))
-    unit = grains.at_start.mean()
-    start = [None, draw.even(-0.5, 0.6) * unit, origins.gaussian_start(draw.even(-0.3, 0.5) * unit, 0.1 * unit)]
-    contacts = origins.Contacts(grains, start[draw.whole(0, 3)], delay=origins.Delay(first * draw.log(0.1, 1.0)))
-    return Case(contacts, draw.path(8.0, unit), draw.tolerance(), velocity=draw.log(0.15, 2.0) / (first * wide**0.5))
+    grains = origins.growing_grains(alpha, wide, age=first * (1.0 + draw.log(0.3, 50.0, 1e-5, 1e7)))
+    mean = grains.at_start.mean()
+    start = [None, draw.even(-0.5, 0.6) * mean, origins.gaussian_start(draw.even(-0.3, 0.5) * mean, 0.1 * mean)]
+    contacts = origins.Contacts(
+        grains, start[draw.whole(0, 3)], delay=origins.Delay(first * draw.log(0.1, 1.0, 1e-6, 1e6))
+    )
+    speed = draw.log(0.15, 2.0, 1e-6, 1e3) / (first * wide**0.5)
+    return Case(contacts, draw.path(8.0, mean), draw.tolerance(), velocity=speed)
 
 
 def journey(draw: Draw, mean: float) -> tuple[np.ndarray, np.ndarray]:
@@ -259,10 +309,10 @@ def solved(case: Case, path: np.ndarray, tolerance: float) -> master.Solution:
     return master.solve(case.contacts, path, tolerance, velocity=case.velocity, time=case.time)
 
 
-def judge(number: int, kinds: list[Callable[[Draw], Case]]) -> tuple[Case, float, float]:
+def judge(number: int, kinds: list[Callable[[Draw], Case]], seed: int = SEED) -> tuple[Case, float, float]:
     """Case `number`, its estimate and true error; drawn again until the truth is known well enough."""
     for attempt in range(100):
-        draw = Draw(SEED, number, attempt)
+        draw = Draw(seed, number, attempt)
         case = kinds[number % len(kinds)](draw)
         solution = solved(case, case.path, case.tolerance)
         assert np.isfinite(solution.force).all()
@@ -278,7 +328,8 @@ def judge(number: int, kinds: list[Callable[[Draw], Case]]) -> tuple[Case, float
     ids=["cold", "laws", "laws in time"],
 )
 def test_force_error_is_the_promise_it_is_said_to_be(kinds: list[Callable[[Draw], Case]], cases: int) -> None:
-    judged = [judge(number, kinds)[1:] for number in range(cases)]
+    seed = SEED_OF_LAWS if kinds is KINDS_OF_LAWS else SEED
+    judged = [judge(number, kinds, seed)[1:] for number in range(cases)]
     estimate, error = np.array(judged).T
     assert (estimate >= error).mean() >= 0.995
     assert (error / estimate).max() <= 2.0

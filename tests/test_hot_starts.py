@@ -1,0 +1,97 @@
+"""Breaks far earlier than the longest lives: starts beside the thresholds in heat, laws of which a few are far stronger
+than most, and short paths."""
+
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+import pytest
+import scipy.stats
+from scipy.integrate import quad
+
+import master
+from master.breaking_law import BreakingLaw
+from origins import Contacts, Delay, InputError, Thermal, gaussian, gaussian_start
+
+WIDE = scipy.stats.lomax(2.1)
+
+
+def held(contacts: Contacts, x: float) -> float:
+    """E(x) at v = 1, by quadrature over thresholds in the logarithm."""
+    assert contacts.thermal is not None
+    thermal = contacts.thermal
+    edges = np.log(x) + np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 9), np.arange(4.0, 32.0, 4.0)])
+
+    def part(log: float) -> float:
+        threshold = np.exp(log)
+        return float(np.exp(-thermal.cumulative(x, threshold)) * contacts.thresholds.pdf(threshold) * threshold)
+
+    return sum(quad(part, left, right, epsabs=1e-14, epsrel=1e-11)[0] for left, right in pairwise(edges))
+
+
+@pytest.mark.parametrize(("law", "attempts"), [("soft", 0.05), ("stiff", 5.0)])
+def test_few_contacts_far_stronger_than_most(law: Literal["soft", "stiff"], attempts: float) -> None:
+    contacts = Contacts(WIDE, thermal=Thermal(law, 0.05, attempts))
+    breaking = BreakingLaw(contacts, 1.0)
+    x = np.array([0.1, 3.0, 30.0])
+    np.testing.assert_allclose(breaking.sf(x), [held(contacts, float(at)) for at in x], rtol=1e-10)
+    assert float(breaking.cdf(np.array([breaking.support()[1]]))[0]) == pytest.approx(1.0, abs=1e-12)
+    solution = master.solve(contacts, np.linspace(0.0, 100.0, 7), 1e-8)
+    assert solution.success
+
+
+@pytest.mark.filterwarnings("ignore:The integral is probably divergent")  # as it is
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"thermal": Thermal("soft", 0.05, 0.05)},
+        {"thermal": Thermal("soft", 0.05, 0.05, "paper"), "delay": Delay(0.1)},
+        {"reforming": 0.1},
+        {"reforming": gaussian_start(0.0, 0.05)},
+        {"thermal": Thermal("stiff", 0.05), "reforming": gaussian_start(0.0, 0.05)},
+        {"thermal": Thermal("stiff", 0.05), "stiffness": "linked"},
+    ],
+    ids=["soft", "paper", "again", "spread", "warm spread", "linked"],
+)
+def test_an_infinite_kinetic_force_is_told_with_every_law(more: dict[str, object]) -> None:
+    power = 3 if "stiffness" in more else 2
+    contacts = Contacts(scipy.stats.lomax(power - 0.1), **more)  # type: ignore[arg-type]
+    for asked in (master.steady_state, master.kinetic_curve, master.propensity):
+        with pytest.raises(InputError, match=rf"^thresholds: <x_s\^{power}> is infinite"):
+            asked(contacts)  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(("start", "again"), [(1.05, 0.0), (-1.05, 0.0), (1.05, 0.1)])
+def test_contacts_that_break_as_they_start_were_born_there(start: float, again: float) -> None:
+    # within 1e-5 all have broken, and stand where they form again
+    def force(begin: float) -> np.ndarray:
+        contacts = Contacts(gaussian(1.0, 0.02), begin, thermal=Thermal("soft", 0.01, 1e10), reforming=again or None)
+        solution = master.solve(contacts, path, 2e-4)
+        assert solution.success
+        return solution.force
+
+    path = np.linspace(0.01, 1.5, 20)
+    np.testing.assert_allclose(force(start), force(again), rtol=0.0, atol=1e-4)
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_a_short_path_is_the_beginning_of_a_long_one(law: Literal["soft", "stiff"]) -> None:
+    spread = Contacts(gaussian(1.0, 0.06), gaussian_start(0.08, 0.02), thermal=Thermal(law, 0.01, 1e3))
+    # its first breaks lie beyond what a path from 0 would meet
+    linked = Contacts(
+        gaussian(1.0, 2e-4), 0.25, Thermal(law, 4e-3, 1e-6), delay=Delay(0.01), reforming=0.15, stiffness="linked"
+    )
+    for contacts, end in ((spread, 3e-3), (linked, 0.5)):
+        short, long = (master.solve(contacts, path, 1e-9) for path in ([end], [end, 2.5]))
+        assert short.success
+        assert short.force[0] == pytest.approx(long.force[0], abs=short.force_error + long.force_error)
+
+
+def test_contacts_that_form_again_behind_and_break_at_once_bear_less_than_nothing() -> None:
+    # after a short life each waits for 1: those that hold stand at -0.3
+    thermal = Thermal("soft", 0.5, 1e6)
+    contacts = Contacts(gaussian(1.0, 0.05), thermal=thermal, reforming=-0.3, delay=Delay(1.0))
+    steady = master.steady_state(contacts)
+    assert steady.force / steady.holding == pytest.approx(-0.3, abs=1e-4)
+    with pytest.raises(InputError, match=r"^reforming: contacts form again behind x = 0 and bear -"):
+        master.propensity(contacts)
