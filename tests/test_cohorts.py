@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import scipy.stats
 from scipy.special import ndtr
-from test_force_error import LAWS, Draw
 
 import master
 import origins
@@ -275,20 +274,6 @@ def test_jumps_converge_at_third_order():
     assert abs(np.polyfit(np.log(steps), logs, 1)[0] - 3.0) <= 0.2
 
 
-def case(number: int) -> tuple[origins.Contacts, np.ndarray, float]:
-    draw = Draw(20100902, number, 4)
-    law = origins.Contacts(LAWS[draw.whole(0, len(LAWS))](draw)).thresholds
-    mean, low = law.mean(), float(law.ppf(0.1))
-    start = [
-        None,
-        draw.even(-0.5, 0.8) * low,
-        origins.gaussian_start(draw.even(-0.2, 0.3) * low, draw.log(0.003, 0.05) * low),
-        scipy.stats.uniform(draw.even(-0.3, 0.3) * low, 0.3 * low),
-    ][draw.whole(0, 4)]
-    turns = draw.rng.uniform(-2.5, 2.5, draw.whole(2, 6)) * draw.log(0.2, 1.5) * mean
-    return origins.Contacts(law, start), through([0.0, *turns], draw.whole(2, 30)), draw.tolerance()
-
-
 def claimed_and_true(
     contacts: origins.Contacts, path: np.ndarray, tolerance: float, finer: float | None = None
 ) -> tuple[float, float]:
@@ -299,11 +284,6 @@ def claimed_and_true(
     error = np.abs(solution.force - known.force[:-1]).max() / contacts.mean_threshold
     assert error <= solution.force_error + known.force_error
     return solution.force_error, float(error)
-
-
-def test_force_error_bounds_the_error():
-    judged = np.array([claimed_and_true(*case(number)) for number in range(24)])
-    assert np.median(judged[:, 0] / np.maximum(judged[:, 1], 1e-13)) <= 30.0
 
 
 def test_bends_of_what_older_cohorts_break_are_not_smeared():

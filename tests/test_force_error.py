@@ -1,17 +1,16 @@
 """The promise on force_error: over 1,000 random cases it bounds the true error, and not by much too much.
 
-Contacts that break at their thresholds alone, on 1,000 cases; contacts with temperature, delay, re-forming, linked
-stiffness or ageing on 14, and but for ageing on 20 paths that turn, change speed and wait, or on as many as
-FORCE_ERROR_CASES says (paths that turn round without laws: tests/test_cohorts.py). At a steady speed a third of all
-numbers come from far corners: lengths in any unit, heat, speeds, waits and ages over many decades, starts beyond most
-thresholds, narrow laws and wide ones. The median of 14 such cases is that of 1,000 only within a factor of three:
-
-    FORCE_ERROR_CASES=1000 python -m pytest tests/test_force_error.py -k "laws and not time"
+Origins, starts, laws and paths in turn: contacts that break at their thresholds alone, forward and on paths that turn
+round; with temperature, delay, re-forming, linked stiffness, ageing or growth; and such as turn, change speed and
+wait. A third of the numbers come from far corners: lengths in any unit, heat, speeds, waits and ages over many decades,
+starts beyond most thresholds, narrow laws and wide ones. `make promise` takes 1,000 cases; fewer are to hold no less,
+as far as chance lets them tell.
 """
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -21,10 +20,8 @@ from phase_type import coxian, gaussian_force, hyper_erlang
 import master
 import origins
 
-CASES = 1000
-CASES_OF_LAWS = int(os.environ.get("FORCE_ERROR_CASES", "14"))
-CASES_IN_TIME = int(os.environ.get("FORCE_ERROR_CASES", "20"))
-SEED, SEED_OF_LAWS = 20100902, 20250902
+CASES, ALL = int(os.environ.get("FORCE_ERROR_CASES", "104")), 1000
+SEED = int(os.environ.get("FORCE_ERROR_SEED", "20100902"))
 ROUND_OFF = 1e-13
 
 
@@ -162,6 +159,14 @@ def far_start(draw: Draw, law: origins.Thresholds) -> float:
     return [-at, at][draw.whole(0, 2)]
 
 
+def turning(draw: Draw) -> Case:
+    case = any_law(draw)
+    mean = case.contacts.mean_threshold
+    turns = draw.rng.uniform(-2.5, 2.5, draw.whole(2, 6)) * draw.log(0.2, 1.5, 1e-5, 0.2) * mean
+    legs = [np.linspace(*leg, draw.whole(2, 30))[1:] for leg in pairwise([0.0, *turns.tolist()])]
+    return replace(case, path=np.concatenate([[0.0], *legs]))
+
+
 def any_start(draw: Draw, law: origins.Thresholds) -> object:
     if draw.far():
         return far_start(draw, law)
@@ -252,7 +257,7 @@ def journey(draw: Draw, mean: float) -> tuple[np.ndarray, np.ndarray]:
         goal, lasts = place[-1], draw.log(0.1, 1e5)
         if leg == 0 or draw.rng.random() < 0.7:
             goal = draw.even(-1.5, 2.0) * mean
-            lasts = abs(goal - place[-1]) / draw.log(0.1, 5.0)
+            lasts = abs(goal - place[-1]) / (draw.unit * draw.log(0.1, 5.0))
         share = np.linspace(0.0, 1.0, draw.whole(3, 12))[1:]
         place += (place[-1] + (goal - place[-1]) * share).tolist()
         clock += (clock[-1] + lasts * share).tolist()
@@ -267,23 +272,28 @@ def in_time(draw: Draw, **more: object) -> Case:
 
 
 def warm_in_time(draw: Draw) -> Case:
+    draw.widely()
     closure = "exact" if draw.rng.random() < 0.7 else "paper"
     soft = closure == "paper" or draw.rng.random() < 0.8
-    thermal = origins.Thermal("soft" if soft else "stiff", draw.log(0.03, 1.0), draw.log(0.03, 30.0), closure)
+    temperature, attempts = draw.log(0.03, 1.0, 1e-7, 1e-3), draw.log(0.03, 30.0, 1e-3, 1e15)
+    if temperature > 1e-3 and closure == "exact":
+        attempts = min(attempts, 30.0)  # or they break a billion times
+    thermal = origins.Thermal("soft" if soft else "stiff", temperature * draw.unit**2, attempts, closure)
     wait = origins.Delay(draw.log(0.3, 1.5)) if draw.rng.random() < 0.2 else None
     return in_time(draw, thermal=thermal, delay=wait)
 
 
 def cold_in_time(draw: Draw) -> Case:
-    kind = draw.whole(0, 3)
+    kind, unit = draw.whole(0, 3), draw.widely().unit
     if kind == 0:
         return in_time(draw, delay=origins.Delay(draw.log(0.3, 2.0)))
-    return in_time(draw, stiffness="linked") if kind == 1 else in_time(draw, reforming=draw.even(-0.05, 0.05))
+    return in_time(draw, stiffness="linked") if kind == 1 else in_time(draw, reforming=unit * draw.even(-0.05, 0.05))
 
 
-KINDS_IN_TIME = [warm_in_time, cold_in_time]
-KINDS_OF_LAWS = [warm, delayed, linked, formed_again, all_at_once, ageing, growing]
-KINDS = [narrow_gaussian, phase_type, phase_type, any_law]  # one in four needs a second solution to be judged
+PLAIN = [narrow_gaussian, phase_type, any_law, turning]
+LAWFUL = [warm, delayed, linked, formed_again, all_at_once, ageing, growing]
+IN_TIME = [warm_in_time, cold_in_time]
+KINDS = [*PLAIN, *LAWFUL, *IN_TIME]
 
 
 def true_error(case: Case, solution: master.Solution) -> float | None:
@@ -298,7 +308,8 @@ def true_error(case: Case, solution: master.Solution) -> float | None:
         error = float(np.abs(solution.force - reference.force).max()) / mean
         return error if reference.force_error <= 0.3 * max(solution.force_error, error) else None
     # a path a little longer makes lattices that share no nodes with the first
-    longer = np.append(case.path, case.path[-1] * 1.0371)
+    last = case.path[-1] - (case.path[-2] if np.any(np.diff(case.path) < 0.0) else 0.0)
+    longer = np.append(case.path, case.path[-1] + 0.0371 * last)
     tolerance = min(1e-3 * case.tolerance, max(0.2 * solution.force_error, 1e-12))
     reference = solved(case, longer, tolerance)
     error = float(np.abs(solution.force - reference.force[:-1]).max()) / mean
@@ -310,27 +321,27 @@ def solved(case: Case, path: np.ndarray, tolerance: float) -> master.Solution:
 
 
 def judge(number: int, kinds: list[Callable[[Draw], Case]], seed: int = SEED) -> tuple[Case, float, float]:
-    """Case `number`, its estimate and true error; drawn again until the truth is known well enough."""
+    """Case `number`, its estimate and true error; drawn again until it is solved and the truth is known well enough."""
     for attempt in range(100):
         draw = Draw(seed, number, attempt)
         case = kinds[number % len(kinds)](draw)
-        solution = solved(case, case.path, case.tolerance)
+        try:
+            solution = solved(case, case.path, case.tolerance)
+            error = true_error(case, solution)
+        except origins.InputError:
+            continue
         assert np.isfinite(solution.force).all()
-        error = true_error(case, solution)
         if error is not None:
             return case, solution.force_error, error
     pytest.fail(f"no reference found for case {number}")
 
 
-@pytest.mark.parametrize(
-    ("kinds", "cases"),
-    [(KINDS, CASES), (KINDS_OF_LAWS, CASES_OF_LAWS), (KINDS_IN_TIME, CASES_IN_TIME)],
-    ids=["cold", "laws", "laws in time"],
-)
-def test_force_error_is_the_promise_it_is_said_to_be(kinds: list[Callable[[Draw], Case]], cases: int) -> None:
-    seed = SEED_OF_LAWS if kinds is KINDS_OF_LAWS else SEED
-    judged = [judge(number, kinds, seed)[1:] for number in range(cases)]
-    estimate, error = np.array(judged).T
-    assert (estimate >= error).mean() >= 0.995
-    assert (error / estimate).max() <= 2.0
-    assert np.median(estimate / np.maximum(error, ROUND_OFF)) <= 30.0
+def test_force_error_is_the_promise_it_is_said_to_be() -> None:
+    estimate, error = np.array([judge(number, KINDS)[1:] for number in range(CASES)]).T
+    beyond = 0.005 * CASES if CASES >= ALL else scipy.stats.binom.ppf(0.99, CASES, 0.005)
+    worst, median = (error / estimate).max(), np.median(estimate / np.maximum(error, ROUND_OFF))
+    missed = int((estimate < error).sum())
+    print(f"{CASES} cases: {missed} beyond the estimate, worst {worst:.3g} times, median {median:.3g}")
+    assert missed <= beyond
+    assert worst <= 2.0
+    assert median <= 30.0
