@@ -245,8 +245,9 @@ def _refine(
 
 def _least_share(leg: Leg) -> float:
     """The smallest part of the last difference that is believed to be the error left: where corners fold,
-    errors fall as the cube, taken with a margin of three; what seems to fall faster began too far off."""
-    return max(least_share(leg.problem, leg.step), _CUBE if leg.problem.rough else 0.0)
+    errors fall as the cube, taken with a margin of three; what seems to fall faster began too far off. What a start
+    hands on may bend where its law is smooth."""
+    return max(least_share(leg.problem, leg.step), _CUBE if leg.problem.rough else _EIGHTH)
 
 
 def _beside_atoms(differences: list[float]) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.break_counts import Breaks
-from master.panels import Panel
+from master.panels import ROUNDED, Panel
 
 if TYPE_CHECKING:
     from master.ageing_generations import AgeingGenerations
@@ -55,6 +55,7 @@ class Course:
         self.force: list[Array] = []
         self.holding: list[Array] = []
         last, before = lives.start, 0.0
+        shortest = ROUNDED * panels[-1].end
         for done, whole in enumerate(panels):
             if lives.work > _SEEN * most:
                 # as each panel asks all contacts born before; where many break for good, as the last ones do
@@ -70,7 +71,7 @@ class Course:
                 if lives.work > most:
                     raise TooMuch
                 lacks = 0.0 if panel.count == 1 else self.breaks.lacks(panel, found)
-                if lacks > accuracy and depth < _DEPTH:
+                if lacks > accuracy and depth < _DEPTH and panel.duration > shortest:
                     left += [(part, depth + 1) for part in reversed(panel.parts())]
                     continue
                 self.lacks = max(self.lacks, lacks)

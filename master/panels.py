@@ -19,6 +19,7 @@ Array = npt.NDArray[np.float64]
 MOST_NODES = 8
 SLOW = 0.25  # of a panel's length over that on which things change: what its polynomials' next term is smaller by
 _SHARE = SLOW**MOST_NODES
+ROUNDED = 1e-13  # of the last time: times closer to one another are rounded too much for panels
 _GROWTH = 2.0
 _MORE = 3
 _MOST_PANELS = 1e9
@@ -147,6 +148,7 @@ def panels(
     out: list[Panel] = []
     end = course[-1].end
     slivers = np.empty((0, 2)) if slivers is None else slivers
+    scales = replace(scales, time=max(scales.time, ROUNDED * end))
     for piece in course:
         inner = bends[(bends > piece.begin) & (bends < piece.end)]
         edges = np.concatenate([[piece.begin], inner, [piece.end]])
@@ -154,7 +156,7 @@ def panels(
         for number, (begin, last) in enumerate(pairwise(edges.tolist())):
             size = last - begin
             sudden = ((slivers[:, 0] <= begin) & (last <= slivers[:, 1])).any()
-            if sudden or size <= 1e-14 * end:
+            if sudden or size <= 0.1 * ROUNDED * end:
                 cuts, counts = np.array([begin, last]), [1]
             elif speed == 0.0:
                 cuts = _held(begin, last, piece.begin, scales.time, fine)

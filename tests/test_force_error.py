@@ -305,15 +305,21 @@ def true_error(case: Case, solution: master.Solution) -> float | None:
         # on paths in time panels differ with the tolerance
         tolerance = max(0.25 * solution.force_error, 1e-9)
         reference = solved(case, case.path, tolerance)
-        error = float(np.abs(solution.force - reference.force).max()) / mean
-        return error if reference.force_error <= 0.3 * max(solution.force_error, error) else None
+        return apart(solution.force_error, float(np.abs(solution.force - reference.force).max()) / mean, reference)
     # a path a little longer makes lattices that share no nodes with the first
     last = case.path[-1] - (case.path[-2] if np.any(np.diff(case.path) < 0.0) else 0.0)
     longer = np.append(case.path, case.path[-1] + 0.0371 * last)
     tolerance = min(1e-3 * case.tolerance, max(0.2 * solution.force_error, 1e-12))
     reference = solved(case, longer, tolerance)
-    error = float(np.abs(solution.force - reference.force[:-1]).max()) / mean
-    return error if reference.force_error <= 0.3 * max(solution.force_error, error) else None
+    return apart(solution.force_error, float(np.abs(solution.force - reference.force[:-1]).max()) / mean, reference)
+
+
+def apart(estimate: float, error: float, reference: master.Solution) -> float | None:
+    """The error seen beside a reference, if that is known well enough; and where round-off allows no better, what of it
+    the reference is not to blame for."""
+    if reference.force_error <= 0.3 * max(estimate, error):
+        return error
+    return max(error - reference.force_error, 0.0) if reference.force_error <= 10.0 * ROUND_OFF else None
 
 
 def solved(case: Case, path: np.ndarray, tolerance: float) -> master.Solution:
