@@ -31,7 +31,9 @@ _CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])  # of the cube root of ln A below 
 _RUNG = 1.5  # in k_BT
 _UNTRIED, _TRIED = 1e-2, 1.0  # attempts on the way to a threshold, and the logarithm from one to the next edge
 _ACCURACY, _TAIL = 1e-12, 1e-80
-_COMMON, _SLIGHT, _BEYOND = 1e-20, 1e-3, 2.0  # shares of thresholds; of what a panel may miss; of what lies beyond
+_COMMON, _SLIGHT = 1e-20, 1e-3  # shares of thresholds; of what a panel may miss
+_BEYOND = 2.0  # of what lies beyond
+_NOISE, _SUMS = 1e-10, 1e-10  # of moments: beyond, what is left of them is not noise; and of what is left
 _GOOD, _DEPTH = 1e-11, 40  # of the whole, at which a panel is not halved
 # width times the Legendre coefficients of a panel, from its nodes' shares of the sum
 _LEGENDRE = (2.0 * np.arange(NODES)[:, None] + 1.0) * legvander(2.0 * GAUSS_NODES - 1.0, NODES - 1).T
@@ -91,14 +93,15 @@ def _over_thresholds(
     contacts: Contacts, breaks: Breaks | RebornBreaks, edges: Array, whole: Array
 ) -> tuple[Array, Array]:
     """`whole`, of exact thresholds, and the sums over a density of others, and what these miss; shapes (2, speeds)."""
-    law, off = contacts.thresholds, np.zeros_like(whole)
+    law, off, known = contacts.thresholds, np.zeros_like(whole), np.zeros(2)
     # none breaks beyond its threshold: what rare ones count at most. Where all others have long broken that is a lot
     weight = np.maximum(law.sf(edges[:-1]) - law.sf(edges[1:]), 0.0) * breaks.share(edges[1:])
     limits = _limits(contacts, edges[1:], weight)
     common = weight > _COMMON
     for these in (common, ~common):
         counts = these & (limits > _GOOD * _SLIGHT * np.abs(whole).min(axis=1)[:, None]).any(axis=0)
-        off = off + limits[:, these & ~counts].sum(axis=1)[:, None]
+        slight = limits[:, these & ~counts].sum(axis=1)
+        off, known = off + slight[:, None], known + slight
         left, right = edges[:-1][counts], edges[1:][counts]
         for depth in range(_DEPTH):
             if not left.size:
@@ -110,13 +113,31 @@ def _over_thresholds(
             middle = 0.5 * (left + right)
             level = _GOOD * np.abs(whole + sums.sum(axis=1))[:, None]
             open_ = (lost > level).any(axis=(0, 2)) & (middle > left) & (middle < right) & (depth < _DEPTH - 1)
+            known = known + _limits(contacts, nodes[~open_].ravel(), mass[~open_].ravel()).sum(axis=1)
             whole, off = whole + sums[:, ~open_].sum(axis=1), off + lost[:, ~open_].sum(axis=1)
             if isinstance(breaks.missed, np.ndarray):
                 over_births = mass[..., None] * breaks.missed.reshape(parts.shape)
                 off = off + over_births[:, ~open_].sum(axis=(1, 2))
             left, right = np.append(left[open_], middle[open_]), np.append(middle[open_], right[open_])
-    beyond = _limits(contacts, edges[-1:], np.asarray(law.sf(edges[-1:])) * breaks.share(edges[-1:]))
-    return whole, off + _BEYOND * beyond
+    tail = _tail(contacts, edges[-1:], known)[:, None]
+    # the stronger a contact, the less it breaks before its threshold
+    last = breaks(edges[-1:])[:, 0] / _limits(contacts, edges[-1:], np.ones(1))
+    held = breaks.share(edges[-1:])
+    beyond = _BEYOND * _limits(contacts, edges[-1:], np.asarray(law.sf(edges[-1:])) * held)
+    off = off + np.where(tail > 0.0, tail * (np.maximum(held - last, 0.0) + _SUMS), beyond)
+    return whole + np.where(whole > 0.0, tail * last, 0.0), off
+
+
+def _tail(contacts: Contacts, last: Array, known: Array) -> Array:
+    """What thresholds beyond the `last` edge add to <x_s> and <k x_s^2>: these have closed forms, and how much of them
+    is `known` from sums. 0 where it is next to nothing."""
+    law = contacts.thresholds
+    power, unit = (3, contacts.mean_threshold) if contacts.stiffness == "linked" else (2, 1.0)
+    positions, shares = law.atoms
+    known = known + _limits(contacts, positions, shares).sum(axis=1)
+    whole = np.array([law.moment(1), law.moment(power) / unit])
+    # of laws with light tails nothing is left but what the sums are off by
+    return np.where(whole - known > _NOISE * whole, whole - known, 0.0)
 
 
 def _limits(contacts: Contacts, thresholds: Array, weight: Array) -> Array:

@@ -115,15 +115,18 @@ def crowding_rate(law: Law) -> float:
     if not law.atoms.size:
         return np.inf
 
+    shares = np.log(np.maximum(law.atom_weights, np.finfo(float).tiny))
+
     def held(rate: float) -> float:
-        return float(law.atom_weights @ np.exp(np.minimum(rate * law.atoms, 700.0)))
+        """Its logarithm: weights may be as small as heat leaves them."""
+        return float(np.logaddexp.reduce(rate * law.atoms + shares))
 
     low, high = 0.0, 1.0 / float(law.atoms.max())
-    while held(high) < 1.0:
+    while held(high) < 0.0:
         high *= 2.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if held(middle) < 1.0 else (low, middle)
+        low, high = (middle, high) if held(middle) < 0.0 else (low, middle)
     return low
 
 
@@ -209,6 +212,8 @@ def _own_waves(law: Law) -> list[complex]:
     if not law.atoms.size:
         return []
     heaviest = int(law.atom_weights.argmax())
+    if not (law.atom_weights[heaviest] > 0.0 and law.atoms[heaviest] > 0.0):
+        return []  # heat leaves none of it
     turns = 2.0 * np.pi * np.arange(1.0, _CANDIDATES + 1.0)
     return [complex(s) for s in (np.log(law.atom_weights[heaviest]) + 1j * turns) / law.atoms[heaviest]]
 

@@ -12,6 +12,7 @@ from master.cycle import LAWS, Cycle
 from master.outcome import judged
 from master.points import Points, changed
 from master.propensity import extremes
+from master.steady import check_finite
 from origins import Contacts
 from origins.brief import brief
 from origins.contacts import check_contacts
@@ -80,6 +81,7 @@ def phase_line(
     check_contacts(contacts, "master.phase_line", LAWS)
     tolerance = check_tolerance("tolerance", tolerance)
     points = Points(contacts, velocity, temperature, rate, delay)
+    check_finite(contacts)
     speeds, *others = points.rows
     # without rates, ageing and delay, of thresholds or contacts, the speed does not tell
     speeds = np.where(np.any(others, axis=0) | (contacts.grains is not None), speeds, 1.0)

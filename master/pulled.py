@@ -33,7 +33,7 @@ _NEARER = 4  # halvings of the last step before a slip
 _ABOUT, _EXACTLY = 0.1, 1e-7  # of a step, where it is
 _LEAST_WAY = 0.01
 _NO_TIME = 1e-11
-_FAST = 100.0  # times the drive's speed
+_FAST = 100.0  # times the drive's speed, at least
 _SCAN = 0.25
 _MOST_STEPS = 20_000
 _SOON, _PER_FOLD, _FELT = 0.1, 0.7, 1e-5  # of a step's time; steps in a change by a factor e; breaks
@@ -73,7 +73,9 @@ class Pull(Carried):
         fastest = max(abs(piece.travel) / piece.duration for piece in course)
         self._thin = lives.skin > fastest * lives.time
         self._fuzzy = lives.fuzzy or self._thin
-        self._runs = LESS * spring / (1.0 + spring) / _FAST if self._thin else 0.0
+        # where heat moves the slip itself by more, nothing is gained by waiting longer
+        fast = max(_FAST, float(np.sqrt(unit / lives.skin))) if self._thin else np.inf
+        self._runs = LESS * spring / (1.0 + spring) / fast
         self._rise = (1.0 + spring) * length / LESS
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * length
         for piece in course:

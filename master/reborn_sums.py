@@ -33,6 +33,7 @@ _RUNGS = 1.5 * np.arange(1.0, 60.0)  # barriers in k_BT, beyond the last level
 _LAYER = np.array([0.1, 0.4, 1.0, 2.5, 6.0, 12.0, 25.0, 45.0])  # A/v from the threshold down
 _ROOTED = 45.0 * 5.0 ** np.arange(1.0, 20.0)  # the same above which t is 1 over the root of a stiff contact's rate
 _PLACES = np.array([-0.7, -0.35, 0.0, 0.35, 0.7])  # of (-1, 1), if nothing else is between
+_STRONG = 1e12  # k x_s^2 over k_BT
 _UNFELT, _SAME = 1e-18, 1e-15
 _FLAT = 2.0  # of A/v along a panel: less is seen through by polynomials as it is
 _PANELS = 12_000
@@ -80,8 +81,12 @@ class RebornBreaks:
         speed = np.tile(self.log_speeds, thresholds.size)
         stiffness = np.asarray(self.contacts.relative_stiffness(thresholds))
         per = max(1, _PANELS // (self._edges.size + _LEVELS.size))
-        for i in range(0, row.size, per):
-            here = slice(i, i + per)
+        # barriers so high that none breaks before its threshold by more than is felt, nor than x is rounded
+        strong = (stiffness * thresholds**2 > _STRONG * self.thermal.temperature)[row]
+        out[:, strong] = self._kept(thresholds, stiffness)[:, row[strong]]
+        others = np.flatnonzero(~strong)
+        for i in range(0, others.size, per):
+            here = others[i : i + per]
             at = row[here]
             out[:, here], self.missed[:, here] = self._followed(thresholds[at], stiffness[at], speed[here])
         shape = 2, thresholds.size, self.log_speeds.size
@@ -90,9 +95,20 @@ class RebornBreaks:
 
     def share(self, thresholds: Array) -> Array:
         """Integral of Q(r)/S(|r|) over those r that the thresholds hold."""
+        return self._moments(thresholds)[0]
+
+    def _moments(self, thresholds: Array) -> Array:
+        """The same, with r, and with r^2, shape (3, n)."""
         edges = np.clip(self._edges, -thresholds[:, None], thresholds[:, None])
         left, width = edges[:, :-1, None], np.diff(edges, axis=1)[..., None]
-        return (width * _WEIGHTS * self._weight(left + width * _NODES)).sum(axis=(1, 2))
+        births = left + width * _NODES
+        weights = width * _WEIGHTS * self._weight(births)
+        return np.stack([(weights * births**power).sum(axis=(1, 2)) for power in range(3)])
+
+    def _kept(self, thresholds: Array, stiffness: Array) -> Array:
+        """Both means, shape (2, n), of contacts that break at their thresholds."""
+        held, first, second = self._moments(thresholds)
+        return np.stack([held * thresholds - first, stiffness * (held * thresholds**2 - second)])
 
     def _weight(self, births: Array) -> Array:
         """Q(r)/S(|r|)."""

@@ -83,3 +83,30 @@ def test_a_soft_slider_that_does_not_slip_bears_what_its_own_motion_tells() -> N
     assert solved.success and not solved.slips.drive.size
     # at another speed contacts break a layer sooner or later, as thick as k_BT times its logarithm
     assert np.abs(rigid.force - solved.force).max() < solved.force_error + 2e-4
+
+
+def test_a_spring_a_little_stiffer_than_critical_holds_the_slider() -> None:
+    """At T = 1e-8 heat blurs an onset by one part in ten thousand, not by more."""
+    cold = Contacts(WIDE, thermal=Thermal("soft", 1e-8, 1e12))
+    path = np.linspace(0.0, 1.75, 11)[1:]
+    plain = master.solve(Contacts(WIDE), path, 1e-9, spring=1.041)  # 1.005 K*
+    heated = master.solve(cold, path, 1e-3, spring=1.041)
+    assert heated.success and not heated.slips.drive.size and not plain.slips.drive.size
+    assert np.abs(heated.force - plain.force).max() <= heated.force_error + 1e-4
+
+
+@pytest.mark.parametrize(
+    ("law", "path", "time"),
+    [
+        (WIDE, [0.8, 0.8], [1e4, 2e4]),
+        (WIDE, [0.8, 0.8, 0.9], [1e3, 1e3 + 1e-9, 1e3 + 0.1]),
+        (WIDE, [0.8, 0.8, 0.9, 0.9], [1.0, 1e6, 1e6 + 1.0, 1e6 + 2.0]),
+        (identical(1.0), [0.5, 0.5], [1.0, 2.0]),
+    ],
+)
+def test_attempts_closer_than_times_are_rounded(law: Thresholds, path: list[float], time: list[float]) -> None:
+    contacts = Contacts(law, thermal=ROOM)
+    solution = master.solve(contacts, path, 1e-4, time=time)
+    assert solution.success
+    force, error, _ = move(contacts, np.array(path), np.array(time), 20_000)
+    assert (np.abs(solution.force - force) < 4.5 * error + solution.force_error).all()

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 import pytest
+import scipy.special
 import scipy.stats
 from scipy.integrate import quad
 
@@ -95,3 +96,32 @@ def test_contacts_that_form_again_behind_and_break_at_once_bear_less_than_nothin
     assert steady.force / steady.holding == pytest.approx(-0.3, abs=1e-4)
     with pytest.raises(InputError, match=r"^reforming: contacts form again behind x = 0 and bear -"):
         master.propensity(contacts)
+
+
+@pytest.mark.parametrize(("power", "temperature", "attempts"), [(2.05, 1e-3, 1.0), (2.1, 1e-6, 1e12)])
+def test_a_force_that_is_nearly_infinite_keeps_its_far_tail(power: float, temperature: float, attempts: float) -> None:
+    """<x_s^2> in closed form less what contacts lose that break below their thresholds, which converges fast."""
+    velocity, a = 0.69, np.sqrt(0.5 / temperature)
+    nodes, shares = np.polynomial.legendre.leggauss(20)
+
+    def gauss(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        half = 0.5 * np.diff(edges, axis=-1)[..., None]
+        at = edges[..., :-1, None] + half * (1.0 + nodes)
+        return at.reshape(*edges.shape[:-1], -1), (half * shares).reshape(*edges.shape[:-1], -1)
+
+    log, weight = gauss(np.linspace(np.log(1e-8), np.log(1e5), 60))
+    limit = np.exp(log)
+    high = limit[:, None]
+    layer = temperature / high * np.concatenate([[0.0], np.linspace(0.5, 60.0, 40), np.geomspace(70.0, 1e4, 12)])
+    below, width = gauss(np.sort(np.minimum(np.hstack([layer, high * np.geomspace(1e-10, 1.0, 25)]), high)))
+    x = high - below
+    spent = attempts / (a * velocity) * np.exp(-(a * a) * below * (high + x)) * scipy.special.dawsn(a * x)
+    lost = -np.expm1(-spent) * width
+    mass = weight * limit * power * (1.0 + limit) ** (-power - 1.0)
+    first = 1.0 / (power - 1.0) - mass @ lost.sum(axis=1)
+    second = 1.0 / ((power - 1.0) * (power - 2.0)) - mass @ (lost * x).sum(axis=1)
+    law = scipy.stats.lomax(power)
+    state = master.steady_state(Contacts(law, thermal=Thermal("soft", temperature, attempts)), velocity=velocity)
+    assert state.success and abs(state.force / (second / first) - 1.0) < 2e-9
+    assert abs(state.force - second / first) < 10.0 * state.force_error * law.mean()
+
