@@ -23,6 +23,7 @@ from origins.errors import refuse
 Array = npt.NDArray[np.float64]
 
 _FULL, _TELLING = 0.7, 2  # of the most steps; halvings until there is an error
+_LAST, _MORE = 4, 2.5  # so often where slips come and go; steps on the next level, and some more
 _STENCIL = 6
 _BISECTIONS = 60
 _SAME = 1e-12
@@ -140,11 +141,16 @@ def _refine(
             rest = answer[2 * asked.size :].reshape(-1, slips.shape[1]) if slips.size else np.empty((7, 0))
             better = np.stack([rest[0] / spring, rest[5], rest[6], rest[3], rest[4]]) * unit
             best = error, better, f, h, pull.steps
-        if best[0] <= tolerance or error < 2.0 * lives.error or 2 * pull.steps > _FULL * most_steps(finer):
+        # coarse steps may find slips that finer ones do not: then there is no error yet
+        untold = not np.isfinite(best[0]) and len(before) <= _TELLING and level < _LAST
+        too_many = 2 * pull.steps > _FULL * most_steps(finer)
+        if best[0] <= tolerance or error < 2.0 * lives.error or (too_many and not untold):
             break
         lives, finer = finer, make_lives(contacts, level + 2)
         level += 1
         most = 2 * most if level < _TELLING else most_steps(lives)
+        if untold:
+            most = max(most, int(_MORE * pull.steps))
     error, slips, force, holding, steps = best
     reached = f"error estimate {error:.1e} with {steps} steps, above the tolerance {tolerance:.1e}"
     message = message or f"{reached}; shorten the path or loosen the tolerance"

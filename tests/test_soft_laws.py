@@ -10,7 +10,7 @@ from master.regime import regime
 from master.soft_laws import solve_soft_laws
 from master.timed import solve_timed
 from master.timeline import times
-from origins import Ageing, Contacts, Delay, Drive, InputError, Thermal, gaussian, gaussian_start
+from origins import Ageing, Contacts, Delay, Drive, InputError, Thermal, gaussian, gaussian_start, gw_plastic
 from origins.drive import SlipRule
 
 WIDE = gaussian(1.0, 0.2)
@@ -133,3 +133,11 @@ def test_a_spring_as_stiff_as_one_likes_loses_no_digits() -> None:
     rigid = master.solve(contacts, path, 1e-9)
     assert pulled.success and pulled.force_error <= 1e-4
     assert np.abs(pulled.force - rigid.force).max() <= pulled.force_error + 1e-9
+
+
+def test_slips_that_only_coarse_steps_find_leave_an_error_estimate() -> None:
+    contacts = Contacts(gw_plastic(1.0), thermal=Thermal("soft", 0.11, 0.109))
+    solution = master.solve(contacts, np.linspace(0.0, 13.0, 14), 1e-3, velocity=2.475, spring=0.05566)
+    assert solution.success and not solution.slips.drive.size
+    settled = master.steady_state(contacts, velocity=2.475)
+    assert abs(solution.force[-1] - settled.force) < 0.05 * settled.force
