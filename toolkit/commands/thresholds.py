@@ -41,8 +41,8 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
     scene = load_scene(arguments.scene, solved=False, comm=comm)
     folder = arguments.out or f"{scene.name}-output"
-    velocity = 1.0 if scene.given_drive is None else scene.drive.velocity
-    found = on_root(comm, lambda: describe(scene.contacts, velocity))
+    speed = scene.sliding
+    found = on_root(comm, lambda: describe(scene.contacts, speed.value, speed.chosen))
     curve = sample_curve(scene.contacts.thresholds)
     title = scene.title or scene.name
     record = {"name": scene.name, "title": scene.title, **asdict(found)}
