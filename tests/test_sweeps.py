@@ -69,7 +69,8 @@ def test_the_axis_of_critical_springs_follows_them_where_they_differ() -> None:
         axes = plot_critical_spring(Figure().subplots(), result)
         assert result.sweep is not None and result.sweep.critical_spring is not None
         low, high = axes.get_ylim()
-        assert (low == 0.0) == (least == 0.0) and least <= low <= result.sweep.critical_spring.min() and high >= result.sweep.critical_spring.max()
+        assert (low == 0.0) == (least == 0.0) and least <= low <= result.sweep.critical_spring.min()
+        assert high >= result.sweep.critical_spring.max()
 
 
 def test_sweeps_go_beside_a_run_and_along_kelvins(tmp_path: Path, capsys, monkeypatch) -> None:
