@@ -168,7 +168,8 @@ def _missing(contacts: Contacts, spring: float, course: Course | None) -> str:
     else:
         reach = np.full(slid.shape, _oldest(contacts, course))
     if not (slid > _PASSED * reach).any():
-        return f", by which contacts that aged as the spring loaded may still hold, up to x = {reach[-1]:.3g}; lengthen it"
+        held = f"contacts that aged as the spring loaded may still hold, up to x = {reach[-1]:.3g}"
+        return f", by which {held}; lengthen it"
     path, force = course.position + course.force / spring, np.abs(course.force)
     highest = force.size > 1 and force[-1] > force[:-1].max()
     if highest and force[-1] - force[-2] > _LOADS * spring / (1.0 + spring) * abs(path[-1] - path[-2]):
