@@ -77,10 +77,10 @@ def critical_velocity(contacts: Contacts, spring: float, slowest: float, fastest
     slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
     ageing = contacts.ageing
     if ageing is None:
-        if contacts.thermal is not None or contacts.delay is not None:
+        if contacts.thermal is not None or contacts.delay is not None or contacts.grains is not None:
             raise InputError(
-                "contacts.ageing: is None; v_c is that of contacts that age. What a temperature or a delay makes of K* "
-                "at each speed is master.phase_line(contacts, velocity)"
+                "contacts.ageing: is None; v_c is that of contacts that age by diffusion. What a temperature, a delay "
+                "or thresholds that grow make of K* at each speed is master.phase_line(contacts, velocity)"
             )
         raise InputError("contacts.ageing: is None; without ageing nothing depends on the speed")
     check_contacts(contacts, "master.critical_velocity", ("ageing",))

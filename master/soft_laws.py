@@ -12,7 +12,7 @@ from master.make_lives import make_fresh, make_lives, prepare
 from master.marching import lagrange
 from master.outcome import Progress, outcome, unheard
 from master.pulled import COARSEST, Pull
-from master.regime import regime
+from master.regime import Course, regime
 from master.soft import Slips, SoftSolution
 from master.timed import Extrapolation, most_steps, uneven
 from master.timeline import pieces, times
@@ -56,6 +56,11 @@ def solve_soft_laws(
     drives, before, after, above, below = table
     slips = Slips(drives, before, after, above, below, error * unit / spring)
     speed = drive.velocity if drive.time is None else _speed(drive, balance)
+    moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
+    course = None
+    if moving:
+        last = abs(moving[-1].travel) / moving[-1].duration
+        course = Course(asked, force, drive.path - force / spring, moving[-1].begin, last)
     return SoftSolution(
         path=drive.path,
         balance=balance,
@@ -65,7 +70,7 @@ def solve_soft_laws(
         holding=holding,
         slips=slips,
         period=slips.period,
-        regime=regime(contacts, spring, drive.slip, slips.drive, slips.drop, drive.path, tolerance, speed),
+        regime=regime(contacts, spring, drive.slip, slips.drive, slips.drop, drive.path, tolerance, speed, course),
         run_time=clocks.perf_counter() - began,
         nodes=steps,
         success=success,

@@ -68,10 +68,12 @@ def test_propensity_of_other_starts_and_delays() -> None:
 
 
 def test_refusals() -> None:
+    by_speed = "contacts.ageing: is None; v_c is that of contacts that age by diffusion. What a temperature, a delay or"
     cases = [
         (figure_a06("exact"), 50.0, "slowest, fastest: -F' is at most"),
         (figure_a06("paper"), -1.0, "spring = -1.0: must be above zero"),
-        (Contacts(NARROW), 1.0, "contacts.ageing: is None"),
+        (Contacts(NARROW), 1.0, "contacts.ageing: is None; without ageing nothing depends on the speed"),
+        (Contacts(origins.growing_grains(1.0, 4.0, age=4.0)), 1.0, f"{by_speed} thresholds that grow make of K*"),
     ]
     for contacts, spring, begins in cases:
         with pytest.raises(InputError) as refusal:

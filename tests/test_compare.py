@@ -128,6 +128,20 @@ def test_path_shorter_than_the_first_break() -> None:
     assert verdict.critical_spring > 6.0
 
 
+def test_rates_and_growth_feel_the_speed_of_the_scenes_own_legs() -> None:
+    """Of turns with times it is that of the first that is no hold."""
+    content = tables({"kind": "growing-grains", "alpha": 1.0, "B": 4.0, "age": 4.0}, master={"tolerance": 1e-2})
+    content["drive"] = {"turns": [1.0, 1.0, 1.5], "times": [4.0, 6.0, 11.0], "points": 7}
+    scene = toolkit.load_scene(content)
+    (verdict,) = compare([scene])
+    steady = master.steady_state(scene.contacts, velocity=0.25)
+    assert verdict.velocity == 0.25 and verdict.kinetic_force * verdict.mean_threshold == pytest.approx(steady.force)
+    known = master.propensity(scene.contacts, velocity=0.25)
+    assert verdict.critical_spring == known.critical_spring and verdict.static_to_kinetic == known.static_to_kinetic
+    told = "v = 0.25 (the first leg's, others slide at 0.1), thresholds that grow from the age 4 on; all else"
+    assert f"scene: F_k, K*, F_s/F_k and X* at {told} is P_c alone" in table([verdict])
+
+
 MIXED: dict[str, Any] = {"kind": "mixture", "components": [EXACT, NARROW], "weights": [0.25, 0.75]}
 
 

@@ -1,12 +1,15 @@
 """A law in numbers: every error against the true one."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy import stats
 from scipy.special import gamma
 
 import origins
-from toolkit.describing import describe
+import toolkit
+from toolkit.describing import conditions, describe
 from toolkit.interfaces import remarks
 
 MOMENTS = ("mean", "second_moment", "third_moment")
@@ -79,6 +82,24 @@ def test_speed_and_laws_are_said_where_they_tell() -> None:
     told = "F_k, K*, F_s/F_k and X* at v = 0.25, T = 0.1, attempt frequency 1, delay 0.5; all else is P_c alone"
     assert describe(warm, 0.25).notes[0] == told
     assert not describe(origins.Contacts(origins.gaussian(1.0, 0.2)), 0.25).notes
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"drive": {"to": 1.0, "points": 3, "velocity": 0.5}}, "v = 0.5, "),
+        ({"drive": {"turns": [0.0, 1.0], "times": [1.0, 5.0], "points": 3}}, "v = 0.25, "),
+        ({"sweep": {"velocity": [0.1, 1.0]}}, "v = 0.1 (the sweep's first), "),
+        ({"sweep": {"velocity": 0.1, "temperature": [0.1, 0.2]}}, "v = 0.1, "),
+        ({}, "v = 1 (as none is given), "),
+    ],
+)
+def test_which_speed_of_a_scene_is_taken_is_said(more: dict[str, Any], told: str) -> None:
+    thermal = {"law": "soft", "temperature": 0.1}
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "thermal": thermal}
+    scene = toolkit.load_scene({"contacts": contacts, **more}, solved=False)
+    speed = scene.sliding
+    assert conditions(scene.contacts, speed.value, speed.chosen)[0].startswith(f"F_k, K*, F_s/F_k and X* at {told}T")
 
 
 def test_a_normal_law_with_its_mean_below_0_is_told() -> None:

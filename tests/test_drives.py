@@ -119,6 +119,32 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
     assert told["slips"] == soft.slip_drive.size and told["verdict"] == soft.verdict == again.verdict
 
 
+def test_times_that_print_as_the_turn_before_are_told_from_there() -> None:
+    from matplotlib.figure import Figure
+
+    from toolkit.abscissa import write_along
+
+    drive = {"turns": [1.0, 1.0, 2.0], "times": [0.5, 3e7, 3e7 + 0.25], "points": 31, "hold_scale": 1.0}
+    axes = Figure(figsize=(8, 4)).subplots()
+    write_along(axes, toolkit.run(scene(drive)))
+    axes.figure.canvas.draw()
+    labels = [text.get_text() for text in axes.get_xticklabels()]
+    assert labels[-2:] == ["3e+07", "+0.25"] and len(set(labels)) == len(labels)
+
+
+def test_the_legend_lies_above_all_slips() -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 4), layout="constrained")
+    axes = figure.subplots(1, 2, width_ratios=[2.2, 1])
+    result = toolkit.run(scene({"to": 20.0, "points": 201, "spring": 1.0}))
+    toolkit.plot(result, axes)
+    figure.canvas.draw()
+    assert isinstance(result.master, SoftRecord) and result.master.slip_drive.size > 9
+    highest = axes[0].transData.transform((0.0, float(result.master.force.max())))[1]
+    assert axes[0].get_legend().get_window_extent().y0 > highest
+
+
 @pytest.mark.parametrize("hold", [10.0, 1e6 / 3.0])
 def test_labels_of_many_holds_leave_room_for_each_other(hold: float) -> None:
     from matplotlib.figure import Figure

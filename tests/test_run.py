@@ -17,6 +17,7 @@ import eq_model
 import master
 import toolkit
 from origins.errors import InputError
+from toolkit.command import main
 from toolkit.files import summary
 from toolkit.folders import check_folder, write_folder
 from toolkit.plots import plot_density
@@ -24,6 +25,7 @@ from toolkit.progress import Progress, Refinement
 from toolkit.results import OWN_UNIT, sample_curve
 from toolkit.running import solve_master
 from toolkit.scene import SHIPPED, shipped_scenes
+from toolkit.toml import to_toml
 
 SURFACE = {"kind": "self-affine", "shape": [64, 64], "pixel_size": 1e-8, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
 
@@ -242,6 +244,34 @@ def test_failing_half_way_keeps_the_old_files(tmp_path: Path) -> None:
     with pytest.raises(ZeroDivisionError):
         write_folder(tmp_path, {"a": lambda path: path.write_text("new") and None, "b": broken})
     assert os.listdir(tmp_path) == ["a"] and (tmp_path / "a").read_text() == "old"
+
+
+def test_nothing_of_another_scene_stays_beside_a_new_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of what is not known to be of an earlier command nothing is removed."""
+    monkeypatch.setattr("toolkit.plots.save_picture", lambda _, path: path.write_bytes(b"drawn"))
+    thermal = {"law": "soft", "temperature": 0.1}
+    swept, plain = tmp_path / "swept.toml", tmp_path / "plain.toml"
+    thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    swept.write_text(to_toml({"contacts": {"thresholds": thresholds, "thermal": thermal},
+                              "sweep": {"velocity": [0.5, 1.0]}}))  # fmt: skip
+    plain.write_text(to_toml({"contacts": {"thresholds": thresholds}, "drive": {"to": 1.0, "points": 3}, "master": {}}))
+    out = tmp_path / "out"
+    ours = ["picture.png", "result.h5", "summary.json"]
+    told = ["thresholds.json", "thresholds.png"]
+    toolkit.run(swept, folder=out)
+    assert main(["thresholds", str(swept), "--out", str(out)]) == 0
+    (out / "checkpoint").mkdir()
+    (out / "checkpoint" / "kept").touch()
+    (out / "notes.txt").write_text("mine")
+    toolkit.run(swept, folder=out)
+    assert sorted(os.listdir(out)) == sorted([*ours, *told, "checkpoint", "notes.txt", "sweep.csv"])
+    toolkit.run(plain, folder=out)
+    assert sorted(os.listdir(out)) == sorted([*ours, "checkpoint", "notes.txt"])
+    assert main(["thresholds", str(swept), "--out", str(out)]) == 2
+    for name in (*told, "sweep.csv"):
+        (out / name).write_text("mine")
+    toolkit.run(plain, folder=out)
+    assert sorted(os.listdir(out)) == sorted([*ours, *told, "checkpoint", "notes.txt", "sweep.csv"])
 
 
 def test_folders_on_the_way_are_made(tmp_path: Path) -> None:

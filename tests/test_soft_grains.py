@@ -53,6 +53,16 @@ def test_resets_repeat_and_instant_slips_wait() -> None:
     np.testing.assert_array_equal(instant.force, later.force)
 
 
+def test_grains_that_grow_while_the_spring_loads_decide_nothing_before_they_break() -> None:
+    """A path longer than the thresholds of X = 0 reach, and shorter than those to which they grow until the slip."""
+    contacts = Contacts(growing_grains(1.0, 4.0, age=4.0))
+    short, longer = (master.solve(contacts, [end], 2e-2, velocity=0.1, spring=0.3) for end in (6.0, 13.0))
+    assert not short.slips.drive.size and short.regime.verdict == "undecided", short.regime.reason
+    assert longer.slips.drive.size == 2 and longer.regime.verdict == "stick-slip"
+    stiff = master.solve(contacts, np.linspace(0.5, 5.0, 10), 2e-2, velocity=0.1, spring=20.0)
+    assert not stiff.slips.drive.size and stiff.regime.verdict == "smooth", stiff.regime.reason
+
+
 def test_a_stiff_spring_is_a_rigid_slider() -> None:
     contacts, path = Contacts(GRAINS), np.linspace(0.2, 3.0, 8)
     pulled = master.solve(contacts, path, 1e-3, velocity=0.5, spring=1e6)

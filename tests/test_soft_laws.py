@@ -69,6 +69,18 @@ def test_a_slower_drive_slips_at_a_smaller_force_and_in_the_end_not_at_all() -> 
     assert slower.success and not slower.slips.drive.size and slower.regime.verdict == "undecided"
 
 
+def test_a_slider_that_creeps_as_fast_as_the_drive_is_smooth_below_the_rigid_critical_spring() -> None:
+    """Until its force stays as it is, only why nothing can be told."""
+    contacts = Contacts(WIDE, thermal=SOFT)
+    early, late = (
+        master.solve(contacts, np.linspace(0.0, end, 25), 1e-2, velocity=0.1, spring=0.4) for end in (2.7, 8.0)
+    )
+    assert not early.slips.drive.size and not late.slips.drive.size and late.regime.stiffness_ratio < 1.0
+    assert early.regime.verdict == "undecided" and "K < K*" in early.regime.reason
+    assert late.regime.verdict == "smooth", late.regime.reason
+    assert late.force[-1] == pytest.approx(master.steady_state(contacts, velocity=0.1).force, rel=0.02)
+
+
 def test_contacts_that_break_in_a_slip_wait_out_their_delay() -> None:
     contacts = Contacts(WIDE, delay=Delay(0.2))
     path = np.linspace(2.4, 2.8, 25)

@@ -12,7 +12,7 @@ import toolkit
 from origins import InputError
 from origins.interface import BOLTZMANN
 from toolkit.command import main
-from toolkit.sweep_picture import sweep_panels
+from toolkit.sweep_picture import plot_critical_spring, sweep_panels
 
 THRESHOLDS = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
 WARM = {"thresholds": THRESHOLDS, "thermal": {"law": "soft", "temperature": 0.3}}
@@ -58,6 +58,19 @@ def test_a_picture_has_a_line_for_each_value_of_the_second_quantity() -> None:
     assert result.sweep is not None
     np.testing.assert_array_equal(axes[0].lines[1].get_ydata(), result.sweep.force[:, 1])
     assert [there for _, there in sweep_panels(result)] == [True, False, False]
+
+
+def test_the_axis_of_critical_springs_follows_them_where_they_differ() -> None:
+    from matplotlib.figure import Figure
+
+    asked = {"velocity": [1.0, 2.0], "critical_spring": True}
+    for contacts, least in ((WARM, 2.0), ({"thresholds": THRESHOLDS}, 0.0)):
+        result = toolkit.run(scene(asked, contacts))
+        axes = plot_critical_spring(Figure().subplots(), result)
+        assert result.sweep is not None and result.sweep.critical_spring is not None
+        low, high = axes.get_ylim()
+        assert (low == 0.0) == (least == 0.0) and least <= low <= result.sweep.critical_spring.min()
+        assert high >= result.sweep.critical_spring.max()
 
 
 def test_sweeps_go_beside_a_run_and_along_kelvins(tmp_path: Path, capsys, monkeypatch) -> None:

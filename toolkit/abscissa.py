@@ -45,7 +45,7 @@ def write_along(axes: "Axes", result: Result) -> None:
     times = clock(result)
     if times is not None and result.asked.drive is not None and result.asked.drive.hold_scale is not None:
         _write_stretched(axes, times, result.asked.drive)
-        axes.set_xlabel(f"time $t${units(result, 's')}, in holds since they began")
+        axes.set_xlabel(f"time $t${units(result, 's')}, with + since the turn before")
         return
     if times is not None:
         Lengths.of(reach, False).write(axes.xaxis, "time $t$" + units(result, "s"))
@@ -56,7 +56,7 @@ def write_along(axes: "Axes", result: Result) -> None:
 
 def _write_stretched(axes: "Axes", times: Array, asked: "DriveTable") -> None:
     """An axis of times on which points are even, so that the decades of a hold can be told; ticks where it turns, and
-    at powers of ten in holds, counted from where they begin."""
+    at powers of ten in holds, counted from where they begin, as is a time that is that of the turn before in print."""
     from matplotlib.ticker import FixedFormatter, FixedLocator
 
     number = np.arange(times.size, dtype=float)
@@ -70,7 +70,11 @@ def _write_stretched(axes: "Axes", times: Array, asked: "DriveTable") -> None:
     axes.set_xscale("function", functions=(places, back))
     axes.set_xlim(times[0], times[-1])
     ends = np.unique(np.append(times[0], np.asarray(asked.times)))
-    ticks = [(float(end), f"{end:.7g}") for end in (ends[-1], *ends[:-1])]  # first come, first kept
+    told = [f"{end:.7g}" for end in ends]
+    for k in range(1, ends.size):
+        if told[k] == f"{ends[k - 1]:.7g}":  # what a hold of years leaves of a time
+            told[k] = f"+{ends[k] - ends[k - 1]:.4g}"
+    ticks = [(float(ends[k]), told[k]) for k in (-1, *range(ends.size - 1))]  # first come, first kept
     path = make_drive(asked).path
     for begin, end in pairwise(ends):
         if np.ptp(path[(times >= begin) & (times <= end)]) == 0.0:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError
+from toolkit.describing import conditions
 from toolkit.deviation import why_not_compared, worst_deviation
 from toolkit.interfaces import HEIGHT_INTEGRALS, remarks, why_infinite
 from toolkit.ranks import on_root
@@ -44,8 +45,9 @@ class Verdict:
     """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
 
     sampled says whether the thresholds come from samples; cautions are why K* is infinite, where samples, surface or
-    load strain the law, and of errors that are not shown; friction_coefficient is F_k/load where the thresholds come
-    from a surface, else None.
+    load strain the law, and of errors that are not shown; velocity is the scene's, of its first sliding leg; conditions
+    say at which speed, temperature and more K*, F_s, X* and F_k hold, where laws of contacts make that tell;
+    friction_coefficient is F_k/load where the thresholds come from a surface, else None.
     """
 
     name: str
@@ -66,6 +68,8 @@ class Verdict:
     unit: str
     sampled: bool
     cautions: tuple[str, ...]
+    velocity: float
+    conditions: tuple[str, ...]
     run_time: float
     evidence: Evidence | None
     result: Result
@@ -106,8 +110,11 @@ def naming(scene: str) -> Iterator[None]:
 def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None) -> Verdict:
     import master
 
+    speed = scene.sliding
+
     def measures() -> tuple[Any, Any, dict[str, float]]:
-        return master.propensity(scene.contacts), master.steady_state(scene.contacts), sampling_errors(scene.contacts)
+        found = master.propensity(scene.contacts, velocity=speed.value)
+        return found, master.steady_state(scene.contacts, velocity=speed.value), sampling_errors(scene.contacts)
 
     found, steady, sampled = on_root(comm, measures)
 
@@ -139,6 +146,8 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
         unit=result.thresholds.unit,
         sampled=bool(sampled),
         cautions=(*infinite, *unseen(sampled, found.critical_spring), *remarks(scene.contacts.thresholds)),
+        velocity=speed.value,
+        conditions=tuple(conditions(scene.contacts, speed.value, speed.chosen)),
         run_time=found.run_time,
         evidence=None if result.eq is None else _evidence(result, result.eq, steady.force),
         result=result,
@@ -207,7 +216,8 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
     for verdict in verdicts:
         evidence = verdict.evidence
         apart = [] if evidence is None or evidence.not_compared is None else [evidence.not_compared]
-        for note in (*(f"EQ and ME not compared: {reason}" for reason in apart), *verdict.cautions):
+        apart = [f"EQ and ME not compared: {reason}" for reason in apart]
+        for note in (*verdict.conditions, *apart, *verdict.cautions):
             named.setdefault(note, []).append(verdict.name)
     everyone = len(verdicts) if len(verdicts) > 1 else 0
     notes += [f"{'all' if len(names) == everyone else ', '.join(names)}: {note}" for note, names in named.items()]

@@ -31,8 +31,9 @@ class Description:
     run_time: float
 
 
-def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
-    """Numbers of the contacts' thresholds, and of sliding at `velocity` (length per time; only rates and delay tell).
+def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Description:
+    """Numbers of the contacts' thresholds, and of sliding at `velocity` (length per time; only rates and delay tell),
+    which is the one `chosen` in words.
 
     The errors of moments are distances of two roads, the family's own and a quadrature of the survival; those of
     quantiles come from the survival at them; those of F_k and of the propensity are the master equation's. Where the
@@ -57,7 +58,7 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
     ):
         numbers[name] = _quantile(law, q, above, unit)
     numbers["onset_power"] = Number(law.onset_power, law.onset_power_error, "")
-    notes = _conditions(contacts, velocity)
+    notes = conditions(contacts, velocity, chosen)
     if np.isfinite(law.moment(2)):
         try:
             steady = master.steady_state(contacts, velocity=velocity)
@@ -90,7 +91,7 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
     return Description(numbers, tuple(notes), time.perf_counter() - began)
 
 
-def _conditions(contacts: Contacts, velocity: float) -> list[str]:
+def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[str]:
     """At what F_k and the propensity hold, where that tells: speed, temperature, and the laws of contacts."""
     si = contacts.interface is not None
     length, clock = (" m", " s") if si else ("", "")
@@ -110,7 +111,7 @@ def _conditions(contacts: Contacts, velocity: float) -> list[str]:
         said.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
     if not said:
         return []
-    said.insert(0, f"v = {velocity:.4g}{length + '/s' if si else ''}")
+    said.insert(0, f"v = {velocity:.4g}{length + '/s' if si else ''}{f' ({chosen})' if chosen else ''}")
     return [f"F_k, K*, F_s/F_k and X* at {', '.join(said)}; all else is P_c alone"]
 
 

@@ -1,5 +1,6 @@
 """A scene's [drive]: where the slider goes, and when, as points of a path."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 _MOST_POINTS = 10_000_000
+_LISTED = 4
 _LEAST_SCALE = 1e-14  # of times, whose rounding it would be
 
 
@@ -35,6 +37,35 @@ def make_drive(table: "DriveTable") -> Drive:
     path, time = _path(places, clock, points, table.hold_scale)
     with laws.inside("drive", {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}):
         return Drive(path, table.velocity, time, table.spring, table.slip or "reset")
+
+
+@dataclass(frozen=True)
+class Speed:
+    """A speed of smooth sliding, length per time, and in words which of a scene's it is; nothing where it has one."""
+
+    value: float
+    chosen: str = ""
+
+
+def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
+    """That at which a scene slides: of its first leg that is no hold; without a drive the first of `swept`; else 1."""
+    from master.timeline import pieces
+
+    if drive is None:
+        if swept is None:
+            return Speed(1.0, "as none is given")
+        several = np.ptp(swept) > 0.0
+        return Speed(float(swept.flat[0]), "the sweep's first" if several else "")
+    if drive.time is None:
+        return Speed(drive.velocity)
+    legs = [piece for piece in pieces(drive, float(drive.path[0])) if piece.travel != 0.0]
+    if not legs:
+        return Speed(drive.velocity, "as all legs are holds")
+    speeds = [float(f"{abs(leg.travel) / leg.duration:.12g}") for leg in legs]  # less what times round
+    others = [f"{speed:.4g}" for speed in dict.fromkeys(speeds) if speed != speeds[0]]
+    more = "" if len(others) <= _LISTED else " and more"
+    said = f"the first leg's, others slide at {', '.join(others[:_LISTED])}{more}" if others else ""
+    return Speed(speeds[0], said)
 
 
 def _corners(table: "DriveTable") -> tuple[Array, Array | None]:

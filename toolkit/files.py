@@ -39,10 +39,14 @@ _LENGTHS = (
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
     """Write result.h5, summary.json and picture.png into `folder`, and of a sweep sweep.csv, whole or not at all.
 
+    What this package wrote there earlier and would be taken for this run's is removed: the sweep.csv of a result that
+    had a sweep where this has none, and thresholds.json and .png of other contacts.
+
     result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
     array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
     cannot be written.
     """
+    from toolkit.leftovers import left_over
     from toolkit.plots import save_picture
     from toolkit.sweep_table import write_csv
 
@@ -54,7 +58,7 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
     if (sweep := result.sweep) is not None:
         units = _units("length" if result.thresholds.unit == OWN_UNIT else "m") | {"force_error": "<x_s>"}
         writers[TABLE] = lambda path: write_csv(sweep, units, path)
-    write_folder(folder, writers)
+    write_folder(folder, writers, left_over(folder, result))
 
 
 def load(folder: str | os.PathLike[str]) -> Result:

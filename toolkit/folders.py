@@ -3,7 +3,7 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -23,11 +23,13 @@ def check_folder(folder: str | os.PathLike[str]) -> Path:
     return path
 
 
-def write_folder(folder: str | os.PathLike[str], writers: Mapping[str, Callable[[Path], None]]) -> None:
+def write_folder(
+    folder: str | os.PathLike[str], writers: Mapping[str, Callable[[Path], None]], gone: Sequence[str] = ()
+) -> None:
     """Write files into `folder`, each by a function that is given its path: all of them, or none.
 
-    They are written elsewhere on the same disk first; files of other names in the folder are left alone. Raises
-    InputError where the disk refuses.
+    They are written elsewhere on the same disk first; files of other names in the folder are left alone but those
+    in `gone`, which are removed once all are written. Raises InputError where the disk refuses.
     """
     path = check_folder(folder)
     try:
@@ -37,6 +39,8 @@ def write_folder(folder: str | os.PathLike[str], writers: Mapping[str, Callable[
             if path.is_dir():
                 for name in writers:
                     os.replace(draft / name, path / name)
+                for name in gone:
+                    (path / name).unlink(missing_ok=True)
     except OSError as error:
         raise InputError(f"out = {str(folder)!r}: cannot be written: {error.strerror or error}") from error
 

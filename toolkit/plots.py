@@ -23,6 +23,7 @@ _DASHES = {"master": "-", "eq": ":"}
 _STEPS = 2000  # as many as a picture can show
 _NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
 _ALL = 1e-9  # of the contacts
+_LEGEND = 0.15  # of the height, room for it above the curve
 _BARS = 61  # as many error bars as leave the line in sight
 
 
@@ -87,7 +88,13 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
     write_along(axes, result)
     Lengths.of(highest, _in_metres(result.thresholds)).write(axes.yaxis, r"force $F/(N_c\langle k\rangle)$")
     axes.set_title("\n".join(filter(None, [result.title or result.name, conditions(result)])))
-    axes.legend()
+    if isinstance(result.master, SoftRecord) and result.master.slip_drive.size:
+        # slips leave no corner free
+        bottom, top = axes.get_ylim()
+        axes.set_ylim(bottom, top + _LEGEND * (top - bottom))
+        axes.legend(loc="upper right", ncols=2)
+    else:
+        axes.legend()
     return axes
 
 

@@ -17,7 +17,7 @@ from origins.contacts import Contacts
 from origins.drive import Drive
 from origins.errors import InputError, check_tolerance, finite, positive, refuse, shown, whole, without_point
 from toolkit import laws
-from toolkit.driving import make_drive
+from toolkit.driving import Speed, make_drive, sliding_speed
 from toolkit.sweeping import Sweep, make_sweep
 from toolkit.toml import to_toml
 
@@ -131,6 +131,11 @@ class Scene:
     def path(self) -> npt.NDArray[np.float64]:
         return self.drive.path
 
+    @property
+    def sliding(self) -> Speed:
+        """The speed at which F_k and what else depends on it is asked for."""
+        return sliding_speed(self.given_drive, None if self.sweep is None else self.sweep.velocity)
+
     def histogram_points(self) -> npt.NDArray[np.intp]:
         """Indices of the path's points at the positions that eq.histograms names, each time the slider is there.
 
@@ -212,7 +217,7 @@ def _checked(
         _check_ensemble(table.eq)
     contacts = _contacts(table.contacts, folder, comm)
     drive = None if table.drive is None else make_drive(table.drive)
-    sweep = None if table.sweep is None else make_sweep(table.sweep, contacts, 1.0 if drive is None else drive.velocity)
+    sweep = None if table.sweep is None else make_sweep(table.sweep, contacts, sliding_speed(drive).value)
     scene = Scene(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep)
     if solved and (table.master is not None or table.eq is not None):
         _check_reach(scene, table.drive)

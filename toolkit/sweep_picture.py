@@ -24,6 +24,7 @@ _NAMES = {
 }
 _DECADES = 30.0  # a quantity that spans more is drawn on a logarithmic axis
 _LINES = 8  # as many as are told apart; of more some are drawn
+_FLAT = 1e-4
 _ALL = 1e-9  # of the contacts
 
 
@@ -53,8 +54,10 @@ def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
     if result.sweep is not None and result.sweep.critical_spring is not None:
         values = np.where(np.isfinite(result.sweep.critical_spring), result.sweep.critical_spring, np.nan)
         _draw(axes, result, result.sweep, values)
-        top = 1.05 * float(np.nanmax(values, initial=0.0))
-        axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$", ylim=(0.0, top or None))
+        axes.set_ylabel(r"$K^*/(N_c\langle k\rangle)$")
+        low, high = np.nanmin(values, initial=np.inf), np.nanmax(values, initial=0.0)
+        if not high - low > _FLAT * high:  # rounding is no shape
+            axes.set_ylim(0.0, 1.05 * float(high) or None)
     return axes
 
 

@@ -34,6 +34,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     from toolkit.describing import describe
     from toolkit.files import write_json
     from toolkit.folders import write_folder
+    from toolkit.leftovers import check_beside
     from toolkit.plots import save_thresholds_picture
     from toolkit.ranks import on_root
     from toolkit.results import sample_curve
@@ -41,11 +42,12 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
     scene = load_scene(arguments.scene, solved=False, comm=comm)
     folder = arguments.out or f"{scene.name}-output"
-    velocity = 1.0 if scene.given_drive is None else scene.drive.velocity
-    found = on_root(comm, lambda: describe(scene.contacts, velocity))
+    on_root(comm, lambda: check_beside(folder, scene.name, scene.text))
+    speed = scene.sliding
+    found = on_root(comm, lambda: describe(scene.contacts, speed.value, speed.chosen))
     curve = sample_curve(scene.contacts.thresholds)
     title = scene.title or scene.name
-    record = {"name": scene.name, "title": scene.title, **asdict(found)}
+    record = {"name": scene.name, "title": scene.title, "scene": scene.text, **asdict(found)}
     writers = {
         "thresholds.png": lambda path: save_thresholds_picture(curve, scene.contacts.thresholds, title, path),
         "thresholds.json": lambda path: write_json(record, path),
