@@ -529,8 +529,10 @@ def test_broken_file_is_refused(tmp_path: Path, content: bytes, message: str) ->
 
 
 def test_unknown_name_lists_the_shipped_ones() -> None:
-    with pytest.raises(InputError, match=r"^scene = 'gausian': no such file, and no shipped scene: those are agei"):
+    with pytest.raises(InputError, match=r"^scene = 'gausian': .* did you mean gaussian\? Shipped are ageing, "):
         toolkit.load_scene("gausian")
+    with pytest.raises(InputError, match=r"^scene = 'qq': no such file, and no shipped scene: those are ageing, "):
+        toolkit.load_scene("qq")
     with pytest.raises(InputError, match=r"^scene = 3: must be a dict"):
         toolkit.load_scene(3)  # type: ignore[arg-type]
 

@@ -4,6 +4,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -196,7 +197,10 @@ def _find(scene: object) -> Path:
     if file.is_dir():
         refuse("scene", str(scene), "is a folder; name a scene file in it")
     if not file.is_file():
-        refuse("scene", str(scene), f"no such file, and no shipped scene: those are {', '.join(shipped_scenes())}")
+        shipped = shipped_scenes()
+        close = get_close_matches(file.stem, shipped, n=1)
+        meant = f"; did you mean {close[0]}? Shipped" if close else ": those"
+        refuse("scene", str(scene), f"no such file, and no shipped scene{meant} are {', '.join(shipped)}")
     return file
 
 

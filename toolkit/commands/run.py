@@ -64,7 +64,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
-    from toolkit.interfaces import in_a_line
+    from toolkit.interfaces import in_a_line, with_error
     from toolkit.results import AgeingRecord, SoftRecord
 
     lines = [result.title or result.name]
@@ -78,7 +78,7 @@ def report(result: Any) -> list[str]:
         )
         if isinstance(solved, SoftRecord):
             slips = f"{solved.slip_drive.size} slips"
-            period = f", period {solved.period:.9g} ± {2.0 * solved.slip_drive_error:.0e}"
+            period = f", period {with_error(solved.period, 2.0 * solved.slip_drive_error, 9)}"
             period = period if solved.slip_drive.size > 1 else ""
             lines.append(f"regime  {solved.verdict}, {slips}{period}: {solved.reason}")
         if isinstance(solved, AgeingRecord):
