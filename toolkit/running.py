@@ -12,6 +12,7 @@ from toolkit.folders import check_folder
 from toolkit.interfaces import of_interface, remarks
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated, Solved, ageing_record, sample_curve, soft_record
+from toolkit.sampling import numerical_only
 from toolkit.scene import EqTable, Scene, load_scene
 from toolkit.sweeping import solve_sweep
 
@@ -94,7 +95,7 @@ def solve(
 ) -> tuple[Result, bool]:
     """Solve what the scene asks for, and whether nothing is left to go on with; `refining` makes of the master
     equation's tolerance what shows its error after each refinement."""
-    interface = scene.contacts.interface
+    interface, law = scene.contacts.interface, scene.contacts.thresholds
     master = None
     if scene.master is not None:
         with closing(refining(scene.master.tolerance)) if refining is not None else nullcontext() as refined:
@@ -109,10 +110,10 @@ def solve(
         text=scene.text,
         version=toolkit.__version__,
         mean_threshold=scene.contacts.mean_threshold,
-        thresholds=sample_curve(scene.contacts.thresholds),
+        thresholds=sample_curve(law),
         master=master,
         eq=eq,
-        notes=tuple(remarks(scene.contacts.thresholds) + _beside(scene)),
+        notes=tuple(remarks(law) + numerical_only(law) + _beside(scene)),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
     )
