@@ -143,6 +143,13 @@ def test_generated_surface_gives_its_thresholds() -> None:
     warm = {"thermal": {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e12}}
     thermal = toolkit.load_scene(scene | {"contacts": scene["contacts"] | warm}).contacts.thermal
     assert thermal.temperature == pytest.approx(1.380649e-23 * 300.0 / direct.interface.mean_stiffness, rel=1e-14)
+    # micrometres taken for metres
+    law = {**scene["contacts"]["thresholds"], "surface": SURFACE | {"pixel_size": 1e-2}}
+    with pytest.raises(InputError) as caught:
+        toolkit.load_scene(scene | {"contacts": {"thresholds": law} | warm})
+    told = str(caught.value)
+    assert told.startswith("contacts.thermal.temperature.kelvin = 300.0: k_BT/<k> = ")
+    assert "of <x_s>²; are the surface's lengths, <x_s> = " in told and " m, in their unit? below 1e-20 of it" in told
 
 
 @pytest.mark.parametrize(

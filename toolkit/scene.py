@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 import origins
-from origins.contacts import Contacts
+from origins.contacts import Contacts, too_cold
 from origins.drive import Drive
 from origins.errors import InputError, check_tolerance, finite, positive, refuse, shown, whole, without_point
 from toolkit import laws
@@ -265,6 +265,9 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
             "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such "
             "as 1e12, and has no default"
         )
+    warmth = (table.thermal or {}).get("temperature")
+    if isinstance(warmth, Mapping) and (rule := too_cold(made["thermal"].temperature, thresholds)):
+        refuse("contacts.thermal.temperature.kelvin", warmth["kelvin"], rule)
     with laws.inside("contacts", {name: name for name in made}):
         return Contacts(**made)
 
