@@ -30,11 +30,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Run, report, write; 1 where a solver did not reach its tolerance (the results are written all the same)."""
     from toolkit.progress import Progress, Refinement
-    from toolkit.running import open_checkpoint, solve, write
+    from toolkit.running import foreseen, open_checkpoint, solve, write
     from toolkit.scene import load_scene
 
     scene = load_scene(arguments.scene, comm=comm)
     first = comm is None or comm.Get_rank() == 0
+    for note in foreseen(scene) if first else []:
+        print(f"mesofriction: {note}", file=sys.stderr, flush=True)
     if arguments.dry_run:
         from toolkit.forecast import forecast, lines, pilot, pilot_lines
 
