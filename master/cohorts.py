@@ -238,7 +238,7 @@ def _refine(
                     return *best, f"round-off allows {best[1]:.1e}, above the tolerance {tolerance:.1e}"
                 if max(move.travel / step for move, step in zip(path, steps, strict=True)) > MOST_NODES / 2:
                     reached = f"error estimate {best[1]:.1e} on {best[0].nodes} nodes, above the tolerance"
-                    return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
+                    return *best, f"{reached} {tolerance:.1e}; {law.what_helps(max(steps))}"
         coarser = course
         steps = [0.5 * step for step in steps]
 

@@ -224,7 +224,7 @@ def refined(
                     return *best, f"{_limit(problem, best[1], share)}, {asked}"
                 if end / step > MOST_NODES / 2:
                     reached = f"error estimate {best[1] * share:.1e} on {later.lattice.size} nodes"
-                    return *best, f"{reached}, {asked}; shorten the path or loosen the tolerance"
+                    return *best, f"{reached}, {asked}; {problem.law.what_helps(step)}"
         coarser = later, answer
         # beside powers nothing falls evenly, but in the end fast
         step *= 0.25 if problem.powers is not None and np.inf > difference > _FAR_OFF * tolerance else shrink

@@ -85,6 +85,18 @@ class Law:
         """Whether the density jumps, bends or diverges anywhere above 0."""
         return bool((self.breakpoints > 0.0).any() or self._hard.any())
 
+    def what_helps(self, step: float) -> str:
+        """What to do where lattices of this step, in units of `unit`, are the finest and do not answer."""
+        spread = float(self._thresholds.std())
+        if spread < step * self.unit:
+            told = f"thresholds have a standard deviation of {spread:.1e}, too narrow to follow"
+            return f"{told}: take identical, value = {float(self._thresholds.mean()):g}"
+        short = "shorten the path or loosen the tolerance"
+        if self.narrowest < step:
+            width = self.narrowest * self.unit
+            return f"many thresholds lie within {width:.1e}, too narrow to follow: take identical for these, {short}"
+        return short
+
     def inner_edges(self, width: float) -> Array:
         """Edges between panels that sums over pieces as wide as `width` must respect: where the density bends, and
         those of narrower panels."""

@@ -187,7 +187,7 @@ def _refine(
             if ride.nodes > MOST_NODES / 4:
                 best = best or (ride, np.inf)
                 reached = f"error estimate {best[1]:.1e} on {best[0].nodes} nodes, above the tolerance"
-                return *best, f"{reached} {tolerance:.1e}; shorten the path or loosen the tolerance"
+                return *best, f"{reached} {tolerance:.1e}; {law.what_helps(travel / ride.nodes)}"
         coarser = ride
         level += 1
 

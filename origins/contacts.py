@@ -17,7 +17,7 @@ from origins.frozen import as_thresholds
 from origins.grain_contact import GrainContact
 from origins.start import as_start
 from origins.thermal import Thermal
-from origins.thresholds import Array
+from origins.thresholds import Array, Thresholds
 
 _UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
 _COLDEST = 1e-20  # k_BT/<k> of <x_s>²: barriers are beyond all that rates could tell
@@ -136,9 +136,7 @@ class Contacts:
     def _check_laws(self) -> None:
         if self.thermal is not None and not isinstance(self.thermal, Thermal):
             refuse("thermal", self.thermal, 'must be an origins.Thermal, such as Thermal("soft", temperature=0.1)')
-        if self.thermal is not None and self.thermal.temperature < _COLDEST * self.mean_threshold**2:
-            share = f"{self.thermal.temperature / self.mean_threshold**2:.1g} of <x_s>²"
-            rule = f"is {share}; below {_COLDEST:g} of it contacts break at their thresholds: leave thermal out"
+        if self.thermal is not None and (rule := too_cold(self.thermal.temperature, self.thresholds)):
             refuse("thermal.temperature", self.thermal.temperature, rule)
         if self.ageing is not None and not isinstance(self.ageing, Ageing):
             refuse("ageing", self.ageing, "must be an origins.Ageing, such as Ageing(gaussian(1.0, 0.02), rate=5e-4)")
@@ -203,3 +201,15 @@ def check_contacts(contacts: object, solver: str, takes: tuple[str, ...] = ()) -
             raise InputError(f"contacts.{name}: {solver} does not take it yet; leave {name} out of the contacts")
     if contacts.stiffness != "independent" and "stiffness" not in takes:
         refuse("contacts.stiffness", contacts.stiffness, f'{solver} does not take it yet; leave it "independent"')
+
+
+def too_cold(temperature: float, thresholds: Thresholds) -> str:
+    """Why contacts of these thresholds take no temperature k_BT/<k> as low as this (a length squared); "" where they
+    do."""
+    mean = thresholds.mean()
+    if not temperature < _COLDEST * mean**2:
+        return ""
+    told = f"is {temperature / mean**2:.1g} of <x_s>²;"
+    if thresholds.interface is not None:
+        told = f"k_BT/<k> = {temperature:.1g} m² {told} are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
+    return f"{told} below {_COLDEST:g} of it contacts break at their thresholds: leave thermal out"

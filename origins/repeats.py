@@ -8,7 +8,7 @@ from origins.thresholds import Array
 Flags = npt.NDArray[np.bool_]
 
 _SAME = 1e-12  # relative distance of samples that are one value
-_OFTEN = 10
+OFTEN = 10
 _STANDS_OUT = 5  # times as often as the values beside it
 _ALWAYS_EXACT, _FEW = 3, 8  # values in all
 _EVEN = 1e-3  # of the step of a grid
@@ -27,7 +27,7 @@ def distinct(ordered: Array, shares: Array) -> tuple[Array, Array, Array]:
 def exact(values: Array, counts: Array) -> Flags:
     """Which of the values (sorted, each there `counts` times) are exact, by the rule that from_samples states."""
     found = np.zeros(values.size, dtype=bool)
-    if 1 < values.size <= _FEW and counts.min() >= _OFTEN and not (values.size > _ALWAYS_EXACT and _rounded(values)):
+    if 1 < values.size <= _FEW and counts.min() >= OFTEN and not (values.size > _ALWAYS_EXACT and _rounded(values)):
         return ~found
     while True:
         rest = np.flatnonzero(~found)
@@ -62,4 +62,4 @@ def _stand_out(values: Array, counts: Array) -> Flags:
         steps = gaps / np.nanmin(gaps, axis=1, keepdims=True)
         even |= ~(np.abs(steps - np.round(steps)) > _EVEN).any(axis=1)
     explained = np.where(even, np.nanmax(near[:, 1:3], axis=1), np.nanmin(near, axis=1))
-    return counts >= _OFTEN + _STANDS_OUT * explained
+    return counts >= OFTEN + _STANDS_OUT * explained

@@ -102,6 +102,23 @@ def test_run_of_a_surface_says_and_keeps_what_to_mind(write_scene, capsys) -> No
     assert back.notes == tuple(told) and json.loads(json.dumps(toolkit.files.summary(back))) == written
 
 
+def test_a_spring_as_if_in_newtons_is_told_before_the_run(write_scene, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("toolkit.forecast._ENOUGH", 0.05)
+
+    def told(spring: float) -> list[str]:
+        scene = write_scene(rough() | {"drive": {"to": 1e-9, "points": 5, "spring": spring}})
+        assert main(["run", scene, "--dry-run"]) == 0
+        return capsys.readouterr().err.splitlines()
+
+    assert told(0.5) == []
+    (line,) = told(1e6)
+    interface = toolkit.load_scene(write_scene(rough())).contacts.interface
+    assert interface is not None
+    each = interface.contact_density * interface.mean_stiffness
+    assert line.startswith("mesofriction: drive.spring = 1e+06 is K/(N_c<k>), a number, and K* is ")
+    assert f"divided by N_c<k> = contact_density * area * <k>, {each:.3g} N/m per m² of nominal area" in line
+
+
 @pytest.mark.parametrize(
     ("thresholds", "to", "eq", "why"),
     [

@@ -10,7 +10,7 @@ from scipy.special import gamma
 import origins
 import toolkit
 from toolkit.describing import conditions, describe
-from toolkit.interfaces import remarks
+from toolkit.interfaces import remarks, with_error
 
 MOMENTS = ("mean", "second_moment", "third_moment")
 WEIBULL = [float(gamma(1.0 + n / 2.5)) for n in (1, 2, 3)]
@@ -105,3 +105,25 @@ def test_which_speed_of_a_scene_is_taken_is_said(more: dict[str, Any], told: str
 def test_a_normal_law_with_its_mean_below_0_is_told() -> None:
     told = "the normal law has its mean at -1 and is cut at 0, with half or more of its weight: what is left has <x_s>"
     assert remarks(origins.gaussian(-1.0, 0.5)) == [told + " = 0.187"] and not remarks(origins.gaussian(1.0, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "told"),
+    [
+        (2.00301, 0.2, "2.0 ± 0.2"),
+        (0.0, 5.1, "0 ± 5"),
+        (11.8, 5.0, "12 ± 5"),
+        (0.03, 0.2, "0.03 ± 0.2"),
+        (1.0 / 3.0, 1e-16, "0.33333333 ± 1e-16"),
+        (-4.5678e-9, 2.3e-10, "-4.6e-09 ± 2e-10"),
+        (5.678e-9, 2.3e-9, "6e-09 ± 2e-09"),
+        (1.2345, 0.097, "1.2 ± 0.1"),
+        (2.0, 0.003, "2.000 ± 0.003"),
+        (1.0, 1e-16, "1 ± 1e-16"),
+        (1.5, 0.0, "1.5"),
+        (1.5, np.inf, "1.5"),
+        (np.inf, 0.1, "inf"),
+    ],
+)
+def test_no_digit_is_told_beyond_the_error(value: float, error: float, told: str) -> None:
+    assert with_error(value, error, 8) == told

@@ -104,3 +104,22 @@ def test_any_frozen_law_in_both_solvers(law) -> None:
     exact, found = master.solve(contacts, path, 1e-8), eq_model.simulate(contacts, path, n_contacts=20_000, seed=3)
     assert exact.success
     assert (np.abs(found.force - exact.force)[1:] < 5.0 * found.force_standard_error[1:]).all()
+
+
+@pytest.mark.parametrize(
+    ("path", "spring"), [([0.0, 1.5, 3.0], None), ([0.0, 1.5, 3.0, 0.0], None), ([0.0, 1.5, 3.0], 3.0)]
+)
+def test_laws_too_narrow_for_lattices_are_sent_to_exact_values(
+    path: list[float], spring: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("forward", "cohorts", "soft"):
+        monkeypatch.setattr(f"master.{name}.MOST_NODES", 2**12)
+    narrow = origins.gaussian(1.0, 1e-9)
+    found = master.solve(origins.Contacts(narrow), path, 1e-4, spring=spring)
+    assert not found.success
+    assert found.message.endswith(
+        "; thresholds have a standard deviation of 1.0e-09, too narrow to follow: take identical, value = 1"
+    )
+    if spring is None:
+        part = origins.mixture([narrow, origins.gaussian(1.5, 0.1)], [0.5, 0.5])
+        assert "take identical for these" in master.solve(origins.Contacts(part), path, 1e-4).message

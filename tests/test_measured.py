@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import origins
+import toolkit
 from toolkit.describing import describe
 from toolkit.measured import from_samples
 from toolkit.plots import plot_samples
-from toolkit.sampling import NAMES, misfit, sampling_errors
+from toolkit.sampling import NAMES, misfit, numerical_only, sampling_errors
 
 SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
 
@@ -90,6 +91,30 @@ def test_a_smooth_law_that_misses_its_samples_says_so() -> None:
     (note,) = misfit(origins.from_samples(coarse))
     assert "from that of the samples, sampling allows 0.025" in note
     assert misfit(origins.from_samples(SAMPLES)) == misfit(origins.gaussian(1.0, 0.1)) == []
+
+
+def test_few_samples_and_values_that_repeat_too_rarely_to_be_exact_are_told() -> None:
+    (note,) = misfit(origins.from_samples([1.0, 1.0, 2.0, 2.0]))
+    assert note == (
+        "few thresholds, 4 samples: the smooth law's cdf lies 0.5 from that of the samples, sampling allows 0.68; take "
+        "more samples; values that repeat are exact from 10 times on; those you know to be exact are `identical`"
+    )
+    (note,) = misfit(origins.from_samples(np.repeat([1.0, 2.0], 9)))
+    assert "0.5 from that of the samples, sampling allows 0.32; take more samples; they are rounded" in note
+    (note,) = misfit(origins.from_samples(SAMPLES, weights=10.0 ** np.arange(-50.0, 50.0)))
+    assert note.startswith("few thresholds, 100 samples, which their weights make 1.2: ") and "repeat" not in note
+    # exact they are
+    assert misfit(origins.from_samples(np.repeat([1.0, 2.0], 15))) == []
+
+
+def test_a_run_with_samples_says_whose_errors_it_tells() -> None:
+    def notes(kind: dict) -> tuple[str, ...]:
+        return toolkit.run({"contacts": {"thresholds": kind}, "drive": {"to": 1.0, "points": 3}, "master": {}}).notes
+
+    assert notes({"kind": "gaussian", "mean": 1.0, "std": 0.1}) == ()
+    (note,) = notes({"kind": "from-samples", "x_s": SAMPLES.tolist()})
+    assert note.startswith("errors are numerical only, not those of the samples: ") and "bootstrap" in note
+    assert [note] == numerical_only(origins.from_samples(SAMPLES))
 
 
 def test_a_mixture_states_its_sampling_errors(monkeypatch: pytest.MonkeyPatch) -> None:

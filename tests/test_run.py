@@ -329,6 +329,24 @@ def test_a_temperature_at_which_contacts_hold_nothing_is_noted() -> None:
     assert note.startswith("the temperature is 500 <x_s^2>: barriers are 0.001 k_BT")
 
 
+@pytest.mark.parametrize(
+    ("drive", "solver", "told"),
+    [
+        ({"to": 1e-12}, {"master": {}}, "path, as far as the error tells: it reaches 1e-12 <x_s>"),
+        ({"turns": [0.3, -0.3]}, {"master": {}}, "path, as far as the error tells: it reaches 0.3 <x_s>"),
+        ({"to": 0.3, "spring": 0.5}, {"master": {}}, "path, as far as the error tells: it reaches 0.3 <x_s>"),
+        ({"to": 0.3}, {"eq": {"contacts": 100, "replicas": 2}}, "path: it reaches 0.3 <x_s>"),
+        ({"to": 0.3}, {"eq": {"contacts": 100, "replicas": 2}, "master": {}}, None),  # whose comparison says it
+        ({"to": 0.8}, {"master": {}}, None),
+        ({"to": 1.0}, {"eq": {"contacts": 100, "replicas": 2}}, None),
+    ],
+)
+def test_a_path_on_which_nothing_breaks_is_noted(drive: dict, solver: dict, told: str | None) -> None:
+    law = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
+    notes = toolkit.run({"contacts": {"thresholds": law}, "drive": {"points": 4} | drive} | solver).notes
+    assert list(notes) == ([] if told is None else [f"no contact breaks on this {told}, and sliding takes several"])
+
+
 def test_births_beyond_nearly_all_thresholds_are_noted() -> None:
     def notes(mean: float) -> tuple[str, ...]:
         again = {"kind": "gaussian", "mean": mean, "std": 0.05}

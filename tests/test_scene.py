@@ -143,6 +143,13 @@ def test_generated_surface_gives_its_thresholds() -> None:
     warm = {"thermal": {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e12}}
     thermal = toolkit.load_scene(scene | {"contacts": scene["contacts"] | warm}).contacts.thermal
     assert thermal.temperature == pytest.approx(1.380649e-23 * 300.0 / direct.interface.mean_stiffness, rel=1e-14)
+    # micrometres taken for metres
+    law = {**scene["contacts"]["thresholds"], "surface": SURFACE | {"pixel_size": 1e-2}}
+    with pytest.raises(InputError) as caught:
+        toolkit.load_scene(scene | {"contacts": {"thresholds": law} | warm})
+    told = str(caught.value)
+    assert told.startswith("contacts.thermal.temperature.kelvin = 300.0: k_BT/<k> = ")
+    assert "of <x_s>²; are the surface's lengths, <x_s> = " in told and " m, in their unit? below 1e-20 of it" in told
 
 
 @pytest.mark.parametrize(
@@ -529,8 +536,10 @@ def test_broken_file_is_refused(tmp_path: Path, content: bytes, message: str) ->
 
 
 def test_unknown_name_lists_the_shipped_ones() -> None:
-    with pytest.raises(InputError, match=r"^scene = 'gausian': no such file, and no shipped scene: those are agei"):
+    with pytest.raises(InputError, match=r"^scene = 'gausian': .* did you mean gaussian\? Shipped are ageing, "):
         toolkit.load_scene("gausian")
+    with pytest.raises(InputError, match=r"^scene = 'qq': no such file, and no shipped scene: those are ageing, "):
+        toolkit.load_scene("qq")
     with pytest.raises(InputError, match=r"^scene = 3: must be a dict"):
         toolkit.load_scene(3)  # type: ignore[arg-type]
 

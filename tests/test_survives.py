@@ -278,7 +278,7 @@ def test_stopped_by_its_wall_time_it_goes_on(tmp_path: Path, capsys: pytest.Capt
     assert whole is not None and np.array_equal(found[-1].force, whole.force)
     assert not (tmp_path / "out/checkpoint").exists()
     told = capsys.readouterr().err.splitlines()
-    assert told[0] == f"mesofriction: stopped by the wall time; run it again with {tmp_path}/out to go on"
+    assert told[0] == f"mesofriction: stopped by the wall time; run it again with --out {tmp_path}/out to go on"
     assert [followed(line) for line in told] == [0, BLOCK, 0, 2 * BLOCK]
 
 

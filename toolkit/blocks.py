@@ -67,7 +67,7 @@ def follow(
     if checkpoint is not None and unfinished(ensemble, result):
         checkpoint.write(ensemble.state)
         if checkpoint.is_first and not interrupted:
-            say(f"stopped by the wall time; run it again with {checkpoint.folder} to go on")
+            say(f"stopped by the wall time; run it again with --out {checkpoint.folder} to go on")
     if interrupted and unfinished(ensemble, result):
         result = replace(result, success=False, message=f"interrupted: {result.message}")
     return result

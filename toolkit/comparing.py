@@ -10,7 +10,7 @@ import numpy as np
 from origins.errors import InputError
 from toolkit.describing import conditions
 from toolkit.deviation import why_not_compared, worst_deviation
-from toolkit.interfaces import HEIGHT_INTEGRALS, remarks, why_infinite
+from toolkit.interfaces import HEIGHT_INTEGRALS, remarks, why_infinite, with_error
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated
 from toolkit.running import run
@@ -195,7 +195,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         )
         if verdict.evidence is not None:
             evidence = verdict.evidence
-            measured = f"{evidence.static_to_kinetic:.5f} ± {evidence.static_to_kinetic_error:.0e}"
+            measured = with_error(evidence.static_to_kinetic, evidence.static_to_kinetic_error, 6)
             deviation = "none" if evidence.not_compared is not None else ""
             deviation = deviation if evidence.worst_deviation is None else f"{evidence.worst_deviation:.1f}"
             there = "" if evidence.expected is None else f"{evidence.expected:.5f}"
@@ -228,12 +228,7 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _with_error(value: float, error: float, digits: int = 6) -> str:
-    """Both; the value alone where it is exact or its error is not known."""
-    if not np.isfinite(value):
-        return "infinite"
-    if not np.isfinite(error) or error == 0.0:
-        return f"{value:.{digits}g}"
-    return f"{value:.{digits}g} ± {error:.0e}"
+    return with_error(value, error, digits) if np.isfinite(value) else "infinite"
 
 
 def _seconds(time: float) -> str:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
+import numpy as np
+
 from origins import Contacts
 from origins.gaussian import CutGaussian
 from origins.interface import Interface
@@ -34,6 +36,23 @@ class Number:
     value: float
     error: float | None
     unit: str
+
+
+def with_error(value: float, error: float, digits: int) -> str:
+    """Both in words, the value to `digits` and no further than the error's first; alone where its error is 0 or not
+    known."""
+    if not np.isfinite(value) or not np.isfinite(error) or error == 0.0:
+        return f"{value:.{digits}g}"
+    told = f"{error:.1g}"
+    known = _decade(value) - _decade(float(told)) + 1
+    if value == 0.0 or known >= digits:
+        return f"{value:.{digits}g} ± {told}"
+    # with its last zeros
+    return f"{value:#.{max(known, 1)}g}".removesuffix(".").replace(".e", "e") + f" ± {told}"
+
+
+def _decade(value: float) -> int:
+    return int(f"{value:e}".partition("e")[2])
 
 
 def of_interface(interface: Interface) -> dict[str, Number]:

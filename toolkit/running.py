@@ -5,6 +5,8 @@ from contextlib import closing, nullcontext
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 import toolkit
 from origins.contacts import Contacts
 from toolkit import laws
@@ -12,6 +14,7 @@ from toolkit.folders import check_folder
 from toolkit.interfaces import of_interface, remarks
 from toolkit.ranks import on_root
 from toolkit.results import Result, Simulated, Solved, ageing_record, sample_curve, soft_record
+from toolkit.sampling import numerical_only
 from toolkit.scene import EqTable, Scene, load_scene
 from toolkit.sweeping import solve_sweep
 
@@ -22,6 +25,9 @@ if TYPE_CHECKING:
 
 _HOT = 100.0  # k_BT/<k> in <x_s^2>
 _FEW = 1e-6  # of the thresholds
+_STIFF, _ABOVE = 1e3, 1e4  # springs, in N_c<k> and in K*, that are hardly meant
+_ROUGHLY = 1e-4
+_EPSILON = 8.0 * float(np.finfo(float).eps)
 _EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}
 
 
@@ -94,7 +100,7 @@ def solve(
 ) -> tuple[Result, bool]:
     """Solve what the scene asks for, and whether nothing is left to go on with; `refining` makes of the master
     equation's tolerance what shows its error after each refinement."""
-    interface = scene.contacts.interface
+    interface, law = scene.contacts.interface, scene.contacts.thresholds
     master = None
     if scene.master is not None:
         with closing(refining(scene.master.tolerance)) if refining is not None else nullcontext() as refined:
@@ -109,14 +115,56 @@ def solve(
         text=scene.text,
         version=toolkit.__version__,
         mean_threshold=scene.contacts.mean_threshold,
-        thresholds=sample_curve(scene.contacts.thresholds),
+        thresholds=sample_curve(law),
         master=master,
         eq=eq,
-        notes=tuple(remarks(scene.contacts.thresholds) + _beside(scene)),
+        notes=(
+            *(*remarks(law), *numerical_only(law), *foreseen(scene)),
+            *(*_beside(scene), *_all_hold(scene, master, eq)),
+        ),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
     )
     return result, finished
+
+
+def foreseen(scene: Scene) -> list[str]:
+    """What to tell before a run: a spring that seems to be in N/m, where a surface knows contacts' stiffness."""
+    interface, drive = scene.contacts.interface, scene.given_drive
+    if interface is None or drive is None or drive.spring is None or drive.spring <= 1.0:
+        return []
+    import master
+
+    # at rest and cold, which is enough for decades
+    critical = master.propensity(Contacts(scene.contacts.thresholds), _ROUGHLY).critical_spring
+    if drive.spring <= min(_STIFF, _ABOVE * critical):
+        return []
+    each = interface.contact_density * interface.mean_stiffness
+    return [
+        f"drive.spring = {drive.spring:g} is K/(N_c<k>), a number, and K* is {critical:.1g}: a spring in N/m is to be "
+        f"divided by N_c<k> = contact_density * area * <k>, {each:.3g} N/m per m² of nominal area"
+    ]
+
+
+def _all_hold(scene: Scene, master: Solved | None, eq: Simulated | None) -> list[str]:
+    """A note where nothing breaks, which beside both solvers the comparison says."""
+    if (master is None) == (eq is None):
+        return []
+    contacts, to_within = scene.contacts, ""
+    if eq is not None:
+        broken = eq.breaks > 0
+    elif master is not None:
+        error = master.force_error * contacts.mean_threshold
+        moved = getattr(master, "position", master.path)
+        lost = moved - moved[0] - (master.force - master.force[0])
+        broken = not master.success or float(np.abs(lost).max()) > error + _EPSILON * float(np.abs(moved).max())
+        to_within = ", as far as the error tells"
+    if broken:
+        return []
+    reach = float(np.abs(scene.path).max()) / contacts.mean_threshold
+    return [
+        f"no contact breaks on this path{to_within}: it reaches {reach:.2g} <x_s>, and sliding takes several"
+    ]
 
 
 def _beside(scene: Scene) -> list[str]:

@@ -5,8 +5,11 @@ import numpy as np
 from origins import Contacts, bootstrap
 from origins.bootstrap import sampled_parts
 from origins.continuous_mixture import ContinuousMixture
+from origins.repeats import OFTEN
+from origins.samples import Sampled
 from origins.thresholds import Array, Thresholds
 
+FEW = 30  # samples, in effect
 RESAMPLES = 20  # an error known to a sixth of itself
 _CONFIDENCE = 0.95
 _TOLERANCE = 1e-4  # far below any sampling error
@@ -83,16 +86,42 @@ def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
 
 
 def misfit(law: Thresholds) -> list[str]:
-    """A note for each smooth law that lies further from its samples than these can be from their own, and one where
-    sampling errors are missing; else nothing."""
-    notes = []
-    for part in sampled_parts(law):
-        if part.cdf_misfit > part.cdf_error:
-            notes.append(
-                f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows "
-                f"{part.cdf_error:.2g}: they are rounded coarsely, or hold structure that it misses; give that apart, "
-                "in a mixture"
-            )
+    """A note for each law of few samples, or that lies further from its samples than these can be from their own law,
+    and one where sampling errors are missing; else nothing."""
+    notes = [_of_one(part) for part in sampled_parts(law) if _few(part) or _misses(part)]
     if sampled_parts(law) and isinstance(law, ContinuousMixture):
         notes.append("sampling errors are missing: the laws of this continuous mixture may all be of the same samples")
     return notes
+
+
+def numerical_only(law: Thresholds) -> list[str]:
+    """A note that errors of a run know nothing of the sampling, where there is any."""
+    if not sampled_parts(law):
+        return []
+    return [
+        "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
+        "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"
+    ]
+
+
+def _misses(part: Sampled) -> bool:
+    return part.cdf_misfit > part.cdf_error
+
+
+def _few(part: Sampled) -> bool:
+    return round(part.effective_samples) < FEW
+
+
+def _of_one(part: Sampled) -> str:
+    allowed = min(part.cdf_error, 1.0)
+    told = f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows {allowed:.2g}"
+    alike, advice = part.effective_samples > 0.99 * part.n_samples, []
+    if _few(part):
+        count = "" if alike else f", which their weights make {part.effective_samples:.2g}"
+        told = f"few thresholds, {part.n_samples} samples{count}: {told}"
+        advice.append("take more samples")
+    if _misses(part):
+        advice.append("they are rounded coarsely, or hold structure that it misses; give that apart, in a mixture")
+    if alike and part.smooth_part is not None and part.samples.size < part.n_samples:
+        advice.append(f"values that repeat are exact from {OFTEN} times on; those you know to be exact are `identical`")
+    return "; ".join([told, *advice])

@@ -4,6 +4,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -13,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 import origins
-from origins.contacts import Contacts
+from origins.contacts import Contacts, too_cold
 from origins.drive import Drive
 from origins.errors import InputError, check_tolerance, finite, positive, refuse, shown, whole, without_point
 from toolkit import laws
@@ -201,7 +202,10 @@ def _find(scene: object) -> Path:
     if file.is_dir():
         refuse("scene", str(scene), "is a folder; name a scene file in it")
     if not file.is_file():
-        refuse("scene", str(scene), f"no such file, and no shipped scene: those are {', '.join(shipped_scenes())}")
+        shipped = shipped_scenes()
+        close = get_close_matches(file.stem, shipped, n=1)
+        meant = f"; did you mean {close[0]}? Shipped" if close else ": those"
+        refuse("scene", str(scene), f"no such file, and no shipped scene{meant} are {', '.join(shipped)}")
     return file
 
 
@@ -266,6 +270,9 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
             "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such "
             "as 1e12, and has no default"
         )
+    warmth = (table.thermal or {}).get("temperature")
+    if isinstance(warmth, Mapping) and (rule := too_cold(made["thermal"].temperature, thresholds)):
+        refuse("contacts.thermal.temperature.kelvin", warmth["kelvin"], rule)
     with laws.inside("contacts", {name: name for name in made}):
         return Contacts(**made)
 

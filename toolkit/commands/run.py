@@ -30,11 +30,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Run, report, write; 1 where a solver did not reach its tolerance (the results are written all the same)."""
     from toolkit.progress import Progress, Refinement
-    from toolkit.running import open_checkpoint, solve, write
+    from toolkit.running import foreseen, open_checkpoint, solve, write
     from toolkit.scene import load_scene
 
     scene = load_scene(arguments.scene, comm=comm)
     first = comm is None or comm.Get_rank() == 0
+    for note in foreseen(scene) if first else []:
+        print(f"mesofriction: {note}", file=sys.stderr, flush=True)
     if arguments.dry_run:
         from toolkit.forecast import forecast, lines, pilot, pilot_lines
 
@@ -64,7 +66,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
-    from toolkit.interfaces import in_a_line
+    from toolkit.interfaces import in_a_line, with_error
     from toolkit.results import AgeingRecord, SoftRecord
 
     lines = [result.title or result.name]
@@ -78,7 +80,7 @@ def report(result: Any) -> list[str]:
         )
         if isinstance(solved, SoftRecord):
             slips = f"{solved.slip_drive.size} slips"
-            period = f", period {solved.period:.9g} ± {2.0 * solved.slip_drive_error:.0e}"
+            period = f", period {with_error(solved.period, 2.0 * solved.slip_drive_error, 9)}"
             period = period if solved.slip_drive.size > 1 else ""
             lines.append(f"regime  {solved.verdict}, {slips}{period}: {solved.reason}")
         if isinstance(solved, AgeingRecord):

@@ -59,12 +59,12 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 def lines(found: "Description") -> list[str]:
     """The table as lines of text."""
+    from toolkit.interfaces import with_error
+
     names = {name: f"{name.replace('_', ' ')} {_SYMBOLS.get(name, '')}".rstrip() for name in found.numbers}
     width = max(map(len, names.values())) + 2
     out = []
     for name, number in found.numbers.items():
-        value = f"{number.value:.8g}"
-        if number.error is not None and 0.0 < number.error < float("inf"):
-            value += f" ± {number.error:.0e}"
+        value = with_error(number.value, number.error or 0.0, 8)
         out.append(f"  {names[name]:{width}}{value} {number.unit}".rstrip())
     return [*out, *(f"  {note}" for note in found.notes), f"  {'run time':{width}}{found.run_time:.2g} s"]
