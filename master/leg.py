@@ -106,7 +106,7 @@ class Leg:
         self.first = first or CohortBreaks(law, state.cohorts, state.at, direction, past, accuracy, known_to)
         self.problem = LegProblem(law, self.first, end, step)
         self.start_force = self.first.mean_start
-        unresolved = _unresolved(self.first.density, end, 2.0 * known_to) + self.first.lost
+        unresolved = _unresolved(self.first.density, end, 2.0 * known_to) + self.first.lost + self.first.missed
         self.table_error = state.error + (1.0 + end) * unresolved
         self.later: LaterReleased | ListedLater | None = None
         if law.atomic and not self.first.single:

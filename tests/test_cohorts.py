@@ -440,3 +440,10 @@ def test_bad_input_is_refused_in_one_line(path, tolerance, words):
 def test_turns_too_far_apart_are_refused(far: float) -> None:
     with pytest.raises(origins.InputError, match=r"path\[0\] = .*turn round within 1e\+06"):
         master.solve(origins.Contacts(origins.gaussian(1.0, 0.2)), [-far, far], 1e-3)
+
+
+def test_breaks_that_no_seed_finds_are_missed_and_said_to_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Births and thresholds each within 1e-5: at X = 3 all contacts break at once, long after a turn."""
+    monkeypatch.setattr("master.cohorts.MOST_NODES", 2**16)
+    found = master.solve(origins.Contacts(origins.gaussian(1.0, 1e-5)), [0.0, 2.5, 1.5, 4.5], 1e-4)
+    assert np.abs(found.force - [0.0, 0.5, -0.5, 0.5]).max() <= found.force_error
