@@ -3,12 +3,16 @@
 import importlib.util
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+# what runs tests in the background ignores interrupts, and so would all that these start
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # read when numpy is first imported: every worker has a core of its own, and idle BLAS threads would keep it busy
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
