@@ -27,6 +27,7 @@ Array = npt.NDArray[np.float64]
 _BEYOND = 1.7
 _STALL = 20.0
 _MOST_AROUND = 40  # points of one leg
+_NARROW = 5e-7  # width of laws that lattices do not tell from exact values
 _CUBE = 0.375
 _EIGHTH = 0.125  # errors that fall as the cube, from lattice to lattice
 _SEVENTH = 0.15  # of the last difference is left then
@@ -180,6 +181,12 @@ def solve_cohorts(
         refuse(f"path[{at}]", path[at], rule)
     law = Law(contacts, _reach(contacts, x))
     course, error, message = _refine(law, State(0.0, [starting(contacts, law)]), moves(x), x, tolerance, progress)
+    if law.narrowest < _NARROW:
+        # at a point where many break at once no lattice tells how many already have
+        span = max(float(x.max()), 0.0) - min(float(x.min()), 0.0)
+        error = max(error, float(contacts.thresholds.cdf(span * contacts.mean_threshold)))
+        if error > tolerance:
+            message = f"error estimate {error:.1e}, above the tolerance {tolerance:.1e}; {law.what_helps(_NARROW)}"
     success, message = outcome(contacts, error, tolerance, message)
     return PathSolution(
         path=path,

@@ -447,3 +447,12 @@ def test_breaks_that_no_seed_finds_are_missed_and_said_to_be(monkeypatch: pytest
     monkeypatch.setattr("master.cohorts.MOST_NODES", 2**16)
     found = master.solve(origins.Contacts(origins.gaussian(1.0, 1e-5)), [0.0, 2.5, 1.5, 4.5], 1e-4)
     assert np.abs(found.force - [0.0, 0.5, -0.5, 0.5]).max() <= found.force_error
+
+
+def test_laws_as_narrow_as_exact_values_claim_nothing_once_contacts_break():
+    contacts = origins.Contacts(origins.gaussian(1.0, 1e-9))
+    solution = solve_cohorts(contacts, np.array([0.0, 2.0, 1.5]), 1e-2)
+    assert not solution.success and "take identical, value = 1" in solution.message
+    assert abs(solution.force[1] - 0.5) <= solution.force_error
+    before = solve_cohorts(contacts, np.array([0.0, 0.9, 0.4]), 1e-6)
+    assert before.success and np.abs(before.force - [0.0, 0.9, 0.4]).max() <= before.force_error
