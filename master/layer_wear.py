@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.cut_law import SLACK
-from master.thermal_wear import fresh_rate, spent_softly
+from master.thermal_wear import Softly
 from master.timeline import Piece
 from master.wear import Left
 from origins import Contacts
@@ -33,33 +33,22 @@ _MOST_SPEEDS = 3
 _FROZEN = 20.0  # functions of scipy.stats
 
 
-class LayerWear:
-    """The same as master.thermal_wear.SoftWear; `worn` is ln W."""
+class LayerWear(Softly):
+    """The same as master.thermal_wear.SoftWear."""
 
-    width = 1
     forgets = False
 
     def __init__(self, contacts: Contacts, length: float) -> None:
         thermal = contacts.thermal
         assert thermal is not None
-        self._law, self._spring = contacts.thresholds, 0.5 / thermal.temperature
-        self._log_frequency = float(np.log(thermal.attempt_frequency))
+        super().__init__(contacts, length)
+        self._law = contacts.thresholds
         self._atoms, self._atom_weights = self._law.atoms
-        self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts)
         self.slow = _FROZEN if isinstance(self._law, FrozenThresholds) else 2.0
         self._least = _LEAST * contacts.mean_threshold
         self.error, (self._way, self._weights) = self._chosen()
         self.work = self._way.size + 50
         self.skin = thermal.temperature / contacts.mean_threshold
-
-    def fresh(self, stretch: Array) -> Array:
-        return np.full((stretch.size, 1), -np.inf)
-
-    def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float | Array) -> None:
-        spent_softly(worn, begin, end, duration, self._spring, self._log_frequency)
-
-    def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
-        pass
 
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
         reached = furthest * (1.0 + SLACK)

@@ -55,12 +55,13 @@ def solve_soft_laws(
     success, message = outcome(contacts, error, tolerance, message)
     drives, before, after, above, below = table
     slips = Slips(drives, before, after, above, below, error * unit / spring)
-    speed = drive.velocity if drive.time is None else _speed(drive, balance)
     moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
-    course = None
+    speed, course = drive.velocity, None
     if moving:
         last = abs(moving[-1].travel) / moving[-1].duration
         course = Course(asked, force, drive.path - force / spring, moving[-1].begin, last)
+        if drive.time is not None:  # the mean while it moves
+            speed = sum(abs(piece.travel) for piece in moving) / sum(piece.duration for piece in moving)
     return SoftSolution(
         path=drive.path,
         balance=balance,
@@ -76,14 +77,6 @@ def solve_soft_laws(
         success=success,
         message=message,
     )
-
-
-def _speed(drive: Drive, balance: float) -> float:
-    """Mean speed of the drive while it moves."""
-    course = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
-    if not course:
-        return 1.0
-    return sum(abs(piece.travel) for piece in course) / sum(piece.duration for piece in course)
 
 
 def _refine(

@@ -58,29 +58,41 @@ def fresh_rate(contacts: Contacts) -> float:
     return min(float(weights @ rates), float(thermal.rate(0.0, weakest, contacts.relative_stiffness(weakest))))
 
 
-class SoftWear:
-    """Soft contacts, equally stiff; `worn` is ln W."""
+class Softly:
+    """What equally stiff soft contacts keep of the past: one number, ln W; h = ω e^(-barrier) e^(x²/2T), and W is what
+    the last factor adds up to, in attempts."""
 
     width = 1
-    forgets, slow, skin = False, 1.0, 0.0
 
-    def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
+    def __init__(self, contacts: Contacts, length: float) -> None:
         thermal = contacts.thermal
         assert thermal is not None
-        self._contacts, self._cut, self._spring = contacts, cut, 0.5 / thermal.temperature
-        self._log_frequency = float(np.log(thermal.attempt_frequency))
+        self._spring, self._log_frequency = 0.5 / thermal.temperature, float(np.log(thermal.attempt_frequency))
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts)
-        self.error, self.work = error_of(cut), cut.nodes.size + 50
-        self._barrier, self._atom_barrier = (self._spring * at * at for at in (cut.nodes, cut.atoms))
 
     def fresh(self, stretch: Array) -> Array:
         return np.full((stretch.size, 1), -np.inf)
 
     def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float | Array) -> None:
-        spent_softly(worn, begin, end, duration, self._spring, self._log_frequency)
+        if np.any(duration):
+            with np.errstate(divide="ignore"):
+                spent = _log_mean(begin, end, self._spring) + (self._log_frequency + np.log(duration))
+            np.logaddexp(worn[:, 0], spent, out=worn[:, 0])
 
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
         pass
+
+
+class SoftWear(Softly):
+    """Their thresholds' density on nodes."""
+
+    forgets, slow, skin = False, 1.0, 0.0
+
+    def __init__(self, contacts: Contacts, cut: CutLaw, length: float) -> None:
+        super().__init__(contacts, length)
+        self._contacts, self._cut = contacts, cut
+        self.error, self.work = error_of(cut), cut.nodes.size + 50
+        self._barrier, self._atom_barrier = (self._spring * at * at for at in (cut.nodes, cut.atoms))
 
     def left(self, worn: Array, stretch: Array, furthest: Array) -> Left:
         cut, level = self._cut, worn[:, 0]
@@ -111,16 +123,6 @@ class SoftWear:
         from master.spent_wear import SpentWear
 
         return SpentWear(self._contacts, self._cut, self.length, plain=True)
-
-
-def spent_softly(
-    worn: Array, begin: Array, end: Array, duration: float | Array, spring: float, log_frequency: float
-) -> None:
-    """In place: what a motion adds to ln W."""
-    if np.any(duration):
-        with np.errstate(divide="ignore"):
-            spent = _log_mean(begin, end, spring) + (log_frequency + np.log(duration))
-        np.logaddexp(worn[:, 0], spent, out=worn[:, 0])
 
 
 def _log_mean(begin: Array, end: Array, stiffness: float) -> Array:

@@ -149,7 +149,14 @@ def test_a_spring_as_stiff_as_one_likes_loses_no_digits() -> None:
 
 def test_slips_that_only_coarse_steps_find_leave_an_error_estimate() -> None:
     contacts = Contacts(gw_plastic(1.0), thermal=Thermal("soft", 0.11, 0.109))
-    solution = master.solve(contacts, np.linspace(0.0, 13.0, 14), 1e-3, velocity=2.475, spring=0.05566)
-    assert solution.success and not solution.slips.drive.size
-    settled = master.steady_state(contacts, velocity=2.475)
-    assert abs(solution.force[-1] - settled.force) < 0.05 * settled.force
+    drive = Drive(np.linspace(0.0, 13.0, 131)[1:], 2.475, spring=0.05566)
+    soft = solve_soft_laws(contacts, drive, 1e-3)
+    assert soft.success and not soft.slips.drive.size
+    # on the slider's own way, straight between its points and between every other of them: of second order
+    clock = times(drive, 0.0)
+    fine, coarse = (
+        solve_timed(contacts, Drive(soft.position[some], time=clock[some]), 1e-4)
+        for some in (slice(None), slice(1, None, 2))
+    )
+    apart = np.abs(fine.force[1::2] - coarse.force).max()
+    assert np.abs(fine.force - soft.force).max() <= apart + soft.force_error + fine.force_error
