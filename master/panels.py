@@ -16,7 +16,7 @@ from master.timeline import Piece
 
 Array = npt.NDArray[np.float64]
 
-MOST_NODES = 8
+MOST_NODES = 8  # on the coarsest level
 SLOW = 0.25  # of a panel's length over that on which things change: what its polynomials' next term is smaller by
 _SHARE = SLOW**MOST_NODES
 ROUNDED = 1e-13  # of the last time: times closer to one another are rounded too much for panels
