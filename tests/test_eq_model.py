@@ -380,11 +380,11 @@ before = {name: len(made.signatures) for name, made in kernels.items()}
 run = [*ready] and ready.result()
 after = {name: len(made.signatures) for name, made in kernels.items()}
 kept = sum(sum(made.stats.cache_hits.values()) + sum(made.stats.cache_misses.values()) for made in kernels.values())
-print(run.breaks > 0, before == after, sum(after.values()) > 0, kept > 0, run.compile_time > 0.05, run.run_time < 0.05)
+print(run.breaks > 0, before == after, sum(after.values()) > 0, kept > 0, run.compile_time > 10.0 * run.run_time)
 """
     # in a process of its own, where nothing is compiled yet: nothing is once the ensemble is made
     done = subprocess.run([sys.executable, "-c", code], env=clean_environment(), capture_output=True, text=True)
-    assert done.stdout.split() == ["True"] * 6, (done.stdout, done.stderr)
+    assert done.stdout.split() == ["True"] * 5, (done.stdout, done.stderr)
 
 
 def test_the_kernel_works_where_no_folder_can_be_written() -> None:

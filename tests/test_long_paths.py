@@ -102,7 +102,7 @@ def test_contacts_hot_enough_to_break_a_million_times_on_the_way(law: str) -> No
     contacts = Contacts(WIDE, thermal=Thermal(law, 0.1, 1e12))
     path = np.array([0.002, 0.01, 0.5, 5.0, 1e3])
     found = master.solve(contacts, path)
-    assert found.success and found.run_time < 5.0, found.message
+    assert found.success and found.run_time < 30.0, found.message
     # nearer lattices, none of which is too wide for what lives for so long
     near = master.solve(contacts, path[:1], 1e-12)
     assert abs(found.force[0] - near.force[0]) <= found.force_error + near.force_error
