@@ -38,7 +38,7 @@ class Tally:
     @classmethod
     def zeros(cls, points: int, most: int) -> Tally:
         """None yet, of `most` contacts in the end, with room to add to them: a disk that is too small says so here."""
-        dtype = np.dtype(np.uint32 if most < 1 << 32 else np.uint64)
+        dtype = _dtype(most)
         return cls(_Room(_size(points, dtype), _SLOTS), points, dtype)
 
     @classmethod
@@ -64,16 +64,9 @@ class Tally:
 
     def plus(self, block: Counts) -> Tally:
         """With those of one block more."""
-        flat, begin = block.reshape(-1), 0
-
-        def added() -> Iterator[Counts]:
-            nonlocal begin
-            for part in self.parts():
-                part += flat[begin : begin + part.size]
-                begin += part.size
-                yield part
-
-        return self._beside(added())
+        flat, each = block.reshape(-1), PART // self.dtype.itemsize
+        others = (flat[begin : begin + each] for begin in range(0, flat.size, each))
+        return self._beside(one + other for one, other in zip(self.parts(), others, strict=True))
 
     def joined(self, other: Tally) -> Tally:
         """Of both. Raises InputError where they count other things."""
@@ -111,6 +104,16 @@ class Tally:
         found = bytearray(size)
         self._room.read(self._begin + begin, memoryview(found))
         return np.frombuffer(found, self.dtype)
+
+
+def sizes(points: int, most: int) -> tuple[int, int]:
+    """Bytes of a tally of `most` contacts in the end, and of its file; 0 for that where it is held in memory."""
+    size = _size(points, _dtype(most))
+    return size, _SLOTS * size if _SLOTS * size > _ASIDE else 0
+
+
+def _dtype(most: int) -> np.dtype[Any]:
+    return np.dtype(np.uint32 if most < 1 << 32 else np.uint64)
 
 
 def _size(points: int, dtype: np.dtype[Any]) -> int:

@@ -10,6 +10,7 @@ import os
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from tokenize import TokenError
 from typing import IO, TYPE_CHECKING, Any
 from zipfile import BadZipFile, ZipFile
 
@@ -60,7 +61,7 @@ def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
             return State(stored["sums"], _read_counts(members), breaks, steps, done, run_time), told
     except InputError:
         raise
-    except (OSError, EOFError, KeyError, ValueError, BadZipFile):
+    except (OSError, EOFError, KeyError, ValueError, RuntimeError, BadZipFile, TokenError):
         return None
 
 
