@@ -47,7 +47,7 @@ class EnsembleResult:
         contacts need none. An eighth of the contacts are followed in 16 times longer steps besides to tell.
     holding : fraction of contacts that hold, shape (n,).
     holding_standard_error : of that, shape (n,); where contacts may wait, at least that of one contact.
-    histograms : of stretches and thresholds, at the points asked for, each made when it is asked for.
+    histograms : of stretches and thresholds, at the points asked for, each read when it is asked for.
     contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
     success, message : whether the tolerance is reached, or all contacts followed, and in words.
     run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.
@@ -323,11 +323,13 @@ def simulate(
     wall_time : float, optional
         Seconds after which no further block is begun: then the result does depend on the machine.
     histograms : array of int
-        Indices of points of the path at which stretches and thresholds of the contacts that hold are counted.
+        Indices of points of the path at which stretches and thresholds of the contacts that hold are counted: in memory
+        for one block of contacts, 32 kB each, and for all in a temporary file.
     comm : mpi4py communicator, optional
         Its ranks share the work, and all must call; None: this process alone, mpi4py not needed.
 
-    Raises InputError for arguments that cannot be used, and for thresholds that cannot be tabulated.
+    Raises InputError for arguments that cannot be used, for thresholds that cannot be tabulated, and where there is no
+    room for what histograms count.
     """
     ensemble = Ensemble(
         contacts,

@@ -30,9 +30,9 @@ class Tally:
     """
 
     def __init__(self, room: _Room, points: int, dtype: npt.DTypeLike) -> None:
-        """Of what a free place of the room holds."""
+        """Of what a free place of the room holds; `begin` is where that is."""
         self.points, self.dtype = points, np.dtype(dtype)
-        self._room, self._begin = room, room.free()
+        self._room, self.begin = room, room.free()
         room.taken.add(self)
 
     @classmethod
@@ -45,11 +45,6 @@ class Tally:
     def of(cls, points: int, dtype: npt.DTypeLike, parts: Iterable[Counts]) -> Tally:
         """In a file of its own, as `parts` give them."""
         return cls(_Room(_size(points, np.dtype(dtype))), points, dtype)._filled(parts)
-
-    @property
-    def begin(self) -> int:
-        """Where its place begins, bytes."""
-        return self._begin
 
     def parts(self) -> Iterator[Counts]:
         """All counts one after the other, in parts of at most PART bytes."""
@@ -69,7 +64,7 @@ class Tally:
         return self._beside(one + other for one, other in zip(self.parts(), others, strict=True))
 
     def joined(self, other: Tally) -> Tally:
-        """Of both. Raises InputError where they count other things."""
+        """Of both. Raises InputError where one counts other histograms."""
         if (self.points, self.dtype) != (other.points, other.dtype):
             raise InputError("earlier: was found with other histograms, or of more contacts; start anew")
         return self._beside(one + two for one, two in zip(self.parts(), other.parts(), strict=True))
@@ -94,7 +89,7 @@ class Tally:
         return Tally(self._room, self.points, self.dtype)._filled(parts)
 
     def _filled(self, parts: Iterable[Counts]) -> Tally:
-        begin = self._begin
+        begin = self.begin
         for part in parts:
             self._room.write(begin, part.data.cast("B"))
             begin += part.nbytes
@@ -102,7 +97,7 @@ class Tally:
 
     def _read(self, begin: int, size: int) -> Counts:
         found = bytearray(size)
-        self._room.read(self._begin + begin, memoryview(found))
+        self._room.read(self.begin + begin, memoryview(found))
         return np.frombuffer(found, self.dtype)
 
 

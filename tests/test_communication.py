@@ -29,6 +29,7 @@ class Counted:
 
     def __init__(self, size: int) -> None:
         self.size, self.calls, self.bytes = size, Counter[str](), Counter[str]()
+        self.reduced = list[int]()
 
     def Get_rank(self) -> int:
         return 0
@@ -46,6 +47,7 @@ class Counted:
 
     def Allreduce(self, own: Any, out: Any) -> None:
         self._count("Allreduce", own.nbytes)
+        self.reduced.append(own.nbytes)
         out[:] = own * self.size
 
     def allgather(self, own: Any) -> list[Any]:
@@ -76,6 +78,15 @@ def test_calls_and_bytes_are_as_documented(ranks: int, tmp_path: Path) -> None:
     # ten times the contacts: the same
     assert few.bytes["Allreduce"] == many.bytes["Allreduce"]
     assert abs(few.bytes["allgather"] - many.bytes["allgather"]) <= 8 * ranks
+
+
+def test_histograms_are_added_up_at_the_end_alone_and_part_by_part(tmp_path: Path) -> None:
+    positions = np.linspace(0.0, 5.0, 51)[1:41].tolist()
+    told = count(100, 1 << 15, tmp_path, tolerance=1e-9, histograms=positions)
+    *sums, first, second = told.reduced
+    # after each of two rounds, and for the result; then 32 kB each
+    assert len(sums) == 3 and len(set(sums)) == 1 and sums[0] <= 16 * 3 * (9 * 51 + 2100)
+    assert first == 1 << 20 and first + second == 40 << 15
 
 
 @pytest.mark.parametrize("stiffness", ["independent", "linked"])
