@@ -3,6 +3,7 @@
 import os
 import pickle
 import resource
+import signal
 import tempfile
 import tracemalloc
 from pathlib import Path
@@ -19,7 +20,7 @@ from eq_model.histogram import BINS, Histogram, Made
 from eq_model.tally import Tally
 from origins import Contacts, Delay, InputError
 from toolkit.command import main
-from toolkit.files import _write_histograms
+from toolkit.files import _write_histograms, save
 from toolkit.forecast import forecast, lines
 from toolkit.running import open_checkpoint, solve
 from toolkit.toml import to_toml
@@ -198,6 +199,21 @@ def test_result_files_are_written_as_histograms_are_made(tmp_path: Path) -> None
         _write_histograms(store.create_group("eq"), Made(20, make), "length", file.check)
     written = np.diff([*sizes, path.stat().st_size])
     assert written.min() > 0.5 * written.mean() > 50_000
+
+
+def test_an_interrupt_within_hdf5_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would take the process down there."""
+    result = toolkit.run(asking(2))
+    real = Untold.write
+
+    def write(self: Untold, data: Any) -> int:
+        signal.raise_signal(signal.SIGINT)
+        return real(self, data)
+
+    monkeypatch.setattr(Untold, "write", write)
+    with pytest.raises(KeyboardInterrupt):
+        save(result, tmp_path / "out")
+    assert os.listdir(tmp_path) == [] and signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_a_disk_without_room_is_said_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

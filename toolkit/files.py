@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from origins.errors import InputError, refuse
+from toolkit.deferred import Deferred
 from toolkit.folders import write_folder
 from toolkit.interfaces import Number
 from toolkit.results import OWN_UNIT, AgeingRecord, Result, SimulatedRecord, SoftRecord, SolvedRecord, ThresholdCurve
 from toolkit.sweeping import SweepRecord
+from toolkit.untold import Untold
 
 if TYPE_CHECKING:
     import h5py
@@ -181,13 +183,16 @@ def _speakable(value: Any) -> Any:
 
 
 def _write_result(result: Result, path: Path) -> None:
+    """Signals wait until no function of HDF5 is at work: an exception within would take the process down."""
     import h5py
 
-    from toolkit.untold import Untold
+    def check() -> None:
+        file.check()
+        asked.pass_on("nothing was written")
 
-    with Untold(path) as file:
+    with Deferred() as asked, Untold(path) as file:
         with h5py.File(file, "w") as store:
-            _fill(result, store, file.check)
+            _fill(result, store, check)
         file.check()
 
 
