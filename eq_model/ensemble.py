@@ -18,6 +18,7 @@ from eq_model.histogram import Histogram
 from eq_model.lives import LAWS, Lives
 from eq_model.often import check_often
 from eq_model.state import State
+from eq_model.tally import Tally
 from origins import Contacts, Drive
 from origins.brief import brief
 from origins.contacts import check_contacts
@@ -46,7 +47,7 @@ class EnsembleResult:
         contacts need none. An eighth of the contacts are followed in 16 times longer steps besides to tell.
     holding : fraction of contacts that hold, shape (n,).
     holding_standard_error : of that, shape (n,); where contacts may wait, at least that of one contact.
-    histograms : of stretches and thresholds, at the points asked for, each made when it is asked for.
+    histograms : of stretches and thresholds, at the points asked for, each read when it is asked for.
     contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
     success, message : whether the tolerance is reached, or all contacts followed, and in words.
     run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.
@@ -136,7 +137,8 @@ class Ensemble:
         started = clock.perf_counter()
         layout.in_turn(comm, lambda: self._engine.follow(range(0)))
         self.compile_time = clock.perf_counter() - started
-        nothing = State(np.zeros((2, self._engine.size), np.int64), 0, 0, [], ready)
+        sums, counts = np.zeros((2, self._engine.size), np.int64), Tally.zeros(points.size, self.total)
+        nothing = State(sums, counts, 0, 0, [], ready)
         found = list(earlier)
         self._before = [part for state in found for part in state.done]
         # what was found before counts on one rank
@@ -197,7 +199,7 @@ class Ensemble:
         # what was done beyond this round says that it was not enough then
         if late or any(part.stop > one_round.stop for part in self._before):
             return late
-        found = self.result()
+        found = self._result()
         wanted = self._wanted(found.contacts, float(found.force_standard_error.max()) / self.contacts.mean_threshold)
         self.expected = next(
             (part.stop for part in layout.rounds(self.total, True) if part.stop >= wanted), self.total
@@ -212,6 +214,10 @@ class Ensemble:
 
     def result(self) -> EnsembleResult:
         """What all ranks found; every rank must call, and gets the same bits."""
+        return self._result(self._state.counts)
+
+    def _result(self, counts: Tally | None = None) -> EnsembleResult:
+        """With the histograms of this rank's `counts` and the other ranks', or without any."""
         started, state = clock.perf_counter(), self._state
         sums, states = state.sums, [state]
         if self.comm is not None:
@@ -224,6 +230,7 @@ class Ensemble:
             raise InputError("ensemble: no block of contacts is finished yet; iterate over it first")
         holding, force, variance = self._engine.moments(done, sums)
         error = np.sqrt(variance / contacts)
+        histograms = [] if counts is None else self._engine.histograms(contacts, counts.of_all(self.comm))
         run_time = max(one.run_time for one in states) + self._slowest(clock.perf_counter() - started)
         success, message = self._judge(contacts, error)
         return EnsembleResult(
@@ -233,7 +240,7 @@ class Ensemble:
             step_error=self._engine.step_error(done, sums),
             holding=holding,
             holding_standard_error=np.sqrt(self._holding_variance(holding, contacts) / contacts),
-            histograms=self._engine.histograms(contacts, sums),
+            histograms=histograms,
             contacts=contacts,
             breaks=sum(one.breaks for one in states),
             breaks_per_rank=[one.breaks for one in states],
@@ -316,11 +323,13 @@ def simulate(
     wall_time : float, optional
         Seconds after which no further block is begun: then the result does depend on the machine.
     histograms : array of int
-        Indices of points of the path at which stretches and thresholds of the contacts that hold are counted.
+        Indices of points of the path at which stretches and thresholds of the contacts that hold are counted: in memory
+        for one block of contacts, 32 kB each, and for all in a temporary file.
     comm : mpi4py communicator, optional
         Its ranks share the work, and all must call; None: this process alone, mpi4py not needed.
 
-    Raises InputError for arguments that cannot be used, and for thresholds that cannot be tabulated.
+    Raises InputError for arguments that cannot be used, for thresholds that cannot be tabulated, and where there is no
+    room for what histograms count.
     """
     ensemble = Ensemble(
         contacts,

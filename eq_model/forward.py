@@ -11,9 +11,10 @@ import numpy.typing as npt
 
 from eq_model import layout
 from eq_model.beginning import Beginning
-from eq_model.histogram import Histogram
+from eq_model.histogram import BINS, Histogram
 from eq_model.lattice import force, joined, make_lattice, split, variance
 from eq_model.rare import unseen_variance
+from eq_model.tally import Counts, Tally
 from eq_model.thermal_tables import steady_for_kernel
 from origins import Contacts, Drive
 
@@ -56,8 +57,9 @@ class Forward:
         self._steady = steady_for_kernel(self._thermal, drive.velocity, self.lattice.unit)
         self._pace = self.lattice.unit / drive.velocity
 
-    def follow(self, block: range) -> tuple[npt.NDArray[np.int64], int, int]:
-        """Follow a block of contacts to the path's end: sums as two limbs, shape (2, size), breaks, and no steps."""
+    def follow(self, block: range) -> tuple[npt.NDArray[np.int64], Counts, int, int]:
+        """Follow a block of contacts to the path's end: sums as two limbs, shape (2, size), no counts, breaks, and no
+        steps."""
         from eq_model import kernel, life_kernel
 
         relaxed = self._single and self._stretch == 0.0
@@ -78,7 +80,7 @@ class Forward:
         out[:, :split_at] = np.concatenate([split(np.array([total])), bins[:, ::2]], axis=1)
         if measured:
             out[:, split_at:] = np.concatenate([split(np.array([total, squares])), bins], axis=1)
-        return out, int(breaks), 0
+        return out, np.zeros((0, 2, BINS), np.uint32), int(breaks), 0
 
     def moments(self, done: list[range], sums: npt.NDArray[np.int64]) -> tuple[Array, Array, Array]:
         """Fraction that holds, mean stretch (a length) of these contacts and its variance between them, at points."""
@@ -100,7 +102,7 @@ class Forward:
         """None: there are no steps."""
         return np.zeros(self._reached.size)
 
-    def histograms(self, n: int, sums: npt.NDArray[np.int64]) -> Sequence[Histogram]:
+    def histograms(self, n: int, counts: Tally) -> Sequence[Histogram]:
         """None."""
         return []
 

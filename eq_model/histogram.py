@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -34,14 +34,14 @@ class Histogram:
     count: int
 
 
-def histogram(point: int, position: float, longest: float, counts: Array, n: int) -> Histogram:
+def histogram(point: int, position: float, longest: float, counts: npt.NDArray[Any], n: int) -> Histogram:
     """From counts (2, bins) of n contacts: stretches between -longest and longest, thresholds up to longest."""
     held = int(counts[0].sum())
     stretches, thresholds = _density(counts[0], n, -longest, longest), _density(counts[1], max(held, 1), 0.0, longest)
     return Histogram(point, position, *stretches, *thresholds, held)
 
 
-def _density(counts: Array, total: int, low: float, high: float) -> tuple[Array, Array, Array]:
+def _density(counts: npt.NDArray[Any], total: int, low: float, high: float) -> tuple[Array, Array, Array]:
     """Edges, density and its standard error."""
     share, width = counts / total, (high - low) / BINS
     return np.linspace(low, high, BINS + 1), share / width, np.sqrt(share * (1.0 - share) / total) / width

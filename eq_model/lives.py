@@ -13,6 +13,7 @@ from eq_model.course import Course, make_course
 from eq_model.histogram import BINS, Histogram, Made, histogram
 from eq_model.lattice import Whole, split
 from eq_model.often import check_steps, duration
+from eq_model.tally import Counts, Tally
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive, GrainContact
 from origins.quantile import DEEPEST
@@ -132,9 +133,8 @@ def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, 
 class Lives:
     """The sums of such contacts, and what they say of the force.
 
-    size : of the sums, columns * bins, the events of each bin; then the counts of the histograms, a row of stretches
-    and one of thresholds; with ageing the events once more, of the contacts followed in coarser steps. weight : about
-    how much longer a break takes than one of the other engine's.
+    size : of the sums, columns * bins, the events of each bin; with ageing once more, of the contacts followed in
+    coarser steps. weight : about how much longer a break takes than one of the other engine's.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
@@ -172,17 +172,18 @@ class Lives:
         self._watch = (moments[self._order], places, BINS * unit / longest, min(top / unit, 2.0**58))
         self._events = columns(self.linked) * self.course.lattice.bin_cell.size
         self._ages = contacts.ageing is not None
-        self.size = self._events * (1 + self._ages) + BINS * points.size
+        self.size = self._events * (1 + self._ages)
         self._block_sums = np.zeros(self._events, np.int64)
-        self._counts = np.zeros((points.size, 2, BINS), np.int64)
+        # of one block, and as much as a block needs: of all blocks they are in a file
+        self._counts = np.zeros((points.size, 2, BINS), np.uint32)
 
-    def follow(self, block: range) -> tuple[Whole, int, int]:
-        """Follow a block of contacts to the drive's end: sums as two limbs, shape (2, size), breaks and inner steps."""
+    def follow(self, block: range) -> tuple[Whole, Counts, int, int]:
+        """Follow a block of contacts to the drive's end: sums as two limbs, shape (2, size); counts at the moments
+        watched, in their order, until the next block; breaks and inner steps."""
         births, firsts = self._beginning.draw(block)
         self._block_sums[:], self._counts[:] = 0, 0
         breaks, steps = self._run(block, births, firsts, self._physics, self._watch, self._block_sums, self._counts)
-        # counts need no limbs: in their place stretches and thresholds
-        sums = [split(self._block_sums), self._counts.swapaxes(0, 1).reshape(2, -1)]
+        sums = [split(self._block_sums)]
         if self._ages:
             coarser = np.zeros(self._events, np.int64)
             longest, _ = self._physics[6]
@@ -194,10 +195,10 @@ class Lives:
                 mine = slice(part.start - block.start, part.stop - block.start)
                 self._run(part, births[mine], firsts[mine], physics, watch, coarser, self._counts[:0])
             sums.append(split(coarser))
-        return np.concatenate(sums, axis=1), int(breaks), int(steps)
+        return np.concatenate(sums, axis=1), self._counts, int(breaks), int(steps)
 
     def _run(
-        self, part: range, births: Whole, firsts: Whole, physics: Any, watch: Any, sums: Whole, counts: Whole
+        self, part: range, births: Whole, firsts: Whole, physics: Any, watch: Any, sums: Whole, counts: Counts
     ) -> tuple[int, int]:
         from eq_model import life_kernel
 
@@ -241,14 +242,12 @@ class Lives:
         doubt = np.sqrt(variance / n + scatter / some)
         return (np.abs(other - fine) + doubt) / (COARSER - 1.0)
 
-    def histograms(self, n: int, sums: Whole) -> Sequence[Histogram]:
+    def histograms(self, n: int, counts: Tally) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""
-        counts = sums[:, self._events : self._events + BINS * self._points.size]
-        back = np.argsort(self._order)
+        points, path, longest, back = self._points, self.course.path, self._longest, np.argsort(self._order)
 
         def make(index: int) -> Histogram:
-            point, first = int(self._points[index]), BINS * int(back[index])
-            own = counts[:, first : first + BINS].astype(float)
-            return histogram(point, float(self.course.path[point]), self._longest, own, n)
+            point = int(points[index])
+            return histogram(point, float(path[point]), longest, counts.at(int(back[index])), n)
 
-        return Made(self._points.size, make)
+        return Made(points.size, make)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time as clock
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from eq_model import layout
+from eq_model.tally import Counts, Tally
 from origins.errors import InputError
 
 
@@ -15,26 +17,33 @@ from origins.errors import InputError
 class State:
     """What the contacts of some blocks did: whole numbers, so that states may be joined in any order.
 
-    sums : shape (2, m), of the engine; breaks, steps : of these contacts; done : the contacts; run_time : s.
+    sums : shape (2, m), of the engine; counts : of the histograms; breaks, steps : of these contacts; done : the
+    contacts; run_time : s.
     """
 
     sums: npt.NDArray[np.int64]
+    counts: Tally
     breaks: int
     steps: int
     done: list[range]
     run_time: float
 
-    def after(self, block: range, sums: npt.NDArray[np.int64], breaks: int, steps: int, seconds: float) -> State:
-        """With one block more."""
-        done = layout.joined(self.done, block)
-        return State(self.sums + sums, self.breaks + breaks, self.steps + steps, done, self.run_time + seconds)
+    def after(
+        self, block: range, sums: npt.NDArray[np.int64], counts: Counts, breaks: int, steps: int, seconds: float
+    ) -> State:
+        """With one block more, which took so long; the adding takes its time too."""
+        begun, done = clock.perf_counter(), layout.joined(self.done, block)
+        sums, added = self.sums + sums, self.counts.plus(counts)
+        run_time = self.run_time + seconds + clock.perf_counter() - begun
+        return State(sums, added, self.breaks + breaks, self.steps + steps, done, run_time)
 
     def joined(self, other: State) -> State:
         """Of both."""
         if self.sums.shape != other.sums.shape:
             raise InputError("earlier: was found on another path, or for other contacts; start anew")
         run_time, steps = max(self.run_time, other.run_time), self.steps + other.steps
-        return State(self.sums + other.sums, self.breaks + other.breaks, steps, self.done + other.done, run_time)
+        sums, counts, breaks = self.sums + other.sums, self.counts.joined(other.counts), self.breaks + other.breaks
+        return State(sums, counts, breaks, steps, self.done + other.done, run_time)
 
     @property
     def contacts(self) -> int:
@@ -43,4 +52,5 @@ class State:
 
     def without_sums(self) -> State:
         """The rest alone."""
-        return State(np.zeros((2, 0), np.int64), self.breaks, self.steps, self.done, self.run_time)
+        sums, counts = np.zeros((2, 0), np.int64), Tally.zeros(0, 0)
+        return State(sums, counts, self.breaks, self.steps, self.done, self.run_time)

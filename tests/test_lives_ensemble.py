@@ -225,8 +225,8 @@ def test_memory_is_that_of_the_sums_whatever_the_number_of_contacts(laws: dict[s
         assert sum(len(one.stretches) for one in run.histograms) == points * 4096
         peaks.append(tracemalloc.get_traced_memory()[1] / 2**20)
         tracemalloc.stop()
-    # a block's contacts, and the sums of the block, of all before it and of both
-    assert peaks[1] < peaks[0] + 0.3 and peaks[1] < 5.0 + 0.35 * points
+    # a block's contacts, and the sums of the block, of all before it and of both; histograms too few for a file
+    assert peaks[1] < peaks[0] + 0.3 and peaks[1] < 5.0 + 0.1 * points
 
 
 @pytest.mark.parametrize("diffusion", [0.1, 3.0])

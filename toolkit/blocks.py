@@ -2,13 +2,12 @@
 
 import signal
 import sys
-import threading
 from collections.abc import Callable
 from dataclasses import replace
-from types import FrameType, TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from toolkit.checkpoint import Checkpoint, say
+from toolkit.deferred import Deferred
 
 if TYPE_CHECKING:
     from eq_model import Ensemble, EnsembleResult
@@ -36,7 +35,7 @@ def follow(
     """
     ranks = 1 if ensemble.comm is None else ensemble.comm.Get_size()
     shown, interrupted = (-1, -1), False
-    with _Deferred() as asked:
+    with Deferred() as asked:
         blocks = iter(ensemble)
         while True:
             try:
@@ -80,44 +79,3 @@ def unfinished(ensemble: "Ensemble", result: "EnsembleResult") -> bool:
 
 def _interactive() -> bool:
     return hasattr(sys, "ps1")
-
-
-class _Deferred:
-    """SIGINT and SIGTERM noted in `signal` instead of heeded; in the main thread only, which alone hears them."""
-
-    def __init__(self) -> None:
-        self.signal: int | None = None
-        self._before: dict[int, Any] = {}
-
-    def __enter__(self) -> "_Deferred":
-        if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, signal.SIGTERM):
-                before = signal.getsignal(number)
-                if before not in (None, signal.SIG_IGN):
-                    self._before[number] = before
-                    signal.signal(number, self._note)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        for number, before in self._before.items():
-            signal.signal(number, before)
-        if kind is None and self.signal is not None:
-            signal.raise_signal(self.signal)  # it came after the last block
-
-    def _note(self, number: int, frame: FrameType | None) -> None:
-        self.signal = number
-
-    def pass_on(self, note: str) -> None:
-        """Do what the signal did before; an exception that this raises says `note`."""
-        number, self.signal = self.signal, None
-        if number is None:
-            return
-        signal.signal(number, self._before[number])
-        try:
-            signal.raise_signal(number)
-        except BaseException as stop:
-            stop.add_note(note)
-            raise
-        signal.signal(number, self._note)

@@ -20,7 +20,6 @@ from functools import reduce
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile
 
 import msgspec
 import numpy as np
@@ -30,6 +29,7 @@ from origins.errors import InputError, positive
 from origins.thresholds import Thresholds
 from toolkit.ranks import on_root
 from toolkit.scene import Scene, read_table
+from toolkit.state_file import read_state, write_state
 
 if TYPE_CHECKING:
     from eq_model.state import State
@@ -61,7 +61,7 @@ class Checkpoint:
         self._identity = identity(scene)
         self._turn, self._old = 0, list[Path]()
         self._last, self._warned = time.monotonic(), False
-        self._written: State | None = None
+        self._written: list[range] | None = None
         self._written_well = False
 
     @property
@@ -93,7 +93,7 @@ class Checkpoint:
 
     def keep(self, state: State) -> None:
         """Write this rank's `state` if it is new and the last was written long enough ago."""
-        if state is not self._written and time.monotonic() - self._last >= self.every:
+        if state.done is not self._written and time.monotonic() - self._last >= self.every:
             self.write(state)
 
     def write(self, state: State) -> None:
@@ -101,7 +101,7 @@ class Checkpoint:
         self._written_well = False
         try:
             self._home.mkdir(parents=True, exist_ok=True)
-            _write(self._home / f"{self._turn:03d}-rank-{self._rank:05d}.npz", state, self._identity)
+            write_state(self._home / f"{self._turn:03d}-rank-{self._rank:05d}.npz", state, self._identity)
             if self.is_first:
                 while self._old:  # all of it is in the new one
                     self._old.pop().unlink(missing_ok=True)
@@ -110,7 +110,8 @@ class Checkpoint:
             if self.is_first and not self._warned:
                 say(f"{self._home}: no checkpoint: {error.strerror or error}; the run goes on")
             self._warned = True
-        self._last, self._written = time.monotonic(), state
+        # not the state itself: what it counted would stay on the disk
+        self._last, self._written = time.monotonic(), state.done
 
     def remove(self) -> None:
         """Forget it: the results are written. On rank 0 alone."""
@@ -127,7 +128,7 @@ class Checkpoint:
         self._old = _files(self._home)
         for file in self._old:
             self._turn = max(self._turn, _turn(file) + 1)
-            read = _read(file)
+            read = read_state(file)
             if read is None:
                 say(f"{file}: is damaged; what it held is done again")
                 continue
@@ -207,44 +208,3 @@ def _take(done: list[range], taken: list[range]) -> bool:
 
 def _turn(file: Path) -> int:
     return int(file.name.partition("-")[0])
-
-
-def _write(file: Path, state: State, told: dict[str, str]) -> None:
-    """Whole or not at all, and on the disk when this returns."""
-    draft = file.with_name(f".{file.name}.part")
-    try:
-        with draft.open("wb") as stream:
-            np.savez(
-                stream,
-                sums=state.sums,
-                counts=np.array([state.breaks, state.steps], np.int64),
-                done=np.array([(part.start, part.stop) for part in state.done], np.int64).reshape(-1, 2),
-                run_time=np.float64(state.run_time),
-                identity=np.array(json.dumps(told)),
-            )
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.replace(draft, file)
-    except BaseException:
-        draft.unlink(missing_ok=True)
-        raise
-    with suppress(OSError):  # not every file system lets a folder be flushed
-        place = os.open(file.parent, os.O_RDONLY)
-        try:
-            os.fsync(place)
-        finally:
-            os.close(place)
-
-
-def _read(file: Path) -> tuple[State, dict[str, str]] | None:
-    """State and identity; None for a file that a failing disk spoiled."""
-    from eq_model.state import State
-
-    try:
-        with np.load(file) as stored:
-            breaks, steps = (int(count) for count in stored["counts"])
-            done = [range(int(start), int(stop)) for start, stop in stored["done"]]
-            state = State(stored["sums"], breaks, steps, done, float(stored["run_time"]))
-            return state, json.loads(str(stored["identity"]))
-    except (OSError, EOFError, KeyError, ValueError, BadZipFile):
-        return None

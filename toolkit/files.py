@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from origins.errors import InputError, refuse
+from toolkit.deferred import Deferred
 from toolkit.folders import write_folder
 from toolkit.interfaces import Number
 from toolkit.results import OWN_UNIT, AgeingRecord, Result, SimulatedRecord, SoftRecord, SolvedRecord, ThresholdCurve
 from toolkit.sweeping import SweepRecord
+from toolkit.untold import Untold
 
 if TYPE_CHECKING:
     import h5py
@@ -181,17 +183,20 @@ def _speakable(value: Any) -> Any:
 
 
 def _write_result(result: Result, path: Path) -> None:
-    """In memory first, where histograms are compressed: on a full disk HDF5 takes the process down with it."""
+    """Signals wait until no function of HDF5 is at work: an exception within would take the process down."""
     import h5py
 
-    with h5py.File(path.name, "w", driver="core", backing_store=False) as store:
-        _fill(result, store)
-        store.flush()
-        image = store.id.get_file_image()
-    path.write_bytes(image)
+    def check() -> None:
+        file.check()
+        asked.pass_on("nothing was written")
+
+    with Deferred() as asked, Untold(path) as file:
+        with h5py.File(file, "w") as store:
+            _fill(result, store, check)
+        file.check()
 
 
-def _fill(result: Result, store: "h5py.File") -> None:
+def _fill(result: Result, store: "h5py.File", check: Callable[[], None]) -> None:
     store.attrs.update(
         name=result.name,
         title=result.title,
@@ -221,7 +226,7 @@ def _fill(result: Result, store: "h5py.File") -> None:
         store.attrs["seed"] = result.asked.eq.seed
         group = store.create_group("eq")
         _write(group, result.eq, SimulatedRecord, unit)
-        _write_histograms(group, result.eq.histograms, unit)
+        _write_histograms(group, result.eq.histograms, unit, check)
 
 
 def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str) -> None:
@@ -265,8 +270,10 @@ def _read_solved(group: "h5py.Group") -> SolvedRecord:
     return _read(group, SoftRecord) if "position" in group else _read(group, SolvedRecord)
 
 
-def _write_histograms(group: "h5py.Group", histograms: Sequence["Histogram"], unit: str) -> None:
-    """One group each, so that one is held at a time."""
+def _write_histograms(
+    group: "h5py.Group", histograms: Sequence["Histogram"], unit: str, check: Callable[[], None]
+) -> None:
+    """One group each, so that one is held at a time, and `check` after each."""
     for index, histogram in enumerate(histograms):
         one = group.create_group(f"{_HISTOGRAMS}/{index}")
         for field in fields(histogram):
@@ -276,6 +283,7 @@ def _write_histograms(group: "h5py.Group", histograms: Sequence["Histogram"], un
                 one[field.name].attrs["units"] = unit if field.name in _LENGTHS else f"1 / {unit}"
             else:
                 one.attrs[field.name] = value
+        check()
 
 
 def _read_simulated(group: "h5py.Group", file: Path) -> SimulatedRecord:

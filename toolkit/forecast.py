@@ -3,21 +3,26 @@
 import math
 import signal
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from eq_model import layout
+from eq_model.tally import sizes
 from origins.errors import InputError
 from toolkit.blocks import follow
 from toolkit.running import make_ensemble, solve_master
-from toolkit.scene import Scene
+from toolkit.scene import EqTable, Scene
+
+if TYPE_CHECKING:
+    from eq_model import EnsembleResult
 
 _FIRST, _GROWTH = 64, 4  # contacts of each rank in the first pilot, and how many times as many in the next
 _LONG_ENOUGH = 0.05  # seconds of a pilot
@@ -51,8 +56,9 @@ class Forecast:
     """What the ensemble is expected to take and give.
 
     ranks : at work. contacts : to be followed, of `most`; breaks : theirs. run_time : s, as of EnsembleResult.
-    memory : MB of a rank at its peak. error : largest standard error of the force in mean thresholds; tolerance : that
-    was asked for. pilot_contacts, pilot_time : of what tells this, s, compilation not counted.
+    memory : MB of a rank at its peak. temporary, kept : MB of a rank's histograms, in a temporary file and in its
+    checkpoint. error : largest standard error of the force in mean thresholds; tolerance : that was asked for.
+    pilot_contacts, pilot_time : of what tells this, s, compilation not counted.
     """
 
     ranks: int
@@ -61,6 +67,8 @@ class Forecast:
     breaks: Estimate
     run_time: Estimate
     memory: Estimate
+    temporary: float
+    kept: float
     error: Estimate
     tolerance: float | None
     wall_time: float | None
@@ -78,32 +86,34 @@ def forecast(scene: Scene, comm: Any = None) -> Forecast:
     if asked is None:
         raise InputError("dry run: the scene has no [eq]; only an ensemble's work is foreseen so")
     ranks, most = 1 if comm is None else comm.Get_size(), asked.contacts * asked.replicas
-    ready = spent = 0.0
-    n = min(_FIRST * ranks, most)
+    few = _follow_few(scene, asked, comm, min(ranks, most))
+    # what a block takes whatever its contacts, above all its histograms, is no part of what contacts take
+    each_block, ready, spent, n = few.blocks, few.ready, few.result.run_time, min(_FIRST * ranks, most)
     while True:
-        pilot = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
-        ready = max(ready, _largest(comm, pilot.state.run_time))  # tables are made once
-        begun = time.perf_counter()
-        found = follow(pilot)
-        seconds = _largest(comm, time.perf_counter() - begun)
-        spent += seconds
+        few = _follow_few(scene, asked, comm, n)
+        ready, spent = max(ready, few.ready), spent + few.result.run_time  # tables are made once
+        found, aside = few.result, few.number * each_block
         largest = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
-        if seconds > _LONG_ENOUGH or _GROWTH * n > _followed(asked.tolerance, n, largest, most):
+        long_enough = few.blocks - aside > max(_LONG_ENOUGH, aside)
+        if long_enough or _GROWTH * n > _followed(asked.tolerance, n, largest, most):
             break
         n *= _GROWTH
     # before many have broken it is those few that differ
     off = min(_SIGMAS * math.sqrt(_TAILS / min(n, max(found.breaks, 1))), 0.9)
     of_n = Estimate(largest, largest * (1.0 - off), largest * (1.0 + off))
     contacts = Estimate(*(_followed(asked.tolerance, n, error, most) for error in (of_n.value, of_n.low, of_n.high)))
-    cost = seconds / n
+    cost = max(few.blocks - aside, 0.0) / n + each_block / (ranks * layout.BLOCK)
+    counts, file = sizes(scene.histogram_points().size, most)
     memory = _largest(comm, _peak())
     return Forecast(
         ranks=ranks,
         most=most,
         contacts=contacts,
         breaks=contacts.times(_each(scene, found.breaks / n, n)),
-        run_time=contacts.times(Estimate(cost, cost / _SPEED, cost * _SPEED)).after(ready),
+        run_time=contacts.times(Estimate(cost, cost / _SPEED, cost * _SPEED)).after(ready + each_block + few.once),
         memory=Estimate(memory + 0.5 * _AFTERWARDS, _COMPILED * memory, memory + _AFTERWARDS),
+        temporary=file / 1e6,
+        kept=counts / 1e6,
         error=Estimate(
             of_n.value * math.sqrt(n / contacts.value),
             of_n.low * math.sqrt(n / contacts.high),
@@ -114,6 +124,28 @@ def forecast(scene: Scene, comm: Any = None) -> Forecast:
         pilot_contacts=n,
         pilot_time=spent,
     )
+
+
+@dataclass(frozen=True)
+class _Few:
+    """What a few contacts tell: `result`; `number` of this rank's blocks; seconds of the slowest rank for its `blocks`,
+    the tables before (`ready`), and the result (`once`)."""
+
+    result: "EnsembleResult"
+    number: int
+    blocks: float
+    ready: float
+    once: float
+
+
+def _follow_few(scene: Scene, asked: EqTable, comm: Any, n: int) -> _Few:
+    ensemble = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
+    ready = ensemble.state.run_time
+    finished = set[int]()
+    result = follow(ensemble, lambda done, expected: finished.add(done))
+    taken = ensemble.state.run_time
+    blocks, ready, taken = (_largest(comm, seconds) for seconds in (taken - ready, ready, taken))
+    return _Few(result, len(finished), blocks, ready, result.run_time - taken)
 
 
 @dataclass(frozen=True)
@@ -200,6 +232,7 @@ def lines(told: Forecast) -> list[str]:
         f"breaks          {_range(told.breaks, '.2g')}",
         f"run time        {_range(seconds, '.2g')} s on {told.ranks} rank(s), [master] and compilation not counted",
         f"memory          {_range(told.memory, '.0f')} MB for each rank",
+        *_on_disk(told),
         f"standard error  {_range(error, '.2g')} of <x_s>, the largest over the path",
     ]
     if told.tolerance is not None:
@@ -209,6 +242,14 @@ def lines(told: Forecast) -> list[str]:
     if told.wall_time is not None and seconds.high > told.wall_time:
         out.append(f"wall time       {told.wall_time:g} s stops it before, if it takes longer")
     return [*out, f"from a pilot of {told.pilot_contacts:,} contacts in {told.pilot_time:.2g} s; nothing was written"]
+
+
+def _on_disk(told: Forecast) -> list[str]:
+    """Room for histograms, where there are any."""
+    if not told.kept:
+        return []
+    temporary = f"{told.temporary:.0f} MB in {tempfile.gettempdir()} and " if told.temporary else ""
+    return [f"on disk         {temporary}{told.kept:.2g} MB in its checkpoint, of the histograms of each rank"]
 
 
 def _range(number: Estimate, form: str) -> str:

@@ -28,7 +28,7 @@ _FEW = 1e-6  # of the thresholds
 _STIFF, _ABOVE = 1e3, 1e4  # springs, in N_c<k> and in K*, that are hardly meant
 _ROUGHLY = 1e-4
 _EPSILON = 8.0 * float(np.finfo(float).eps)
-_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}
+_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed", "histograms": "histograms"}
 
 
 def run(
@@ -259,7 +259,9 @@ def _simulate(
     from toolkit.blocks import follow, unfinished
 
     earlier = [] if kept is None else kept.earlier()
+    done_before = sum(state.contacts for state in earlier)
     ensemble = make_ensemble(scene, asked, comm, earlier=earlier)
+    del earlier  # the ensemble has its own of what was counted, which takes room
     with laws.inside("eq", _EQ_KEYS):
-        result = follow(ensemble, progress, kept, sum(state.contacts for state in earlier))
+        result = follow(ensemble, progress, kept, done_before)
     return result, not unfinished(ensemble, result)

@@ -1,0 +1,104 @@
+"""A state of an ensemble in a file of its own, and its way back.
+
+The file is numpy's .npz. Counts of histograms are written and read part by part: all at once might not fit.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from tokenize import TokenError
+from typing import IO, TYPE_CHECKING, Any
+from zipfile import BadZipFile, ZipFile
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import InputError
+
+if TYPE_CHECKING:
+    from eq_model.state import State
+    from eq_model.tally import Tally
+
+_HISTOGRAMS = "histograms.npy"
+
+
+def write_state(file: Path, state: State, told: dict[str, str]) -> None:
+    """Write `state`, and of which run it is: whole or not at all, and on the disk when this returns."""
+    draft = file.with_name(f".{file.name}.part")
+    try:
+        with draft.open("wb") as stream:
+            _write(stream, state, told)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(draft, file)
+    except BaseException:
+        draft.unlink(missing_ok=True)
+        raise
+    with suppress(OSError):  # not every file system lets a folder be flushed
+        place = os.open(file.parent, os.O_RDONLY)
+        try:
+            os.fsync(place)
+        finally:
+            os.close(place)
+
+
+def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
+    """State, and of which run it is; None for a file that a failing disk spoiled.
+
+    Raises InputError where there is no room for what the histograms counted.
+    """
+    from eq_model.state import State
+
+    try:
+        with np.load(file) as stored, ZipFile(file) as members:
+            breaks, steps = (int(count) for count in stored["counts"])
+            done = [range(int(start), int(stop)) for start, stop in stored["done"]]
+            told, run_time = json.loads(str(stored["identity"])), float(stored["run_time"])
+            return State(stored["sums"], _read_counts(members), breaks, steps, done, run_time), told
+    except InputError:
+        raise
+    except (OSError, EOFError, KeyError, ValueError, RuntimeError, BadZipFile, TokenError):
+        return None
+
+
+def _write(stream: IO[bytes], state: State, told: dict[str, str]) -> None:
+    from eq_model.histogram import BINS
+
+    arrays: dict[str, npt.ArrayLike] = {
+        "sums": state.sums,
+        "counts": np.array([state.breaks, state.steps], np.int64),
+        "done": np.array([(part.start, part.stop) for part in state.done], np.int64).reshape(-1, 2),
+        "run_time": state.run_time,
+        "identity": json.dumps(told),
+    }
+    counts = state.counts
+    header = {"descr": counts.dtype.str, "fortran_order": False, "shape": (counts.points, 2, BINS)}
+    with ZipFile(stream, "w") as members:
+        for name, array in arrays.items():
+            with members.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asarray(array))
+        with members.open(_HISTOGRAMS, "w", force_zip64=True) as member:
+            np.lib.format.write_array_header_1_0(member, header)
+            for part in counts.parts():
+                member.write(part.data)
+
+
+def _read_counts(members: ZipFile) -> Tally:
+    from eq_model.tally import PART, Tally
+
+    with members.open(_HISTOGRAMS) as member:
+        np.lib.format.read_magic(member)
+        shape, _, dtype = np.lib.format.read_array_header_1_0(member)
+        size = members.getinfo(_HISTOGRAMS).file_size - member.tell()
+        if size != np.prod(shape, dtype=object) * dtype.itemsize:
+            raise ValueError("the header is spoiled")
+
+        def parts() -> Iterator[npt.NDArray[Any]]:
+            for begin in range(0, size, PART):
+                yield np.frombuffer(member.read(min(PART, size - begin)), dtype)
+
+        return Tally.of(shape[0], dtype, parts())
