@@ -87,7 +87,9 @@ class FirstBreaks:
     @cached_property
     def softened(self) -> Tally:
         """Stiffness that breaks release; as `count` where all are equally stiff."""
-        return self.count if self.stiffness is None else Tally(self.stiffness, self.atoms, self.atom_stiffness)
+        if self.stiffness is None and np.array_equal(self.atom_stiffness, self.atom_weights):
+            return self.count
+        return Tally(self.stiffness, self.atoms, self.atom_stiffness)
 
     @property
     def error(self) -> float:

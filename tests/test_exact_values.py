@@ -185,3 +185,27 @@ def test_the_lattice_sees_each_place_where_it_is(fraction):
         nodes.append(solution.nodes)
     assert errors[1] < 1e-9
     assert nodes[1] < 40 * nodes[0]
+
+
+@pytest.mark.parametrize("wait", [0, 2])
+@pytest.mark.parametrize("start", [0, 1])
+def test_exact_values_alone_where_stiffness_goes_with_them(start, wait):
+    """Multiples of a tenth: births by counting, each with the thresholds' own stiffnesses, which add up to one."""
+    values, shares = np.array([3, 7]), np.array([0.4, 0.6])
+    law = origins.mixture([origins.identical(0.1 * value) for value in values], shares)
+    delay = origins.Delay(0.1 * wait) if wait else None
+    contacts = origins.Contacts(law, start=0.1 * start, delay=delay, stiffness="linked")
+    births = np.zeros(121)
+    for n in range(births.size):
+        for value, share in zip(values, shares, strict=True):
+            births[n] += share * ((n == value - start + wait) + births[max(n - value - wait, 0)] * (n >= value + wait))
+    path = np.arange(120) + 0.5  # between the breaks
+    stiffness = values / (shares @ values)
+    expected = np.zeros(path.size)
+    for born, weight in [(-start, 1.0), *enumerate(births)]:
+        for value, share, stiff in zip(values, shares, stiffness, strict=True):
+            stretch = path - born
+            expected += weight * share * stiff * stretch * ((stretch > 0.0) & (stretch < value))
+    solution = master.solve(contacts, 0.1 * path, 1e-10)
+    assert solution.success
+    np.testing.assert_allclose(solution.force, 0.1 * expected, atol=solution.force_error * contacts.mean_threshold)
