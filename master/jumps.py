@@ -44,14 +44,14 @@ class Jump:
     def end(self) -> float:
         return self.time + self.width
 
-    def over(self, time: float, place: float, direction: float) -> bool | None:
-        """Whether a slider that moves in a direction has come to it all at a time and X = place, but for rounding, or
-        to nothing of it; None where to some."""
-        if direction == 0.0:
-            come = [time >= when * (1.0 - SLACK) for when, _ in self.moments]
-        else:
-            come = [direction * (place - where) >= -self.rounding for _, where in self.moments]
+    def over(self, time: float, place: float, direction: float, since: float) -> bool | None:
+        """Whether a slider that moves in a direction since some time has come to it all at a time and X = place, but
+        for rounding, or to nothing of it; None where to some."""
+        come = [when <= since or self._met(when - time, where - place, direction) for when, where in self.moments]
         return come[0] if all(come) or not any(come) else None
+
+    def _met(self, later: float, further: float, direction: float) -> bool:
+        return later <= SLACK * self.time if direction == 0.0 else direction * further <= self.rounding
 
 
 def jumps(course: list[Piece], lone: list[float], again: float, atoms: Array, delay: float) -> list[Jump] | None:

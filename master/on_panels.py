@@ -70,6 +70,9 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     start = _start(contacts, course[0], first)
     scales = Scales(_LENGTH * lives.length, first, lives.time, lives.rate / _RATE, start)
     edges, sharp = _edges(contacts, course, delay)
+    if sharp and sharp[-1].end > course[-1].end:
+        course = _beyond(course, sharp[-1])
+        edges, sharp = _edges(contacts, course, delay)
     needed, fine = _needed(course, scales), _COARSEST
     lost, torn, exact = sharp is None, _torn(course, sharp), _exact_again(contacts)
     if needed > _MOST_PANELS:
@@ -217,6 +220,13 @@ def _edges(contacts: Contacts, course: list[Piece], delay: float) -> tuple[Array
     inner = beside(bends(course, lone, again, limits[limits > 0.0], delay, _ORDERS), slivers)
     edges = np.concatenate([[0.0], inner[(inner > 0.0) & (inner < end)], [end]])
     return edges, sharp
+
+
+def _beyond(course: list[Piece], jump: Jump) -> list[Piece]:
+    """The course with a bit more of its last piece, where it ends within a sliver."""
+    last, end = course[-1], jump.end + jump.width
+    after = last.before + last.travel * ((end - last.begin) / last.duration)
+    return [*course[:-1], Piece(last.begin, end, last.before, after)]
 
 
 def _needed(course: list[Piece], scales: Scales) -> float:

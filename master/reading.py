@@ -9,8 +9,6 @@ from master.panels import SLOW, Panel, radau
 
 Array = npt.NDArray[np.float64]
 
-_SAME = 1e-6  # of a speed
-
 
 def read(course: Course, time: Array, place: Array, rows: list[Array]) -> Array:
     """Rows of a course at times, when the slider is at X = place: a contact whose stretch has reached its threshold is
@@ -23,12 +21,12 @@ def read(course: Course, time: Array, place: Array, rows: list[Array]) -> Array:
             out[mine] = _polynomial(panel, rows[k], time[mine], place[mine])
             continue
         over = np.nan_to_num(_over(panel, time[mine], place[mine]), nan=1.0)
-        for side, beside, known in ((True, k + 1, -1), (False, k - 1, 0)):
+        first, last = _sliver(course, k)
+        for side, beside, known in ((1.0, last + 1, rows[last][-1]), (0.0, first - 1, rows[first][0])):
             some = mine[over == side]
-            out[some] = rows[k][known]
+            out[some] = known
             # within the sliver the force goes on as beside it
-            if _goes_on(course, panel, beside):
-                some = some[time[some] < panel.end]
+            if 0 <= beside < len(course.panels) and course.panels[beside].count > 1:
                 out[some] = _polynomial(course.panels[beside], rows[beside], time[some], place[some])
     return out
 
@@ -67,18 +65,20 @@ def _over(panel: Panel, time: Array, place: Array) -> Array:
     out = np.ones(time.size)
     if panel.jump is not None:
         for i, (now, at) in enumerate(zip(time.tolist(), place.tolist(), strict=True)):
-            over = panel.jump.over(now, at, float(np.sign(panel.travel)))
+            over = panel.jump.over(now, at, float(np.sign(panel.travel)), panel.begin)
             out[i] = np.nan if over is None else over
     return out
 
 
-def _goes_on(course: Course, panel: Panel, beside: int) -> bool:
-    """Whether the slider moves there as it does on a panel, and more than at once."""
-    if not 0 <= beside < len(course.panels):
-        return False
-    other = course.panels[beside]
-    own, speed = panel.travel / panel.duration, other.travel / other.duration
-    return other.count > 1 and abs(own - speed) <= _SAME * abs(own)
+def _sliver(course: Course, k: int) -> tuple[int, int]:
+    """The first and the last panel of what goes on at once on the k-th."""
+    jump, first, last = course.panels[k].jump, k, k
+    if jump is not None:
+        while first > 0 and course.panels[first - 1].jump is jump:
+            first -= 1
+        while last < len(course.panels) - 1 and course.panels[last + 1].jump is jump:
+            last += 1
+    return first, last
 
 
 def _polynomial(panel: Panel, values: Array, time: Array, place: Array) -> Array:

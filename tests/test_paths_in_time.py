@@ -109,3 +109,16 @@ def test_points_right_at_an_exact_threshold_come_after_its_breaks(start: float, 
         drops = solved.force[0:6:2] - solved.force[1:6:2]
         assert np.abs(drops - gone[0] * gone[1] ** np.arange(3.0)).max() < 2.0 * solved.force_error
 
+
+def test_births_at_exact_places_bend_the_force_that_they_bring() -> None:
+    """Straight on, by lattices, and in time, by panels: right where contacts come back at r = 0.2, the path's end among
+    these, and where the strongest that started break."""
+    laws = {"thermal": Thermal("soft", 0.0163, 10.0), "delay": Delay(0.31), "reforming": 0.2}
+    contacts = Contacts(identical(1.0), 0.378, **laws)
+    met = 0.622 + np.array([0.0, 0.31, 1.11, 1.42, 2.22, 2.53])
+    path = np.sort(np.concatenate([met - 1e-3, met]))
+    straight = master.solve(contacts, path, 1e-7)
+    timed = master.solve(contacts, path, 1e-7, time=path)
+    assert straight.success and timed.success
+    assert np.abs(straight.force - timed.force).max() < straight.force_error + timed.force_error
+    assert np.abs(straight.holding - timed.holding).max() < 1e-7
