@@ -38,12 +38,11 @@ class AtomicChain:
         positions = (self.births[:, None] + law.atoms).ravel()
         weights = self.weights[:, None] * law.atom_weights
         released = (weights * release.force_at(law.atoms)).ravel()
+        stretch = np.tile(law.atoms - release.delay + release.birth, self.births.size)
         self._release = release
-        self.count = Tally(None, positions, weights.ravel())
-        self._softened = Tally(None, positions, (weights * release.stiffness_at(law.atoms)).ravel())
-        order = np.argsort(positions, kind="stable")
-        self._positions = positions[order]
-        self._sums = np.concatenate([[0.0], np.cumsum(released[order])])
+        self.count = Tally(None, positions, weights.ravel(), stretch)
+        self._softened = Tally(None, positions, (weights * release.stiffness_at(law.atoms)).ravel(), stretch)
+        self._released = Tally(None, positions, released, stretch)
 
     def _follow(self, law: Law, end: float) -> None:
         """Births from births, a window as wide as the smallest atom at a time: nothing in it follows from itself."""
@@ -72,20 +71,19 @@ class AtomicChain:
     def released(self, x: Array) -> Array:
         """What breaks at atoms after births of this chain, and the births that follow, take from the force at X = x; a
         break at x itself counts."""
-        released = self._sums[np.searchsorted(self._positions, x * (1.0 + _SAME), side="right")]
-        release = self._release
+        released, release = self._released.once(x), self._release
         if release.plain:
             return released
         since = x - release.delay
         released = released + self._softened.twice(x) - release.birth_stiffness * self.count.twice(since)
-        return released - release.birth_force * self.count.once(since)
+        return released - release.birth_force * self.count.once(x, release.delay)
 
     def rate(self, x: Array) -> Array:
         """Slope of `released` between the atoms."""
         release = self._release
         if release.plain:
             return np.zeros(x.shape)
-        return self._softened.once(x) - release.birth_stiffness * self.count.once(x - release.delay)
+        return self._softened.once(x) - release.birth_stiffness * self.count.once(x, release.delay)
 
 
 def _merge(positions: Array, weights: Array) -> tuple[Array, Array]:

@@ -182,8 +182,6 @@ class CohortBreaks(FirstBreaks):
         self.mean_start = direction * sum(cohort.held(law, turn)[1] for cohort in cohorts)
         atoms = [(np.empty(0),) * 3, *(standing.atoms() for standing in self._standing)]
         self.atoms, self.atom_weights, self.atom_released = (np.concatenate(part) for part in zip(*atoms, strict=True))
-        self._order = np.argsort(self.atoms, kind="stable")
-        self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
         seeds = np.unique(np.concatenate([[0.0], *[standing.seeds(end) for standing in self._standing]]))
         self.seeds = seeds[np.append(True, np.diff(seeds) > 1e-13)]
         self.density, self._released = self._tables(step)

@@ -9,13 +9,16 @@ from master.piecewise import Piecewise, tabulate
 from master.thermal_law import ThermalBreaking
 from master.thermal_paper import PaperBreaking
 from origins import Contacts, Thresholds
-from origins.quadrature import gauss
+from origins.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 
 _ACCURACY = 1e-13
 _TAIL = 1e-20
 _CUTS, _CLOSE = 40, 1e-3
+_TOWARDS = 0.7 ** np.arange(400.0)
+_STEEPEST = 30.0  # powers of x beyond which a tail that weighs so little is nothing
+_NOISE, _SUMS = 1e-10, 1e-10  # of moments: beyond, what is left of them is not noise; and what tables are off by there
 _DOWN, _ACROSS = np.geomspace(1e-12, 1.0, 33)[:-1], np.linspace(0.0, 1.0, 34)[1:-1]
 _LADDER, _STEEP, _SEEN = 16.0 ** -np.arange(0.5, 19.0), 1.5, 1e-14
 LEAST = 1e-140  # of a mean threshold: squares of it are still numbers
@@ -41,7 +44,7 @@ class BreakingLaw(Thresholds):
         paper = contacts.thermal.closure == "paper"
         breaking = PaperBreaking(contacts, velocity) if paper else ThermalBreaking(contacts, velocity)
         self.breaking: ThermalBreaking | PaperBreaking = breaking
-        self._unit = contacts.mean_threshold
+        self._unit, self._attempts = contacts.mean_threshold, contacts.thermal.attempt_frequency / velocity
         self.onset_power = 0.0
         # a threshold of exact value: what has not broken before does there
         self._atoms = breaking.atoms
@@ -78,6 +81,33 @@ class BreakingLaw(Thresholds):
         """Edges between which p and E are series, each halved."""
         edges = self._breaks.edges
         return np.sort(np.append(edges, 0.5 * (edges[1:] + edges[:-1])))
+
+    def beyond(self) -> tuple[Array, Array, Array]:
+        """What tails that fall as a power add beyond x = R, where `support` ends: R E and R² E/2 there, the integrals
+        of E and x E further on, and what these are off by; shapes (2,). Where all break at one rate they are those of
+        S, of which there are closed forms, times what is left; else E falls about as fast as it does at R."""
+        end, powers = self._end, np.array([1.0, 2.0])
+        last, later = self.breaking.rows(np.array([end, 2.0 * end]))[1].tolist()
+        ends = end**powers / powers * last
+        fall = np.log2(last / later) if later > 0.0 else np.inf
+        if fall > _STEEPEST:
+            return ends, np.zeros(2), np.zeros(2)
+        if not isinstance(self.breaking, PaperBreaking):
+            rest = powers * ends / (fall - powers) if fall > powers[1] else ends
+            return ends, rest, rest
+        law = self.breaking.law
+        edges = np.concatenate([panel_edges(law), law.atoms[0], law.support()[:1], end * _TOWARDS])
+        edges = np.unique(np.clip(edges, law.support()[0], end))
+        nodes, weights = gauss(edges[:-1], edges[1:])
+        held = weights * law.sf(nodes)
+        known = edges[0] ** powers / powers + np.array([held.sum(), (held * nodes).sum()])
+        whole = np.array([law.mean(), 0.5 * law.moment(2)])
+        # of light tails nothing is left but what the sums are off by
+        rest = np.where(whole - known > _NOISE * whole, whole - known, 0.0)
+        survival = float(law.sf(end))
+        share = last / survival if survival > 0.0 else 0.0
+        # by themselves hardly any break there: none at more than the attempt frequency
+        return ends, share * rest, share * (self._attempts * rest[0] * rest + _SUMS * whole * (rest > 0.0))
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._end

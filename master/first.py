@@ -76,20 +76,29 @@ class FirstBreaks:
             self._defect += float(span[1] - span[0]) / min(law.narrowest, 1.0)
         else:
             self._from_distribution(contacts)
-        self._order = np.argsort(self.atoms, kind="stable")
-        self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
+
+    @cached_property
+    def _atom_stretch(self) -> Array:
+        """Stretches at which those of finite weight break."""
+        stiffness = self.atom_weights if self.stiffness is None else self.atom_stiffness
+        return np.divide(self.atom_released, stiffness, out=np.zeros(stiffness.size), where=stiffness > 0.0)
+
+    @cached_property
+    def _lumps(self) -> Tally:
+        """What breaks of finite weight release."""
+        return Tally(None, self.atoms, self.atom_released, self._atom_stretch)
 
     @cached_property
     def count(self) -> Tally:
         """How many break."""
-        return Tally(self.density, self.atoms, self.atom_weights)
+        return Tally(self.density, self.atoms, self.atom_weights, self._atom_stretch)
 
     @cached_property
     def softened(self) -> Tally:
         """Stiffness that breaks release; as `count` where all are equally stiff."""
         if self.stiffness is None and np.array_equal(self.atom_stiffness, self.atom_weights):
             return self.count
-        return Tally(self.stiffness, self.atoms, self.atom_stiffness)
+        return Tally(self.stiffness, self.atoms, self.atom_stiffness, self._atom_stretch)
 
     @property
     def error(self) -> float:
@@ -98,8 +107,7 @@ class FirstBreaks:
 
     def released(self, x: Array) -> Array:
         """J_0: stretch released per contact by first breaks up to X = x; a break at x itself counts."""
-        count = np.searchsorted(self.atoms[self._order], x * (1.0 + 1e-13), side="right")
-        released = self._released.integral(x) + self._atom_sums[count]
+        released = self._released.integral(x) + self._lumps.once(x)
         return released if self._poles is None else self._poles.put_right(x, released)
 
     def rate(self, x: Array) -> Array:

@@ -154,12 +154,12 @@ def _holding(problem: Problem, later: LaterReleased | None, x: Array) -> Array:
     if delay == 0.0:
         return np.ones(x.size)
 
-    def broken(x: Array) -> Array:
-        count = problem.first.count.once(x) + problem.chain.count.once(x)
-        return count if later is None else count + later.count(x)
+    def broken(x: Array, wait: float = 0.0) -> Array:
+        count = problem.first.count.once(x, wait) + problem.chain.count.once(x, wait)
+        return count if later is None else count + later.count(np.maximum(x - wait, -1e-300))
 
     # errors of the counts are not to make it less than none, or more than all
-    return np.clip(1.0 - (broken(x) - broken(np.maximum(x - delay, -1e-300))), 0.0, 1.0)
+    return np.clip(1.0 - (broken(x) - broken(x, delay)), 0.0, 1.0)
 
 
 def refined(

@@ -117,7 +117,7 @@ class Generations:
         elif self._resting is not None and panel.travel == 0.0:
             held, pull = self._resting.young(now - time)
         else:
-            held, pull = self._replay(time, panel.place(time), now, np.repeat(places, sizes))
+            held, pull = self._replay(time, panel.births(time), now, np.repeat(places, sizes))
         firsts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
         return Young(time, held * weight, pull * weight, firsts.astype(np.intp))
 
@@ -135,7 +135,7 @@ class Generations:
         self._born(panel, breaks.rate(panel.nodes) * radau(panel.count).weights * panel.duration)
         self._panels.append(panel)
         self._table = np.append(self._table, [[panel.before, panel.after, panel.after, panel.after]], axis=0)
-        self._alive = np.append(self._alive, True)
+        self._alive = np.append(self._alive, panel.spot is None)  # at one place births do not come one by one
         gone = np.setdiff1d(np.flatnonzero(self._alive), self._strands.origin)
         self._alive[[k for k in gone.tolist() if not self._between_nodes(k, panel.end)]] = False
 
@@ -154,7 +154,7 @@ class Generations:
         stretch, share = self.again
         nodes = stretch.size
         time = panel.nodes
-        first, place = np.tile(stretch, time.size), np.repeat(panel.place(time), nodes) - np.tile(stretch, time.size)
+        first, place = np.tile(stretch, time.size), np.repeat(panel.births(time), nodes) - np.tile(stretch, time.size)
         worn = np.tile(self.wear.fresh(stretch), (time.size, 1))
         last = panel.after - place
         self.wear.advance(worn, first, last, np.abs(first), np.repeat(panel.end - time, nodes))

@@ -51,6 +51,22 @@ class Kinks:
         self._released += [self._after_chain(part) for part in (bends.times(slopes * force_at(law.bends)), more)]
         self._released.append(self._fold(steps, jumps, heights * force_at(law.jumps)))
         self._follow_onset(problem)
+        self._released += [self._kept(part) for part in self._brought(problem)]
+
+    def _brought(self, problem: Problem) -> list[Singular]:
+        """What births bring of the force, and the stiffness that the contacts lack while they are out."""
+        release, found = problem.release, []
+        for part in self._later:
+            born = part
+            if release.delay > 0.0:
+                born = part.after(np.full(part.height.size, release.delay / self._step))
+            if release.birth_force != 0.0:
+                found.append(born.times(-release.birth_force))
+            if not release.plain and (release.delay > 0.0 or release.stiffness):
+                found.append(born.summed().times(-release.birth_stiffness * self._step))
+                if not release.stiffness:
+                    found.append(part.summed().times(self._step))
+        return found
 
     def _follow_onset(self, problem: Problem) -> None:
         """Where exact values carry the lower end of the law, P_c ~ c (x - a)^m."""

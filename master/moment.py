@@ -103,9 +103,9 @@ class MomentDistribution:
                 weight.append(self._since(hold))
                 hold = []
             if panel is not None and _at_once(panel, self._course):
-                stretch.append(self._place - np.array([panel.after]) + again)
-                births = _births(panel, self._course)
-                weight.append(births * self._born(np.array([panel.end]), np.array([panel.after])))
+                place = panel.births(panel.nodes)
+                stretch.append(self._place - place + again)
+                weight.append(_births(panel, self._course) * self._born(panel.nodes, place))
         return np.concatenate([[], *stretch]), np.concatenate([[], *weight])
 
     def _since(self, hold: list[Panel]) -> Array:

@@ -10,10 +10,11 @@ import numpy.typing as npt
 from master.bends import bends, beside
 from master.collocation import Course, TooMuch
 from master.forward import ROUND_OFF
-from master.jumps import jumps
+from master.jumps import Jump, jumps
 from master.make_lives import make_generations
 from master.outcome import Progress, unheard
-from master.panels import MOST_NODES, SLOW, Panel, Scales, panels, radau
+from master.panels import MOST_NODES, Scales, panels
+from master.reading import read, unread, unsure
 from master.timeline import Piece, pieces, times, where
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
@@ -68,9 +69,12 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     first = _first(contacts, lives.length)
     start = _start(contacts, course[0], first)
     scales = Scales(_LENGTH * lives.length, first, lives.time, lives.rate / _RATE, start)
-    edges, slivers = _edges(contacts, course, delay)
+    edges, sharp = _edges(contacts, course, delay)
+    if sharp and sharp[-1].end > course[-1].end:
+        course = _beyond(course, sharp[-1])
+        edges, sharp = _edges(contacts, course, delay)
     needed, fine = _needed(course, scales), _COARSEST
-    lost, torn, exact = slivers is None, _torn(course, slivers), _exact_again(contacts)
+    lost, torn, exact = sharp is None, _torn(course, sharp), _exact_again(contacts)
     if needed > _MOST_PANELS:
         too_long(contacts, course, MOST_NODES * needed, f"{MOST_NODES * _MOST_PANELS:,} are the most", scales.rate)
     watch = np.concatenate([_watched(a, b) for a, b in pairwise(edges.tolist())])
@@ -84,7 +88,7 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
     worked = 0.0
     changes: list[float] = []
     for level in range(_MOST_LEVELS):
-        cut = panels(course, edges[1:-1], slivers, scales, fine, level)
+        cut = panels(course, edges[1:-1], sharp, scales, fine, level)
         if level:
             lives = make_generations(contacts, course, level)
         accuracy = np.inf if lost else max(_ACCURACY * _FALLS**level, lives.error, 10.0 * rounding)
@@ -114,6 +118,7 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
         error = np.inf
         if not lost:
             error = max(left(changes, found.lacks), _UNREAD * unread(found, asked, unit))
+            error = max(error, unsure(found, asked, drive.path, torn) / unit)
             error += rounding + ROUND_OFF * (1.0 + count) + lives.error
         progress(error)
         if best is None or error < best.error or len(changes) == 2:
@@ -166,23 +171,21 @@ def _exact_again(contacts: Contacts) -> bool:
     return again is not None and not again.law.is_single and contacts.thresholds.atoms[0].size > 0
 
 
-def _torn(course: list[Piece], slivers: Array | None) -> float | None:
-    """When the path turns or stops just as many contacts are stretched to their thresholds: whether they break rounding
-    decides."""
+def _torn(course: list[Piece], sharp: list[Jump] | None) -> Jump | None:
+    """Where the path turns or stops just as many contacts are stretched to their thresholds at places that are not
+    known to rounding: whether they break is luck."""
     ends = np.array([piece.end for piece in course[:-1]])
-    for begin, end in np.empty((0, 2)) if slivers is None else slivers:
-        inside = ends[(ends >= begin) & (ends <= end)]
-        if inside.size:
-            return float(inside[0])
-    return None
+    unsure = (one for one in sharp or [] if one.spot is None and ((ends >= one.begin) & (ends <= one.end)).any())
+    return next(unsure, None)
 
 
-def _words(found: Found, tolerance: float, known: float, torn: float | None) -> str:
+def _words(found: Found, tolerance: float, known: float, torn: Jump | None) -> str:
     if not np.isfinite(found.error):
         return "breaks at exact thresholds come at more times than can be followed; give the values a width"
     reached = f"error estimate {found.error:.1e} with {found.nodes} steps in time, above the tolerance {tolerance:.1e}"
     if torn is not None:
-        return f"{reached}: at t = {torn:.6g} the path changes just as exact thresholds are met; move that point a bit"
+        met = f"at t = {torn.time:.6g} the path changes just as exact thresholds are met"
+        return f"{reached}: {met}; move that point a bit"
     if found.error < _HARDLY * known:
         return f"{reached}: how much of each threshold is left is known to {known:.1e} only; loosen the tolerance"
     return f"{reached}; loosen the tolerance, or end the path sooner"
@@ -205,18 +208,25 @@ def _start(contacts: Contacts, piece: Piece, first: float) -> float:
     return min(first, speed / contacts.thermal.attempt_frequency) if speed < rate * first else first
 
 
-def _edges(contacts: Contacts, course: list[Piece], delay: float) -> tuple[Array, Array | None]:
-    """Times between which breaks go on smoothly, both ends among them; slivers in which many contacts break at once,
-    shape (n, 2), None where they are more than can be followed."""
+def _edges(contacts: Contacts, course: list[Piece], delay: float) -> tuple[Array, list[Jump] | None]:
+    """Times between which breaks go on smoothly, both ends among them; when many contacts break at once, None where
+    that is more often than can be followed."""
     law, end = contacts.thresholds, course[-1].end
     lone = [contacts.start.mean()] if contacts.start.is_single else []
     again = 0.0 if contacts.reforming is None else contacts.reforming.law.mean()
     limits = np.append(law.breakpoints, law.atoms[0])
     sharp = jumps(course, lone, again, law.atoms[0], delay)
-    slivers = np.array([[one.time - one.width, one.time + one.width] for one in sharp or []]).reshape(-1, 2)
+    slivers = np.array([[one.begin, one.end] for one in sharp or []]).reshape(-1, 2)
     inner = beside(bends(course, lone, again, limits[limits > 0.0], delay, _ORDERS), slivers)
     edges = np.concatenate([[0.0], inner[(inner > 0.0) & (inner < end)], [end]])
-    return edges, None if sharp is None else slivers
+    return edges, sharp
+
+
+def _beyond(course: list[Piece], jump: Jump) -> list[Piece]:
+    """The course with a bit more of its last piece, where it ends within a sliver."""
+    last, end = course[-1], jump.end + jump.width
+    after = last.before + last.travel * ((end - last.begin) / last.duration)
+    return [*course[:-1], Piece(last.begin, end, last.before, after)]
 
 
 def _needed(course: list[Piece], scales: Scales) -> float:
@@ -227,36 +237,3 @@ def _needed(course: list[Piece], scales: Scales) -> float:
 
 def _watched(begin: float, end: float) -> Array:
     return begin + (end - begin) * np.arange(1, _WATCH) / _WATCH
-
-
-def read(course: Course, time: Array, place: Array, rows: list[Array]) -> Array:
-    """Rows of a course at times, when the slider is at X = place."""
-    ends = np.array([panel.end for panel in course.panels])
-    which = np.minimum(np.searchsorted(ends, time, side="left"), ends.size - 1)
-    out = np.empty(time.size)
-    for k in np.unique(which).tolist():
-        mine, panel = which == k, course.panels[k]
-        if panel.count == 1:  # a contact whose stretch has reached its threshold is broken
-            out[mine] = rows[k][-1]
-        else:
-            out[mine] = radau(panel.count).values(_share(panel, time[mine], place[mine])) @ rows[k]
-    return out
-
-
-def unread(course: Course, time: Array, unit: float) -> float:
-    """What the force lacks between nodes, where it is read at times, in units of a length."""
-    out = 0.0
-    for panel, force in zip(course.panels, course.force, strict=True):
-        inner = (time > panel.begin) & (time < panel.end)
-        if panel.count > 1 and inner.any():
-            out = max(out, radau(panel.count).tail(force))
-    return SLOW * out / unit
-
-
-def _share(panel: Panel, time: Array, place: Array) -> Array:
-    """Share of a panel that is done; the place tells more than the time where times are long."""
-    if panel.travel == 0.0:
-        share = (time - panel.begin) / panel.duration
-    else:
-        share = (place - panel.before) / panel.travel
-    return np.clip(share, 0.0, 1.0)

@@ -78,7 +78,7 @@ class OriginBreaks(FirstBreaks):
                 self._spread = SpreadBreaks(breaking, self._sum, law, np.append(marks, bend), self._accuracy)
                 self._cuts = self._spread.cuts
         top = min(end, breaking.top / unit - low)
-        seeds = np.unique(seeds[(seeds > 0.0) & (seeds < top)])
+        seeds = np.unique(seeds[(seeds > 0.0) & (seeds <= top)])
         # breaks vary over X as over x, or as over the start
         known = law.edges[::2] - self.mean_start
         known = known if self.single else thin(known, 0.06 * (high - low))
@@ -91,8 +91,6 @@ class OriginBreaks(FirstBreaks):
             self._rows, edges, self._accuracy, offset=max(abs(low), abs(high))
         )
         self._find_corners(seeds, law)
-        self._order = np.argsort(self.atoms, kind="stable")
-        self._atom_sums = np.concatenate([[0.0], np.cumsum(self.atom_released[self._order])])
         rest = float(self._integrals(np.array([top]), holds=True)[1, 0]) if top < breaking.top / unit - low else 0.0
         broken = self.density.total + float(self.atom_weights[self.atoms <= top].sum())
         # over a start errors of many signs add up to the defect, and in the force with other weights
@@ -105,10 +103,12 @@ class OriginBreaks(FirstBreaks):
     def _find_corners(self, seeds: Array, law: Law) -> None:
         """Jumps of b_0 between panels, and bends where the law has atoms."""
         table = self.density
-        size = table.jumps
-        known = np.isin(table.edges[:-1], seeds) & (np.abs(size) > _JUMP)
+        # where the strongest thresholds end there is nothing from one edge to the next
+        ends = table.edges[-1] in seeds and table.edges[-1] < self.end
+        size = np.append(table.jumps, -table(table.edges[-1:]) if ends else 0.0)
+        known = np.isin(table.edges, seeds) & (np.abs(size) > _JUMP)
         known[0] = True
-        self.jumps, self.jump_sizes = table.edges[:-1][known], size[known]
+        self.jumps, self.jump_sizes = table.edges[known], size[known]
         self.bends, self.bend_sizes = np.empty(0), np.empty(0)
         if seeds.size and self._may_bend:  # round-off of the tables looks like bends where there are none
             self.bends, self.bend_sizes = bends(table, seeds, law.narrowest)

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
+from master.jumps import Jump
 from master.timeline import Piece
 
 Array = npt.NDArray[np.float64]
@@ -28,13 +29,15 @@ _ROUNDING = 2e-14
 
 @dataclass(frozen=True)
 class Panel:
-    """Constant speed from time `begin` to `end`, from X = `before` to `after`; `count` nodes."""
+    """Constant speed from time `begin` to `end`, from X = `before` to `after`; `count` nodes; `jump` is what goes on
+    there at once, if anything does."""
 
     begin: float
     end: float
     before: float
     after: float
     count: int
+    jump: Jump | None = None
 
     @property
     def duration(self) -> float:
@@ -62,6 +65,15 @@ class Panel:
     def place(self, time: Array) -> Array:
         """X at times."""
         return self.before + self.travel * ((time - self.begin) / self.duration)
+
+    @property
+    def spot(self) -> float | None:
+        """Where all is born that is born at once, if that is one place."""
+        return None if self.jump is None else self.jump.spot
+
+    def births(self, time: Array) -> Array:
+        """X of births at times."""
+        return self.place(time) if self.spot is None else np.full(time.size, self.spot)
 
 
 class Radau:
@@ -141,13 +153,12 @@ class Scales:
 
 
 def panels(
-    course: list[Piece], bends: Array, slivers: Array | None, scales: Scales, fine: float, level: int
+    course: list[Piece], bends: Array, sharp: list[Jump] | None, scales: Scales, fine: float, level: int
 ) -> list[Panel]:
     """Panels of `course` between all bends, `fine` times as many as the fewest, each with one more node a level; one
-    for each of the slivers."""
+    for each of the slivers of what is sharp."""
     out: list[Panel] = []
     end = course[-1].end
-    slivers = np.empty((0, 2)) if slivers is None else slivers
     scales = replace(scales, time=max(scales.time, ROUNDED * end))
     for piece in course:
         inner = bends[(bends > piece.begin) & (bends < piece.end)]
@@ -155,8 +166,8 @@ def panels(
         speed = abs(piece.travel) / piece.duration
         for number, (begin, last) in enumerate(pairwise(edges.tolist())):
             size = last - begin
-            sudden = ((slivers[:, 0] <= begin) & (last <= slivers[:, 1])).any()
-            if sudden or size <= 0.1 * ROUNDED * end:
+            jump = next((one for one in sharp or [] if one.begin <= begin and last <= one.end), None)
+            if jump is not None or size <= 0.1 * ROUNDED * end:
                 cuts, counts = np.array([begin, last]), [1]
             elif speed == 0.0:
                 cuts = _held(begin, last, piece.begin, scales.time, fine)
@@ -173,7 +184,7 @@ def panels(
                 places[-1] = piece.after
             for k, count in enumerate(counts):
                 begun, until, before, after = cuts[k], cuts[k + 1], places[k], places[k + 1]
-                out.append(Panel(float(begun), float(until), float(before), float(after), count))
+                out.append(Panel(float(begun), float(until), float(before), float(after), count, jump))
     return out
 
 

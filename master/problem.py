@@ -81,7 +81,7 @@ class Problem:
             return total
         since = x - release.delay
         total += release.birth_stiffness * first.count.twice(since) - first.softened.twice(x)
-        return total + release.birth_force * first.count.once(since)
+        return total + release.birth_force * first.count.once(x, release.delay)
 
     def known_rate(self, x: Array) -> Array:
         """Slope of `known`, atoms left out."""
@@ -90,7 +90,7 @@ class Problem:
         if release.plain:
             return total
         since = x - release.delay
-        total += release.birth_stiffness * first.count.once(since) - first.softened.once(x)
+        total += release.birth_stiffness * first.count.once(x, release.delay) - first.softened.once(x)
         return total + release.birth_force * first.density(since)
 
     def _first(self, end: float, accuracy: float) -> FirstBreaks:

@@ -81,6 +81,10 @@ class Singular:
             seen += shares[:, k, None] * np.take_along_axis(padded, at, axis=1)
         return Singular(self.order, shift, position - shift, self.height, seen)
 
+    def summed(self) -> "Singular":
+        """The integral of each, as the lattice tells it."""
+        return Singular(self.order + 1.0, self.shift, self.place, self.height / self.order, self.integral)
+
     def _beyond(self) -> Array:
         """Masses on the nodes that follow, where the lattice is right again."""
         after = self.seen.shape[1] + np.arange(2 * STENCIL) - self.place[:, None]

@@ -133,7 +133,11 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
             refuse("velocity", cycle.velocity, _TOO_SLOW)
         return _steady(contacts, cycle, known)
     length, area, again_length, again_area = _cycle_integrals(contacts, cycle)
-    wait = cycle.wait
+    wait, law, far_off = cycle.wait, cycle.relaxed, np.zeros(2)
+    if isinstance(law, BreakingLaw) and cycle.release.born is None and not cycle.release.stiffness:
+        last, far, far_off = (part.tolist() for part in law.beyond())
+        length, area = length + last[0] + far[0], area + last[1] + far[1]
+        again_length, again_area = again_length + far[0], again_area + far[1]
     # contacts that form again behind x = 0 and break before they get there bear less than nothing
     if not ((area > 0.0 or cycle.release.born is not None) and length > 0.0 and again_length > 0.0):
         refuse("velocity", cycle.velocity, _TOO_SLOW)
@@ -145,7 +149,8 @@ def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
     # of two sums over tables either may be the one that is off, and the other a little
     margin = _MARGIN if cycle.tabulated else 1.0
     off = margin * abs(force - again_area / (again_length + wait)) + rounding * abs(force)
-    length_off = margin * abs(length - again_length) + rounding * length
+    length_off = margin * abs(length - again_length) + rounding * length + far_off[0]
+    off += (far_off[1] + abs(force) * far_off[0]) / (length + wait)
     if cycle.error > 0.0:
         # an error of the survival up to where hardly any holds
         reach = float(cycle.relaxed.isf(_REACHED))

@@ -141,6 +141,7 @@ class PaperBreaking:
             ends = begin, np.clip(x, begin, self._panels[panel + 1])
             nodes, weights = gauss(*ends)
             mass = self._weights(nodes, weights, *ends)
+            nodes = np.where(nodes > 0.0, nodes, self.top)  # where x = 0 they carry none
             out[0] = self._before[panel] + self._add(np.arange(x.size), mass, nodes, nodes, x.size)[0]
             for row, mass, threshold in self._shared.above(np.maximum(x, lowest)):
                 out += self._add(row, mass, column[row], threshold, x.size)

@@ -85,8 +85,40 @@ def test_panels_and_cohorts_agree_without_laws(law: object) -> None:
     assert np.abs(found.force - known.force).max() < (found.error + known.force_error) * contacts.mean_threshold
 
 
-def test_an_exact_threshold_met_just_as_the_path_turns_is_told() -> None:
+def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:
+    """All break for the fourth time just there, come back after 0.2, and break once more at -0.7 on the way back."""
     contacts = Contacts(identical(0.7), delay=Delay(0.2))
-    turned = master.solve(contacts, [0.0, 2.5, 1.0], 1e-3, time=[0.0, 2.5, 4.0])
-    assert not turned.success and "at t = 2.5 the path changes just as exact thresholds are met" in turned.message
-    assert master.solve(contacts, [0.0, 2.45, 1.0], 1e-6, time=[0.0, 2.45, 4.0]).success
+    turned = master.solve(contacts, [0.0, 2.5, 1.0], 1e-10, time=[0.0, 2.5, 4.0])
+    assert turned.success, turned.message
+    np.testing.assert_allclose(turned.force, [0.0, 0.0, -0.4], atol=1e-10)
+    np.testing.assert_allclose(turned.holding, [1.0, 0.0, 1.0], atol=1e-10)
+
+
+@pytest.mark.parametrize(("start", "law"), [(0.0, "stiff"), (1.0 - 1e-6, "soft"), (-0.3, "stiff")])
+def test_points_right_at_an_exact_threshold_come_after_its_breaks(start: float, law: str) -> None:
+    """On every road, whatever rounding adds to the points: those that have not broken before do so there."""
+    thermal = Thermal(law, 0.05)
+    contacts = Contacts(identical(1.0), start, thermal=thermal)
+    met = 1.0 - start + np.arange(3.0)
+    ways = np.diff(np.stack([met - 1e-9, met], axis=1).ravel(), prepend=0.0)
+    path = np.cumsum(np.concatenate([np.full(7, ways[0] / 7.0), ways[1:]]))[6:]
+    gone = np.exp(-thermal.cumulative(1.0, 1.0, [start, 0.0]))
+    for more, time in (([], None), ([path[-1]], [*path, path[-1] + 0.1]), ([path[-1] - 0.1], None)):
+        solved = master.solve(contacts, np.append(path, more), 1e-5, time=time)
+        assert solved.success, solved.message
+        drops = solved.force[0:6:2] - solved.force[1:6:2]
+        assert np.abs(drops - gone[0] * gone[1] ** np.arange(3.0)).max() < 2.0 * solved.force_error
+
+
+def test_births_at_exact_places_bend_the_force_that_they_bring() -> None:
+    """Straight on, by lattices, and in time, by panels: right where contacts come back at r = 0.2, the path's end among
+    these, and where the strongest that started break."""
+    laws = {"thermal": Thermal("soft", 0.0163, 10.0), "delay": Delay(0.31), "reforming": 0.2}
+    contacts = Contacts(identical(1.0), 0.378, **laws)
+    met = 0.622 + np.array([0.0, 0.31, 1.11, 1.42, 2.22, 2.53])
+    path = np.sort(np.concatenate([met - 1e-3, met]))
+    straight = master.solve(contacts, path, 1e-7)
+    timed = master.solve(contacts, path, 1e-7, time=path)
+    assert straight.success and timed.success
+    assert np.abs(straight.force - timed.force).max() < straight.force_error + timed.force_error
+    assert np.abs(straight.holding - timed.holding).max() < 1e-7

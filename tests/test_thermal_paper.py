@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy.stats
 
 import master
 from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical
@@ -46,6 +47,29 @@ def test_kinetic_force_against_brute_force(law: str, temperature: float, rate: f
     assert steady.force == pytest.approx(area / length, rel=1e-9)
     assert steady.cycle_length == pytest.approx(length, rel=1e-9)
     assert steady.force_error < 1e-10
+
+
+@pytest.mark.parametrize(("law", "velocity", "power"), [("soft", 1.0, 2.05), ("stiff", 0.1, 2.3), ("soft", 1.0, 3.0)])
+def test_kinetic_force_of_far_tails_by_brute_force(law: str, velocity: float, power: float) -> None:
+    """P_c = a (1 + x)^(-a-1), of which some stretch further than any sum reaches: all in logarithms of lengths."""
+    thermal, thresholds = Thermal(law, 0.3, closure="paper"), scipy.stats.lomax(power)
+    low, high = np.log([1e-12, 1e9])
+    logs, weights = panels(low, high, 60)
+    x = np.exp(logs)
+    at, share = panels(np.full(x.size, low), logs, 16)
+    at = np.exp(at)
+    spent = (share * at * thresholds.pdf(at) * thermal.cumulative(at, at)).sum(axis=-1)
+    ways, share = panels(np.log(1e-9), np.log(1e4), 16)
+    at = x[:, None] * (1.0 + np.exp(2.0 * ways))
+    density = 2.0 * (at - x[:, None]) * thresholds.pdf(at)
+    spent += (share * density * thermal.cumulative(x[:, None], at)).sum(axis=-1)
+    held = weights * x * thresholds.sf(x) * np.exp(-spent / velocity)
+    left, far = np.exp(-spent[-1] / velocity), 1.0 + np.exp(high)
+    length = held.sum() + left * far ** (1.0 - power) / (power - 1.0)
+    area = held @ x + left * (far ** (2.0 - power) / (power - 2.0) - far ** (1.0 - power) / (power - 1.0))
+    steady = master.steady_state(Contacts(thresholds, thermal=thermal), velocity=velocity)
+    assert abs(steady.force - area / length) < steady.force_error * steady.mean_threshold + 1e-11 * steady.force
+    assert steady.force_error * steady.mean_threshold < 1e-9 * steady.force
 
 
 @pytest.mark.parametrize("law", ["soft", "stiff"])
