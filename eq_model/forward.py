@@ -12,8 +12,8 @@ import numpy.typing as npt
 from eq_model import layout
 from eq_model.beginning import Beginning
 from eq_model.histogram import Histogram
-from eq_model.lattice import force, joined, make_lattice, split, variance
-from eq_model.rare import unseen_variance
+from eq_model.lattice import Whole, carried, force, joined, make_lattice, split, variance
+from eq_model.rare import unseen_break, unseen_variance
 from eq_model.thermal_tables import steady_for_kernel
 from origins import Contacts, Drive
 
@@ -48,7 +48,7 @@ class Forward:
         self.lattice = make_lattice(
             drive.path, origin, table.scale, longest + furthest, exact=contacts.thresholds.atoms[0].size > 0
         )
-        self._reached = np.minimum(drive.path + furthest, longest)
+        self._reached, self._longest = np.minimum(drive.path + furthest, longest), longest
         self._bins = self.lattice.bin_cell.size
         self.size = 3 + 3 * self._bins
         self._block_sums = np.zeros(2 * (self._bins + 1), np.int64)
@@ -88,13 +88,27 @@ class Forward:
         # squared distances were taken from the expected mean: this brings them to the mean found
         from_expected = joined(births) - measured * self._expected_birth()
         square_births = float(joined(squares) / self.lattice.square - from_expected**2 / measured)
+        contacts, unseen, reached = self._beginning.contacts, np.zeros(self._reached.size), self._reached.copy()
         if self._thermal is None:
-            unseen = unseen_variance(self._beginning.contacts, self.lattice.path, measured)
-        else:
-            unseen = self._reached**2 / n  # one break that might have been
+            # so early the first breaks are known better than that one might have been
+            unseen, known = unseen_variance(contacts, self.lattice.path, measured)
+            reached[:known] = 0.0
         spread = variance(self.lattice, measured, births, square_births, part[:, 2::2], part[:, 3::2], unseen)
         mean = force(self.lattice, n, total[:, 0], total[:, 1:])
+        if self._thermal is not None or np.diff(contacts.thresholds.support())[0] > 0.0:
+            breaks, taken = self._breaks(n / measured, part[:, 2::2], part[:, 3::2])
+            spread = np.maximum(spread, unseen_break(self.lattice, breaks, taken, n, spread + mean**2, reached))
         return np.ones(mean.size), mean, spread
+
+    def _breaks(self, scale: float, moved: Whole, moments: Whole) -> tuple[Array, Array]:
+        """Of `scale` times as many contacts as these: breaks in each bin, not more than there are, and the sum of their
+        squared stretches (lengths^2), not less."""
+        unit = self.lattice.unit
+        stretches, squares = np.maximum(joined(moved), 0.0) * unit, joined(carried(moments)) * unit**2
+        # more than the squares by up to the width of a cell for each stretch
+        squares = np.clip(-squares / self.lattice.square, 0.0, self._longest * stretches)
+        largest = squares.sum() / max(stretches.sum(), unit)
+        return stretches * (scale / largest) if largest > 0.0 else np.zeros(stretches.size), squares * scale
 
     def step_error(self, done: list[range], sums: npt.NDArray[np.int64]) -> Array:
         """None: there are no steps."""

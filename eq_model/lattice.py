@@ -159,7 +159,7 @@ def force(lattice: Lattice, n: int, births: Whole, moved: Whole) -> Array:
     births : limbs (2,) of the sum of the starting positions; moved : limbs (2, bins) of the thresholds broken in each
     bin.
     """
-    order, last = _order(lattice)
+    order, last = order_of(lattice)
     total = joined(carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None]))
     position = np.concatenate([joined(carried(births))[None], total])
     return (lattice.path - lattice.origin) - lattice.unit * (position[last] / n)[lattice.place]
@@ -177,7 +177,7 @@ def variance(
     """
     if n == 1:
         return np.full(lattice.path.shape, np.inf)
-    order, last = _order(lattice)
+    order, last = order_of(lattice)
     total = carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None])
     # the bins in the order of the path: b is the sum of all births before each bin, relative to its cell
     before = joined(np.concatenate([carried(births)[:, None], total[:, :-1]], axis=1))
@@ -191,7 +191,7 @@ def variance(
     return np.maximum(np.maximum(spread[last], 0.0)[lattice.place] * scale, least)
 
 
-def _order(lattice: Lattice) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+def order_of(lattice: Lattice) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
     """The bins in the order of the path, and how many of them lie up to each path point."""
     order = np.lexsort((lattice.bin_point, lattice.bin_cell))
     return order, np.searchsorted(lattice.bin_point[order], np.arange(lattice.points.size), side="right")

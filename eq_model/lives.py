@@ -11,8 +11,9 @@ from eq_model.beginning import Beginning, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
 from eq_model.histogram import BINS, Histogram, Made, histogram
-from eq_model.lattice import Whole, split
+from eq_model.lattice import Whole, joined, split
 from eq_model.often import check_steps, duration
+from eq_model.rare import unseen_break
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive, GrainContact
 from origins.quantile import DEEPEST
@@ -86,8 +87,9 @@ def coarse(part: range) -> list[range]:
 
 
 def columns(linked: bool) -> int:
-    """Sums of each bin: contacts, stretch and its square, where stiffnesses differ with these as well."""
-    return 6 if linked else 3
+    """Sums of each bin: contacts, stretch and its square, where stiffnesses differ with these as well; then breaks,
+    and the squares of the forces that they took."""
+    return 8 if linked else 5
 
 
 def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, Array, Array]:
@@ -224,7 +226,11 @@ class Lives:
         """Fraction that holds, mean force (a length) of these contacts and its variance between them, at the points."""
         n = sum(map(len, done))
         holding, force, variance = moments(self.course, self.linked, n, sums[:, : self._events])
-        return holding, force, np.maximum(variance, self._reached**2 / n)  # one break that might have been
+        lattice, width = self.course.lattice, columns(self.linked)
+        breaks, squares = joined(sums[:, : self._events]).reshape(-1, width)[:, -2:].T
+        taken = squares * (lattice.unit**2 / lattice.square)
+        unseen = unseen_break(lattice, breaks, taken, n, variance + force**2, self._reached)
+        return holding, force, np.maximum(variance, unseen)
 
     def step_error(self, done: list[range], sums: Whole) -> Array:
         """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.
