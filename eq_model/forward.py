@@ -12,7 +12,7 @@ import numpy.typing as npt
 from eq_model import layout
 from eq_model.beginning import Beginning
 from eq_model.histogram import Histogram
-from eq_model.lattice import Whole, carried, force, joined, make_lattice, split, variance
+from eq_model.lattice import SUM_BITS, Whole, carried, force, joined, make_lattice, split, variance
 from eq_model.rare import unseen_break, unseen_variance
 from eq_model.thermal_tables import steady_for_kernel
 from origins import Contacts, Drive
@@ -52,6 +52,9 @@ class Forward:
         self._bins = self.lattice.bin_cell.size
         self.size = 3 + 3 * self._bins
         self._block_sums = np.zeros(2 * (self._bins + 1), np.int64)
+        # squares of a block add up, however narrow the start
+        apart = 1.0 + max(abs(edge - self._stretch) for edge in start.span) / self.lattice.unit
+        self._birth_square = 2.0 ** (SUM_BITS - 17 - 2 * int(np.ceil(np.log2(apart))))
         beginning.compile(self.lattice.unit)
         self._steady = steady_for_kernel(self._thermal, drive.velocity, self.lattice.unit)
         self._pace = self.lattice.unit / drive.velocity
@@ -68,7 +71,7 @@ class Forward:
             life_kernel.first_breaks(block.start, many, key, births, firsts, law, tables, self._pace)
         if self._single:
             births[:] = 0  # positions are counted from where all contacts were born
-        total, squares = kernel.spread(births, self._expected_birth(), self.lattice.square)
+        total, squares = kernel.spread(births, self._expected_birth(), self._birth_square)
         self._block_sums[:] = 0
         path, measured, sums = self.lattice.for_kernel, layout.is_measured(block.start), self._block_sums
         table, thermal = self._beginning.compiled, self._steady
@@ -87,7 +90,7 @@ class Forward:
         births, squares, measured = part[:, 0], part[:, 1], layout.measured(done)
         # squared distances were taken from the expected mean: this brings them to the mean found
         from_expected = joined(births) - measured * self._expected_birth()
-        square_births = float(joined(squares) / self.lattice.square - from_expected**2 / measured)
+        square_births = float(joined(squares) / self._birth_square - from_expected**2 / measured)
         contacts, unseen, reached = self._beginning.contacts, np.zeros(self._reached.size), self._reached.copy()
         if self._thermal is None:
             # so early the first breaks are known better than that one might have been
@@ -95,9 +98,11 @@ class Forward:
             reached[:known] = 0.0
         spread = variance(self.lattice, measured, births, square_births, part[:, 2::2], part[:, 3::2], unseen)
         mean = force(self.lattice, n, total[:, 0], total[:, 1:])
-        if self._thermal is not None or np.diff(contacts.thresholds.support())[0] > 0.0:
+        thermal = self._thermal is not None
+        if thermal or np.diff(contacts.thresholds.support())[0] > 0.0:
             breaks, taken = self._breaks(n / measured, part[:, 2::2], part[:, 3::2])
-            spread = np.maximum(spread, unseen_break(self.lattice, breaks, taken, n, spread + mean**2, reached))
+            rare = unseen_break(self.lattice, breaks, taken, n, spread + mean**2, reached, thermal)
+            spread = np.maximum(spread, rare)
         return np.ones(mean.size), mean, spread
 
     def _breaks(self, scale: float, moved: Whole, moments: Whole) -> tuple[Array, Array]:

@@ -16,12 +16,13 @@ Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
 BLOCK = 1 << 16  # contacts summed before the sums are split in two limbs
-_SUM_BITS = 61
+SUM_BITS = 61
 _PATH_BITS = 57
 _MOST_BITS = 44  # 2^-44 of the scale is below the table's own error
 _LEAST_BITS = 24
 _TIE_BITS = 10  # ties of exact thresholds with path points are kept through this many units of rounding
 _LIMB = 32
+_FINEST = 2.0**-20  # width of a cell, in scales
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
     counts, start included; exact : whether P_c holds exact values, so that breaks may fall on path points.
     Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^20 times.
     """
-    length = max(float(path[-1]) - origin, scale)
+    length = max(float(path[-1]) - origin, scale * _FINEST)
     most_cells = 4 * path.size + 1024
     spacing, even = _spacing(path, scale)
     halvings = max(np.ceil(np.log2(spacing / scale)), 0.0) if even else 0.0
@@ -75,11 +76,11 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
         even = length / spacing <= most_cells
     width = spacing * 2.0**-halvings
     if not even:
-        width = max(min(width, scale), length / most_cells, scale * 2.0**-20)
+        width = max(min(width, scale, length), length / most_cells, scale * _FINEST)
     # a bin's sum over one block is at most BLOCK (width + reach), its second moment twice the square of that
     room = int(np.ceil(np.log2((width + reach) / scale)))
-    bits = min(_MOST_BITS, _SUM_BITS - 16 - room, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
-    if reach / scale > 2.0 ** (_SUM_BITS - 16 - _LEAST_BITS):
+    bits = min(_MOST_BITS, SUM_BITS - 16 - room, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
+    if reach / scale > 2.0 ** (SUM_BITS - 16 - _LEAST_BITS):
         raise InputError(
             f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted in; the "
             "ensemble sums up to some 1e6 of them: use thresholds with a shorter tail"
@@ -91,7 +92,7 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
         )
     shift = int(np.floor(np.log2(width / scale))) + bits
     unit = width * 2.0**-shift if even else scale * 2.0**-bits
-    square = 2.0 ** (_SUM_BITS - 17 - 2 * (room + bits))
+    square = 2.0 ** (SUM_BITS - 17 - 2 * (room + bits))
     places = np.rint((path - origin) / unit).astype(np.int64) + ((1 << _TIE_BITS) if exact else 0)
     points, place = np.unique(places, return_inverse=True)
     if even:

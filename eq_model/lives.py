@@ -152,7 +152,12 @@ class Lives:
         path = np.append(0.0, drive.path)
         span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
         longest = _largest(contacts, drive, longest)
-        self._reached = np.minimum(span + furthest, longest) * stiffest
+        self._reached, self._differ = np.minimum(span + furthest, longest), 0.0
+        if self.linked:
+            # what breaks first is weak; but no contact is weaker than it is stretched
+            usual = min(float(np.sqrt(contacts.thresholds.moment(2))) / contacts.mean_threshold, stiffest)
+            self._reached *= np.maximum(self._reached / contacts.mean_threshold, usual)
+            self._differ = max(usual**2 - 1.0, 0.0)
         # a bin holds births as well as breaks
         exact = contacts.thresholds.atoms[0].size > 0
         self.course = make_course(drive, table.scale, 2.0 * min(longest, span[-1] + furthest) * stiffest, exact)
@@ -229,8 +234,10 @@ class Lives:
         lattice, width = self.course.lattice, columns(self.linked)
         breaks, squares = joined(sums[:, : self._events]).reshape(-1, width)[:, -2:].T
         taken = squares * (lattice.unit**2 / lattice.square)
-        unseen = unseen_break(lattice, breaks, taken, n, variance + force**2, self._reached)
-        return holding, force, np.maximum(variance, unseen)
+        thermal = self._beginning.contacts.thermal is not None
+        unseen = unseen_break(lattice, breaks, taken, n, variance + force**2, self._reached, thermal)
+        # the stiffest contacts may be in none of few
+        return holding, force, np.maximum(variance, np.maximum(unseen, self._differ * force**2))
 
     def step_error(self, done: list[range], sums: Whole) -> Array:
         """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.

@@ -44,7 +44,9 @@ def unseen_variance(contacts: Contacts, path: Array, n: int) -> tuple[Array, int
     return variance, last
 
 
-def unseen_break(lattice: Lattice, breaks: Array, squares: Array, n: int, present: Array, reached: Array) -> Array:
+def unseen_break(
+    lattice: Lattice, breaks: Array, squares: Array, n: int, present: Array, reached: Array, thermal: bool
+) -> Array:
     """Variance of the force between n contacts from one break more or less than there were, at each path point.
 
     breaks, squares : shape (bins,), in each bin the breaks and the sum of the squared forces that they took; present :
@@ -54,6 +56,7 @@ def unseen_break(lattice: Lattice, breaks: Array, squares: Array, n: int, presen
     The break takes all that a contact may bear while there were fewer than 10. Later on a contact that holds longer
     than the others bears what the larger breaks so far took, and one that breaks before the others what contacts bear
     now: the less likely, the farther it is to the nearest break in comparison with how far that is from the hundredth.
+    `thermal` breaks do not come to an end.
     """
     if n == 1:
         return np.full(lattice.path.size, np.inf)
@@ -75,8 +78,10 @@ def unseen_break(lattice: Lattice, breaks: Array, squares: Array, n: int, presen
     following = edges[np.searchsorted(many, seen, side="right") - 1]
     far = np.searchsorted(many, seen + _SEEN)
     forth = np.where(far < many.size, edges[np.minimum(far, many.size - 1)] - following, np.inf)
-    late = np.exp(-(at - latest) / np.maximum(back, 1.0)) * large
-    early = np.exp(-(following - at) / np.maximum(forth, 1.0)) * present
+    late, early = large, present
+    if not thermal:
+        late = np.exp(-(at - latest) / np.maximum(back, 1.0)) * large
+        early = np.exp(-(following - at) / np.maximum(forth, 1.0)) * present
     return np.where(seen < _SOME, reached**2, np.maximum(late, early)) / n
 
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.special import ndtr
 
 import eq_model
@@ -52,3 +53,19 @@ def test_the_ends_of_sharp_drops_are_in_the_error(back: list[float], n: int) -> 
     # where there are many breaks it is not too large
     if n == 3000:
         assert 0.7 < np.square(off)[:, [9, 10, 11, 30, 31, 32]].mean() < 1.4
+
+
+@pytest.mark.parametrize(
+    ("contacts", "path"),
+    [
+        (origins.Contacts(WIDE, stiffness="linked"), 1e-8),
+        (origins.Contacts(stats.lomax(3.0), stiffness="linked"), [1e-7, 1e-6, -3e-7]),
+        (origins.Contacts(SHARP, origins.gaussian_start(0.2, 1e-8)), 1e-6),
+    ],
+    ids=["linked", "heavy tail", "narrow start"],
+)
+def test_what_scatters_little_is_in_the_error(contacts: Any, path: Any) -> None:
+    runs = [eq_model.simulate(contacts, path, n_contacts=200, seed=seed) for seed in range(80)]
+    force = np.array([run.force for run in runs])
+    z = (force - force.mean(axis=0)) / [run.force_standard_error for run in runs]
+    assert runs[0].breaks == 0 and (np.square(z).mean(axis=0) > 0.5).all() and np.square(z).mean() < 1.8
