@@ -28,7 +28,9 @@ Array = npt.NDArray[np.float64]
 
 _MOST_CONTACTS = 1 << 37
 _LONG = 0.5  # seconds of a block: who stops a run waits for its end
-_UNKNOWN = 256  # contacts of the first block where rates may break each of them millions of times
+# contacts of the first block where rates may break each of them millions of times; fewer where they may take so many
+# breaks or steps of some tenths of a microsecond each that a block would take too long
+_UNKNOWN, _QUICK = 256, 2e-7
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,7 @@ class Ensemble:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
         self.expected, self._stopped = self.total, False
         self.drive = Drive(path, velocity, time)
-        check_often(contacts, self.drive)
+        often = check_often(contacts, self.drive)
         beginning = Beginning(contacts, self.n_contacts, key_of(seed))
         points = _points(histograms, self.drive.path.size)
         self._engine: Forward | Lives
@@ -131,6 +133,7 @@ class Ensemble:
             self._engine = Forward(self.drive, beginning)
         else:
             self._engine = Lives(self.drive, beginning, points)
+        self._each = _QUICK * (often + self._engine.steps)
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, "such as 1e-4")
         self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
         ready = clock.perf_counter() - started
@@ -155,7 +158,7 @@ class Ensemble:
         size, most = layout.block_size(each * self._engine.weight), layout.block_size(each)
         laws = self.contacts.thermal, self.contacts.ageing, self.contacts.grains
         if any(law is not None for law in laws):
-            size = min(size, _UNKNOWN)
+            size = min(size, _UNKNOWN, int(max(_LONG / max(self._each, 1e-9), 1.0)))
         begun, done = clock.monotonic(), 0
         for one_round in layout.rounds(self.total, self._tolerance is not None):
             mine = layout.share(layout.left(one_round, self._before), rank, ranks)

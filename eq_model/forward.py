@@ -31,10 +31,11 @@ class Forward:
     """The sums of such contacts, and what they say of the force.
 
     size : of the sums, 3 + 3 bins: all births and each bin's thresholds; then, of those contacts that are measured,
-    births, squared births, and each bin's thresholds and second moments in turn. weight : of a break, to go by.
+    births, squared births, and each bin's thresholds and second moments in turn. weight : of a break, to go by;
+    steps : none.
     """
 
-    weight = 1.0
+    weight, steps = 1.0, 0.0
 
     def __init__(self, drive: Drive, beginning: Beginning) -> None:
         self._beginning, table = beginning, beginning.table

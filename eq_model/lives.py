@@ -136,7 +136,7 @@ class Lives:
 
     size : of the sums, columns * bins, the events of each bin; then the counts of the histograms, a row of stretches
     and one of thresholds; with ageing the events once more, of the contacts followed in coarser steps. weight : about
-    how much longer a break takes than one of the other engine's.
+    how much longer a break takes than one of the other engine's. steps : of a contact that ages, at most.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
@@ -170,7 +170,7 @@ class Lives:
         if spread:
             self._again = kernel_table(reforming_table(contacts), unit)
         self._physics = (*physics(contacts, unit), spread, single)
-        check_steps(contacts, drive, self._physics[6][0])
+        self.steps = check_steps(contacts, drive, self._physics[6][0])
         moments = self.course.lattice.points[self.course.lattice.place[points]]
         self._points, self._order = points, np.argsort(moments, kind="stable")
         places = np.rint(drive.path[points] / unit).astype(np.int64)[self._order]
