@@ -29,7 +29,9 @@ Array = npt.NDArray[np.float64]
 
 _MOST_CONTACTS = 1 << 37
 _LONG = 0.5  # seconds of a block: who stops a run waits for its end
-_UNKNOWN = 256  # contacts of the first block where rates may break each of them millions of times
+# contacts of the first block where rates may break each of them millions of times; fewer where they may take so many
+# breaks or steps of some tenths of a microsecond each that a block would take too long
+_UNKNOWN, _QUICK = 256, 2e-7
 
 
 @dataclass(frozen=True)
@@ -40,9 +42,10 @@ class EnsembleResult:
     force : mean force over all contacts and replicas at each X, shape (n,), a length (force per N_c <k>).
     force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for one contact.
         For contacts without laws on a path that moves forward the variance is that of the first 2^18 contacts and of
-        every eighth 2^16 of the others. Where fewer than 100 breaks are expected or found, it is at least what they
-        add to the variance, seen or not. What happens to less than one contact in all of them later on is in no
-        ensemble and not in its error: one contact's stretch divided by their number.
+        every eighth 2^16 of the others. Where breaks are too rare to be seen, before the first ones and where many
+        come to an end or begin together, it is at least what one break more or less would make. What happens to less
+        than one contact in all of them later on is in no ensemble and not in its error: one contact's stretch divided
+        by their number.
     step_error : what the inner steps of ageing may add to the force, shape (n,), a length; 0 without ageing, whose
         contacts need none. An eighth of the contacts are followed in 16 times longer steps besides to tell.
     holding : fraction of contacts that hold, shape (n,).
@@ -123,7 +126,7 @@ class Ensemble:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
         self.expected, self._stopped = self.total, False
         self.drive = Drive(path, velocity, time)
-        check_often(contacts, self.drive)
+        often = check_often(contacts, self.drive)
         beginning = Beginning(contacts, self.n_contacts, key_of(seed))
         points = _points(histograms, self.drive.path.size)
         self._engine: Forward | Lives
@@ -131,6 +134,7 @@ class Ensemble:
             self._engine = Forward(self.drive, beginning)
         else:
             self._engine = Lives(self.drive, beginning, points)
+        self._each = _QUICK * (often + self._engine.steps)
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, "such as 1e-4")
         self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
         ready = clock.perf_counter() - started
@@ -156,7 +160,7 @@ class Ensemble:
         size, most = layout.block_size(each * self._engine.weight), layout.block_size(each)
         laws = self.contacts.thermal, self.contacts.ageing, self.contacts.grains
         if any(law is not None for law in laws):
-            size = min(size, _UNKNOWN)
+            size = min(size, _UNKNOWN, int(max(_LONG / max(self._each, 1e-9), 1.0)))
         begun, done = clock.monotonic(), 0
         for one_round in layout.rounds(self.total, self._tolerance is not None):
             mine = layout.share(layout.left(one_round, self._before), rank, ranks)

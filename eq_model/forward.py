@@ -12,8 +12,8 @@ import numpy.typing as npt
 from eq_model import layout
 from eq_model.beginning import Beginning
 from eq_model.histogram import BINS, Histogram
-from eq_model.lattice import force, joined, make_lattice, split, variance
-from eq_model.rare import unseen_variance
+from eq_model.lattice import SUM_BITS, Whole, carried, force, joined, make_lattice, split, variance
+from eq_model.rare import unseen_break, unseen_variance
 from eq_model.tally import Counts, Tally
 from eq_model.thermal_tables import steady_for_kernel
 from origins import Contacts, Drive
@@ -32,10 +32,11 @@ class Forward:
     """The sums of such contacts, and what they say of the force.
 
     size : of the sums, 3 + 3 bins: all births and each bin's thresholds; then, of those contacts that are measured,
-    births, squared births, and each bin's thresholds and second moments in turn. weight : of a break, to go by.
+    births, squared births, and each bin's thresholds and second moments in turn. weight : of a break, to go by;
+    steps : none.
     """
 
-    weight = 1.0
+    weight, steps = 1.0, 0.0
 
     def __init__(self, drive: Drive, beginning: Beginning) -> None:
         self._beginning, table = beginning, beginning.table
@@ -49,10 +50,13 @@ class Forward:
         self.lattice = make_lattice(
             drive.path, origin, table.scale, longest + furthest, exact=contacts.thresholds.atoms[0].size > 0
         )
-        self._reached = np.minimum(drive.path + furthest, longest)
+        self._reached, self._longest = np.minimum(drive.path + furthest, longest), longest
         self._bins = self.lattice.bin_cell.size
         self.size = 3 + 3 * self._bins
         self._block_sums = np.zeros(2 * (self._bins + 1), np.int64)
+        # squares of a block add up, however narrow the start
+        apart = 1.0 + max(abs(edge - self._stretch) for edge in start.span) / self.lattice.unit
+        self._birth_square = 2.0 ** (SUM_BITS - 17 - 2 * int(np.ceil(np.log2(apart))))
         beginning.compile(self.lattice.unit)
         self._steady = steady_for_kernel(self._thermal, drive.velocity, self.lattice.unit)
         self._pace = self.lattice.unit / drive.velocity
@@ -70,7 +74,7 @@ class Forward:
             life_kernel.first_breaks(block.start, many, key, births, firsts, law, tables, self._pace)
         if self._single:
             births[:] = 0  # positions are counted from where all contacts were born
-        total, squares = kernel.spread(births, self._expected_birth(), self.lattice.square)
+        total, squares = kernel.spread(births, self._expected_birth(), self._birth_square)
         self._block_sums[:] = 0
         path, measured, sums = self.lattice.for_kernel, layout.is_measured(block.start), self._block_sums
         table, thermal = self._beginning.compiled, self._steady
@@ -89,14 +93,30 @@ class Forward:
         births, squares, measured = part[:, 0], part[:, 1], layout.measured(done)
         # squared distances were taken from the expected mean: this brings them to the mean found
         from_expected = joined(births) - measured * self._expected_birth()
-        square_births = float(joined(squares) / self.lattice.square - from_expected**2 / measured)
+        square_births = float(joined(squares) / self._birth_square - from_expected**2 / measured)
+        contacts, unseen, reached = self._beginning.contacts, np.zeros(self._reached.size), self._reached.copy()
         if self._thermal is None:
-            unseen = unseen_variance(self._beginning.contacts, self.lattice.path, measured)
-        else:
-            unseen = self._reached**2 / n  # one break that might have been
+            # so early the first breaks are known better than that one might have been
+            unseen, known = unseen_variance(contacts, self.lattice.path, measured)
+            reached[:known] = 0.0
         spread = variance(self.lattice, measured, births, square_births, part[:, 2::2], part[:, 3::2], unseen)
         mean = force(self.lattice, n, total[:, 0], total[:, 1:])
+        thermal = self._thermal is not None
+        if thermal or np.diff(contacts.thresholds.support())[0] > 0.0:
+            breaks, taken = self._breaks(n / measured, part[:, 2::2], part[:, 3::2])
+            rare = unseen_break(self.lattice, breaks, taken, n, spread + mean**2, reached, thermal)
+            spread = np.maximum(spread, rare)
         return np.ones(mean.size), mean, spread
+
+    def _breaks(self, scale: float, moved: Whole, moments: Whole) -> tuple[Array, Array]:
+        """Of `scale` times as many contacts as these: breaks in each bin, not more than there are, and the sum of their
+        squared stretches (lengths^2), not less."""
+        unit = self.lattice.unit
+        stretches, squares = np.maximum(joined(moved), 0.0) * unit, joined(carried(moments)) * unit**2
+        # more than the squares by up to the width of a cell for each stretch
+        squares = np.clip(-squares / self.lattice.square, 0.0, self._longest * stretches)
+        largest = squares.sum() / max(stretches.sum(), unit)
+        return stretches * (scale / largest) if largest > 0.0 else np.zeros(stretches.size), squares * scale
 
     def step_error(self, done: list[range], sums: npt.NDArray[np.int64]) -> Array:
         """None: there are no steps."""

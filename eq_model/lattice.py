@@ -16,12 +16,13 @@ Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
 BLOCK = 1 << 16  # contacts summed before the sums are split in two limbs
-_SUM_BITS = 61
+SUM_BITS = 61
 _PATH_BITS = 57
 _MOST_BITS = 44  # 2^-44 of the scale is below the table's own error
 _LEAST_BITS = 24
 _TIE_BITS = 10  # ties of exact thresholds with path points are kept through this many units of rounding
 _LIMB = 32
+_FINEST = 2.0**-20  # width of a cell, in scales
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
     counts, start included; exact : whether P_c holds exact values, so that breaks may fall on path points.
     Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^20 times.
     """
-    length = max(float(path[-1]) - origin, scale)
+    length = max(float(path[-1]) - origin, scale * _FINEST)
     most_cells = 4 * path.size + 1024
     spacing, even = _spacing(path, scale)
     halvings = max(np.ceil(np.log2(spacing / scale)), 0.0) if even else 0.0
@@ -75,11 +76,11 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
         even = length / spacing <= most_cells
     width = spacing * 2.0**-halvings
     if not even:
-        width = max(min(width, scale), length / most_cells, scale * 2.0**-20)
+        width = max(min(width, scale, length), length / most_cells, scale * _FINEST)
     # a bin's sum over one block is at most BLOCK (width + reach), its second moment twice the square of that
     room = int(np.ceil(np.log2((width + reach) / scale)))
-    bits = min(_MOST_BITS, _SUM_BITS - 16 - room, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
-    if reach / scale > 2.0 ** (_SUM_BITS - 16 - _LEAST_BITS):
+    bits = min(_MOST_BITS, SUM_BITS - 16 - room, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
+    if reach / scale > 2.0 ** (SUM_BITS - 16 - _LEAST_BITS):
         raise InputError(
             f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted in; the "
             "ensemble sums up to some 1e6 of them: use thresholds with a shorter tail"
@@ -91,7 +92,7 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
         )
     shift = int(np.floor(np.log2(width / scale))) + bits
     unit = width * 2.0**-shift if even else scale * 2.0**-bits
-    square = 2.0 ** (_SUM_BITS - 17 - 2 * (room + bits))
+    square = 2.0 ** (SUM_BITS - 17 - 2 * (room + bits))
     places = np.rint((path - origin) / unit).astype(np.int64) + ((1 << _TIE_BITS) if exact else 0)
     points, place = np.unique(places, return_inverse=True)
     if even:
@@ -159,7 +160,7 @@ def force(lattice: Lattice, n: int, births: Whole, moved: Whole) -> Array:
     births : limbs (2,) of the sum of the starting positions; moved : limbs (2, bins) of the thresholds broken in each
     bin.
     """
-    order, last = _order(lattice)
+    order, last = order_of(lattice)
     total = joined(carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None]))
     position = np.concatenate([joined(carried(births))[None], total])
     return (lattice.path - lattice.origin) - lattice.unit * (position[last] / n)[lattice.place]
@@ -177,7 +178,7 @@ def variance(
     """
     if n == 1:
         return np.full(lattice.path.shape, np.inf)
-    order, last = _order(lattice)
+    order, last = order_of(lattice)
     total = carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None])
     # the bins in the order of the path: b is the sum of all births before each bin, relative to its cell
     before = joined(np.concatenate([carried(births)[:, None], total[:, :-1]], axis=1))
@@ -191,7 +192,7 @@ def variance(
     return np.maximum(np.maximum(spread[last], 0.0)[lattice.place] * scale, least)
 
 
-def _order(lattice: Lattice) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+def order_of(lattice: Lattice) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
     """The bins in the order of the path, and how many of them lie up to each path point."""
     order = np.lexsort((lattice.bin_point, lattice.bin_cell))
     return order, np.searchsorted(lattice.bin_point[order], np.arange(lattice.points.size), side="right")

@@ -98,10 +98,16 @@ def first_breaks(first, n_contacts, key, births, thresholds, law, tables, pace):
 
 
 @compiled
-def _event(sign, stiff, stiffness, birth, clock, lattice, reference, sums):  # type: ignore[no-untyped-def]
-    """Count a birth (sign 1) or a break (-1) at the clock, of a contact relaxed where the slider is at `birth`."""
-    row, columns = _find_bin(clock, lattice), 6 if stiff else 3
-    back, square, k = birth - reference[row], lattice[4], row * columns
+def _event(sign, stiff, stiffness, birth, stretch, clock, lattice, reference, sums):  # type: ignore[no-untyped-def]
+    """Count a birth (sign 1) or a break (-1) at the clock and a stretch, of a contact relaxed where the slider is at
+    `birth`."""
+    row, columns = _find_bin(clock, lattice), 8 if stiff else 5
+    back, square, k = birth - reference[row], lattice[4], (row + 1) * columns - 2
+    if sign < 0:
+        force = stiffness * float(stretch)
+        sums[k] += 1
+        sums[k + 1] += np.int64(np.rint(force * force * square))
+    k = row * columns
     sums[k] += sign
     if not stiff:
         sums[k + 1] += sign * back
@@ -237,7 +243,7 @@ def run(  # type: ignore[no-untyped-def]
                     goal = hazard(np.float64(threshold), age, grains[2])
             stiffness = threshold / mean if stiff else 1.0
             birth = place_of(clock[i], leg, course) - born
-            _event(1, stiff, stiffness, birth, clock[i], lattice, reference, sums)
+            _event(1, stiff, stiffness, birth, born, clock[i], lattice, reference, sums)
             bears, a = 0.0, law[1]
             if law[0]:
                 more = _more(words[i + ROW], 1, block[i], tail, contact[i], k0, k1)
@@ -294,7 +300,8 @@ def run(  # type: ignore[no-untyped-def]
                     ahead[i] += 1
             if then > end:
                 continue
-            _event(-1, stiff, stiffness, birth, then, lattice, reference, sums)
+            x = place_of(then, leg, course) - birth
+            _event(-1, stiff, stiffness, birth, x, then, lattice, reference, sums)
             breaks += 1
             if delay > 0.0:
                 then, leg = later(then, leg, delay, course)

@@ -11,8 +11,9 @@ from eq_model.beginning import Beginning, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
 from eq_model.histogram import BINS, Histogram, Made, histogram
-from eq_model.lattice import Whole, split
+from eq_model.lattice import Whole, joined, split
 from eq_model.often import check_steps, duration
+from eq_model.rare import unseen_break
 from eq_model.tally import Counts, Tally
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive, GrainContact
@@ -87,8 +88,9 @@ def coarse(part: range) -> list[range]:
 
 
 def columns(linked: bool) -> int:
-    """Sums of each bin: contacts, stretch and its square, where stiffnesses differ with these as well."""
-    return 6 if linked else 3
+    """Sums of each bin: contacts, stretch and its square, where stiffnesses differ with these as well; then breaks,
+    and the squares of the forces that they took."""
+    return 8 if linked else 5
 
 
 def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, Array, Array]:
@@ -134,7 +136,8 @@ class Lives:
     """The sums of such contacts, and what they say of the force.
 
     size : of the sums, columns * bins, the events of each bin; with ageing once more, of the contacts followed in
-    coarser steps. weight : about how much longer a break takes than one of the other engine's.
+    coarser steps. weight : about how much longer a break takes than one of the other engine's. steps : of a contact
+    that ages, at most.
     """
 
     def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
@@ -150,7 +153,12 @@ class Lives:
         path = np.append(0.0, drive.path)
         span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
         longest = _largest(contacts, drive, longest)
-        self._reached = np.minimum(span + furthest, longest) * stiffest
+        self._reached, self._differ = np.minimum(span + furthest, longest), 0.0
+        if self.linked:
+            # what breaks first is weak; but no contact is weaker than it is stretched
+            usual = min(float(np.sqrt(contacts.thresholds.moment(2))) / contacts.mean_threshold, stiffest)
+            self._reached *= np.maximum(self._reached / contacts.mean_threshold, usual)
+            self._differ = max(usual**2 - 1.0, 0.0)
         # a bin holds births as well as breaks
         exact = contacts.thresholds.atoms[0].size > 0
         self.course = make_course(drive, table.scale, 2.0 * min(longest, span[-1] + furthest) * stiffest, exact)
@@ -163,7 +171,7 @@ class Lives:
         if spread:
             self._again = kernel_table(reforming_table(contacts), unit)
         self._physics = (*physics(contacts, unit), spread, single)
-        check_steps(contacts, drive, self._physics[6][0])
+        self.steps = check_steps(contacts, drive, self._physics[6][0])
         moments = self.course.lattice.points[self.course.lattice.place[points]]
         self._points, self._order = points, np.argsort(moments, kind="stable")
         places = np.rint(drive.path[points] / unit).astype(np.int64)[self._order]
@@ -225,7 +233,13 @@ class Lives:
         """Fraction that holds, mean force (a length) of these contacts and its variance between them, at the points."""
         n = sum(map(len, done))
         holding, force, variance = moments(self.course, self.linked, n, sums[:, : self._events])
-        return holding, force, np.maximum(variance, self._reached**2 / n)  # one break that might have been
+        lattice, width = self.course.lattice, columns(self.linked)
+        breaks, squares = joined(sums[:, : self._events]).reshape(-1, width)[:, -2:].T
+        taken = squares * (lattice.unit**2 / lattice.square)
+        thermal = self._beginning.contacts.thermal is not None
+        unseen = unseen_break(lattice, breaks, taken, n, variance + force**2, self._reached, thermal)
+        # the stiffest contacts may be in none of few
+        return holding, force, np.maximum(variance, np.maximum(unseen, self._differ * force**2))
 
     def step_error(self, done: list[range], sums: Whole) -> Array:
         """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.

@@ -17,12 +17,13 @@ def duration(drive: Drive) -> float:
     return float(np.abs(np.diff(drive.path, prepend=0.0)).sum()) / drive.velocity
 
 
-def check_steps(contacts: Contacts, drive: Drive, longest: float) -> None:
-    """InputError where a threshold that diffuses takes more than 1e10 steps on the drive, `longest` (a time) those near
-    the stretch that it must not meet."""
+def check_steps(contacts: Contacts, drive: Drive, longest: float) -> float:
+    """Steps that a threshold takes at most that diffuses, `longest` (a time) those near the stretch that it must not
+    meet. InputError where on the whole drive it takes more than 1e10 elsewhere, too."""
     ageing = contacts.ageing
     if ageing is None:
-        return
+        return 0.0
+    most = duration(drive) / longest
     if ageing.normal is not None:
         # half way to the stretch a step may be as long as eight standard deviations of it
         longest = max(longest, (0.5 * ageing.final.mean() / 8.0) ** 2 / (2.0 * ageing.rate))
@@ -33,14 +34,18 @@ def check_steps(contacts: Contacts, drive: Drive, longest: float) -> None:
             f"ageing: thresholds forget what they were in {forget:.1g}, and the drive takes {duration(drive):.1g}: "
             f"about {steps:.0e} steps of each contact; take a shorter or faster drive"
         )
+    return most
 
 
-def check_often(contacts: Contacts, drive: Drive) -> None:
-    """InputError where a contact is to break more than 1e11 times on the drive."""
+def check_often(contacts: Contacts, drive: Drive) -> float:
+    """How often a contact breaks at a temperature, or a grain's comes near to it; InputError where a contact is to
+    break more than 1e11 times on the drive."""
     thermal = contacts.thermal
-    if thermal is None or contacts.grains is not None:
-        return
+    if thermal is None:
+        return 0.0
     lasts = duration(drive)
+    if contacts.grains is not None:
+        return thermal.attempt_frequency * lasts
     thresholds = contacts.thresholds.ppf((np.arange(_COUNT) + 0.5) / _COUNT)
     # relaxed contacts bear most: the others do not hold as long
     with np.errstate(over="ignore"):
@@ -51,3 +56,4 @@ def check_often(contacts: Contacts, drive: Drive) -> None:
             f"thermal: at this temperature and attempt frequency each contact breaks about {often:.0e} times on the "
             "way, one after the other; take a shorter or faster drive, or the master equation"
         )
+    return often

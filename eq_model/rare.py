@@ -1,26 +1,30 @@
-"""The variance that breaks still too rare to be seen add to the force.
+"""The variance that breaks too rare to be seen add to the force.
 
 Where a handful of contacts or none has broken, the variance between contacts says nothing of the breaks that might
-have been. There its expected value is known: so early, breaks are first breaks.
+have been. At T = 0 its expected value is known there: so early, breaks are first breaks. Else, and wherever breaks
+begin or come to an end, one contact might have broken that has not, or not have broken that has.
 """
 
 import numpy as np
 import numpy.typing as npt
 
+from eq_model.lattice import Lattice, order_of
 from origins import Contacts
 from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 
 _SEEN = 100  # breaks from which their own variance is good enough
+_SOME = 10  # breaks from which their size is
 _SELDOM = 0.1  # part of the contacts up to which breaks are first breaks, and do not depend on the start
 _NEVER = 1e-9  # breaks that need not be thought of
 _PANELS = 24
 _LOOKS = 300
 
 
-def unseen_variance(contacts: Contacts, path: Array, n: int) -> Array:
-    """Variance of one contact's stretch from first breaks, at each path point (length^2, shape (n_points,)).
+def unseen_variance(contacts: Contacts, path: Array, n: int) -> tuple[Array, int]:
+    """Variance of one contact's stretch from first breaks, at each path point (length^2, shape (n_points,)), and at how
+    many points it is known.
 
     Given, from above, where at most a tenth and fewer than 100 of n contacts are expected to have broken; 0 elsewhere.
     """
@@ -37,7 +41,48 @@ def unseen_variance(contacts: Contacts, path: Array, n: int) -> Array:
         square, mean = (weights @ np.cumsum(steps * reached**power, axis=1) for power in (2, 1))
         known = np.where(n * (weights @ broken) > _NEVER, np.maximum(square - mean**2, 0.0), 0.0)
         variance[:last] = known[np.searchsorted(chosen, np.arange(last))]
-    return variance
+    return variance, last
+
+
+def unseen_break(
+    lattice: Lattice, breaks: Array, squares: Array, n: int, present: Array, reached: Array, thermal: bool
+) -> Array:
+    """Variance of the force between n contacts from one break more or less than there were, at each path point.
+
+    breaks, squares : shape (bins,), in each bin the breaks and the sum of the squared forces that they took; present :
+    the mean square of the force of a contact, at each path point; reached : the largest there may be. Squares are in
+    the unit of `present`.
+
+    The break takes all that a contact may bear while there were fewer than 10. Later on a contact that holds longer
+    than the others bears what the larger breaks so far took, and one that breaks before the others what contacts bear
+    now: the less likely, the farther it is to the nearest break in comparison with how far that is from the hundredth.
+    `thermal` breaks do not come to an end.
+    """
+    if n == 1:
+        return np.full(lattice.path.size, np.inf)
+    order, last = order_of(lattice)
+    last = last[lattice.place]
+    ends = np.minimum(((lattice.bin_cell + 1) << lattice.shift) - 1 - lattice.offset, lattice.end)[order]
+    ahead = np.minimum(lattice.bin_point, lattice.points.size - 1)[order]
+    edges = np.concatenate([[0], np.maximum.accumulate(np.minimum(ends, lattice.points[ahead]))]).astype(float)
+    # breaks count by their squares: most are of contacts that bear little
+    top = squares.max() if (squares > 0.0).any() else 1.0
+    share = squares / top
+    fourth = share**2 / np.maximum(breaks, 1.0)
+    many, taken, weighed = (np.concatenate([[0.0], np.cumsum(each[order])]) for each in (breaks, share, fourth))
+    seen, at = many[last], edges[last]
+    large = top * np.divide(weighed[last], taken[last], out=np.zeros(last.size), where=taken[last] > 0.0)
+    # from the hundredth of the last breaks to the last one, from the next one to the hundredth after
+    latest = edges[np.searchsorted(many, seen)]
+    back = latest - edges[np.maximum(np.searchsorted(many, seen - _SEEN, side="right") - 1, 0)]
+    following = edges[np.searchsorted(many, seen, side="right") - 1]
+    far = np.searchsorted(many, seen + _SEEN)
+    forth = np.where(far < many.size, edges[np.minimum(far, many.size - 1)] - following, np.inf)
+    late, early = large, present
+    if not thermal:
+        late = np.exp(-(at - latest) / np.maximum(back, 1.0)) * large
+        early = np.exp(-(following - at) / np.maximum(forth, 1.0)) * present
+    return np.where(seen < _SOME, reached**2, np.maximum(late, early)) / n
 
 
 def _start(contacts: Contacts) -> tuple[Array, Array]:

@@ -296,7 +296,7 @@ def test_breaks_too_rare_to_be_seen_are_in_the_error(start: Any) -> None:
     law = origins.gw_elastic(1.0)
     contacts = origins.Contacts(law, start=start)
     path = np.linspace(0.0, 0.5, 51)
-    variance = unseen_variance(contacts, path, 400)
+    variance, _ = unseen_variance(contacts, path, 400)
     generator = np.random.default_rng(1)
     x, gap = draw_start(contacts, 2_000_000, generator)
     rare = np.flatnonzero(variance > 0.0)

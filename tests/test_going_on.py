@@ -113,3 +113,16 @@ def test_rounds_double_and_cover_all() -> None:
         assert rounds[0].start == 0 and rounds[-1].stop == total and len(rounds[0]) <= 16_384
         assert all(abs(len(later) - later.start) <= 1 for later in rounds[1:])
     assert layout.rounds(10**9, False) == [range(10**9)]
+
+
+@pytest.mark.parametrize(
+    "laws",
+    [{"ageing": origins.Ageing(origins.gaussian(1.2, 0.05), rate=2e3)}, {"thermal": origins.Thermal("soft", 0.5, 1e7)}],
+    ids=["ageing", "hot"],
+)
+def test_what_takes_long_begins_with_few_contacts(laws: dict[str, Any]) -> None:
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.05), **laws)
+    ensemble = eq_model.Ensemble(contacts, 0.2, n_contacts=1000, wall_time=1e-3)
+    # each of these takes a tenth of a second
+    done = [done for done, _ in ensemble]
+    assert done[0] <= 4 and ensemble.result().contacts == done[-1] <= 4
