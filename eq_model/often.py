@@ -6,8 +6,8 @@ from origins import Contacts, Drive
 from origins.errors import InputError
 
 # of one contact, which is followed in one go: some ten seconds, in which no interrupt is heard
-_MOST = 1e9  # breaks
-_STEPS = 1e8
+_MOST = 3e7  # breaks
+_STEPS = 3e7
 _COUNT = 256
 
 
@@ -20,7 +20,7 @@ def duration(drive: Drive) -> float:
 
 def check_steps(contacts: Contacts, drive: Drive, longest: float) -> float:
     """Steps that a threshold takes at most that diffuses, `longest` (a time) those near the stretch that it must not
-    meet. InputError where on the whole drive it takes more than 1e8 elsewhere, too."""
+    meet. InputError where on the whole drive it takes more than 3e7 elsewhere, too."""
     ageing = contacts.ageing
     if ageing is None:
         return 0.0
@@ -40,7 +40,7 @@ def check_steps(contacts: Contacts, drive: Drive, longest: float) -> float:
 
 def check_often(contacts: Contacts, drive: Drive) -> float:
     """How often a contact breaks at a temperature, or a grain's comes near to it; InputError where a contact is to
-    break more than 1e9 times on the drive."""
+    break more than 3e7 times on the drive."""
     thermal = contacts.thermal
     if thermal is None:
         return 0.0
