@@ -13,6 +13,7 @@ import pytest
 import master
 import origins
 import toolkit
+from origins.errors import InputError
 from toolkit.command import COMMANDS, main
 from toolkit.scene import SHIPPED, shipped_scenes
 from toolkit.toml import to_toml
@@ -117,6 +118,21 @@ def test_a_spring_as_if_in_newtons_is_told_before_the_run(write_scene, capsys, m
     each = interface.contact_density * interface.mean_stiffness
     assert line.startswith("mesofriction: drive.spring = 1e+06 is K/(N_c<k>), a number, and K* is ")
     assert f"divided by N_c<k> = contact_density * area * <k>, {each:.3g} N/m per m² of nominal area" in line
+
+
+@pytest.mark.parametrize("dry", [[], ["--dry-run"]])
+def test_what_makes_a_run_hopeless_is_told_before_it(dry: list[str], write_scene, capsys, monkeypatch) -> None:
+    def begin(*arguments: Any, **named: Any) -> None:
+        raise InputError("begun")
+
+    for place in ("running.solve", "forecast.pilot"):
+        monkeypatch.setattr(f"toolkit.{place}", begin)
+    laws = {"thermal": {"law": "soft", "temperature": 500.0}, "start": {"kind": "identical", "value": 2.0}}
+    tables = {**MASTER_ONLY, "contacts": {**MASTER_ONLY["contacts"], **laws}}
+    assert main(["run", write_scene(tables), *dry]) == 2
+    hot, far, begun = capsys.readouterr().err.splitlines()
+    assert hot.startswith("mesofriction: the temperature is ") and far.startswith("mesofriction: contacts start about")
+    assert begun == "mesofriction: begun"
 
 
 @pytest.mark.parametrize(

@@ -118,10 +118,7 @@ def solve(
         thresholds=sample_curve(law),
         master=master,
         eq=eq,
-        notes=(
-            *(*remarks(law), *numerical_only(law), *foreseen(scene)),
-            *(*_beside(scene), *_all_hold(scene, master, eq)),
-        ),
+        notes=(*remarks(law), *numerical_only(law), *foreseen(scene), *_all_hold(scene, master, eq)),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
     )
@@ -129,7 +126,14 @@ def solve(
 
 
 def foreseen(scene: Scene) -> list[str]:
-    """What to tell before a run: a spring that seems to be in N/m, where a surface knows contacts' stiffness."""
+    """What to tell before a run: springs that are hardly meant, temperatures at which contacts hold nothing, stretches
+    beyond nearly all thresholds, and what the numbers of the surface leave out of the contacts."""
+    contacts = scene.contacts
+    return [*_too_stiff(scene), *_too_hot(contacts), *_too_far(contacts), *_left_out(contacts)]
+
+
+def _too_stiff(scene: Scene) -> list[str]:
+    """A spring that seems to be in N/m, where a surface knows contacts' stiffness."""
     interface, drive = scene.contacts.interface, scene.given_drive
     if interface is None or drive is None or drive.spring is None or drive.spring <= 1.0:
         return []
@@ -165,13 +169,6 @@ def _all_hold(scene: Scene, master: Solved | None, eq: Simulated | None) -> list
     return [
         f"no contact breaks on this path{to_within}: it reaches {reach:.2g} <x_s>, and sliding takes several"
     ]
-
-
-def _beside(scene: Scene) -> list[str]:
-    """Temperatures at which contacts hold nothing, stretches beyond nearly all thresholds, and what the numbers of the
-    surface leave out of the contacts."""
-    contacts = scene.contacts
-    return _too_hot(contacts) + _too_far(contacts) + _left_out(contacts)
 
 
 def _too_hot(contacts: Contacts) -> list[str]:
