@@ -302,6 +302,7 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("eq.wall_time", math.inf, "eq.wall_time = inf: must be finite"),
         ("eq.histograms", [1.0, 2.005], "eq.histograms[1] = 2.005: is none of the path's points; near it are 2 "),
         ("eq.histograms", [math.nan], "eq.histograms[0] = nan: must be finite"),
+        ("eq.histogram_times", [1.0], "eq.histogram_times = [1.0]: are of a path with drive.times; without them say"),
         ("drive.spring", 0.5, "drive.spring = 0.5: the ensemble [eq] takes a rigid slider; leave one of them out"),
         ("drive.slip", "reform", "drive.slip = 'reform': must be \"reset\", \"reform-after\" or \"instant\""),
         ("drive.slip", "reset", "drive.slip = 'reset': is what a slip of a soft slider does, and without drive.spring"),
@@ -453,6 +454,16 @@ def test_histograms_are_counted_each_time_the_slider_is_there() -> None:
     scene = SCENE | {"drive": {"turns": [2.0, 0.0], "points": 41}, "eq": {"histograms": [1.0, 2.0]}}
     assert toolkit.load_scene(scene).histogram_points().tolist() == [10, 20, 30]
     assert toolkit.load_scene(SCENE).histogram_points().size == 0
+    # at rest as it begins and as it ends, and whenever it is asked for by time
+    held = {"turns": [1.0, 1.0, 3.0, 1.0], "times": [2.0, 10.0, 11.0, 11.5], "points": 13}
+    for eq, points in (
+        ({"histograms": [1.0]}, [3, 6, 12]),
+        ({"histograms": [3.0], "histogram_times": [11.0, 10.0, 14.0 / 3.0]}, [4, 6, 9]),
+    ):
+        assert toolkit.load_scene(SCENE | {"drive": held, "eq": eq}).histogram_points().tolist() == points
+    near = r"near it are 4\.66666666667 and 7\.33333333333; all of drive\.times are"
+    with pytest.raises(InputError, match=rf"^eq\.histogram_times\[1\] = 5\.0: is none of the path's points; {near}"):
+        toolkit.load_scene(SCENE | {"drive": held, "eq": {"histogram_times": [2.0, 5.0]}})
 
 
 @pytest.mark.parametrize("name", CONTACT_LAWS)
