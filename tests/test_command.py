@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
@@ -9,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import clean_environment
 
 import master
 import origins
@@ -186,6 +189,21 @@ def test_out_names_the_folder(write_scene) -> None:
     assert toolkit.load("deep/er").eq is None
 
 
+def test_a_refusal_of_the_master_equation_says_what_runs_without_it(write_scene, capsys, monkeypatch) -> None:
+    def refuse(*arguments: Any, **named: Any) -> None:
+        raise InputError("path: no")
+
+    monkeypatch.setattr(master, "solve", refuse)
+    paper = {"thermal": {"law": "soft", "temperature": 0.1, "closure": "paper"}}
+    for tables, more in (
+        ({}, ""),
+        ({"eq": {"contacts": 10}}, "; without [master] the scene's [eq] runs alone"),
+        ({"eq": {"contacts": 10}, "contacts": MASTER_ONLY["contacts"] | paper}, ""),  # as [eq] alone would not
+    ):
+        assert main(["run", write_scene(MASTER_ONLY | tables)]) == 2
+        assert capsys.readouterr().err == f"mesofriction: master: path: no{more}\n"
+
+
 def test_tolerance_missed_is_said_and_written(write_scene, capsys, monkeypatch) -> None:
     real = master.solve
 
@@ -346,3 +364,18 @@ def test_an_interrupt_of_the_imports_is_one_line(
     monkeypatch.setattr("importlib.import_module", interrupt)
     assert main(["scenes"]) == 130
     assert capsys.readouterr() == ("", "mesofriction: interrupted; nothing was written\n")
+
+
+def test_compiling_is_told_while_it_lasts() -> None:
+    code = """
+from toolkit import compiling_notice
+compiling_notice._LOG_PATIENCE = 0.05
+with compiling_notice.CompilingNotice():
+    import time, numba
+    time.sleep(0.3)
+    for _ in range(2):
+        numba.njit(lambda x: [x**0.5 + y for y in range(3)])(2.0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], env=clean_environment(), capture_output=True, text=True)
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("mesofriction: compiling, ")

@@ -37,7 +37,7 @@ def histogram_points(drive: Drive, positions: Sequence[float] | None, times: Seq
         away = np.abs(drive.time - finite(f"eq.histogram_times[{k}]", time))
         if away.min() > _SAME_TIME * abs(time):
             _refuse(f"eq.histogram_times[{k}]", time, drive.time, away, "; all of drive.times are")
-        found.append(away.argmin(keepdims=True))
+        found.append(np.atleast_1d(away.argmin()))
     return np.unique(np.concatenate(found))
 
 
