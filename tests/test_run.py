@@ -318,6 +318,8 @@ def test_no_result_to_load_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"^folder = .*holds no result\.h5"):
         toolkit.load(tmp_path)
     (tmp_path / "result.h5").write_text("not HDF5")
+    with pytest.raises(InputError, match=f": is a file; give the folder, '{tmp_path}'$"):
+        toolkit.load(tmp_path / "result.h5")
     with pytest.raises(InputError, match=r"^folder = .*its result\.h5 is not one of mesofriction"):
         toolkit.load(tmp_path)
 

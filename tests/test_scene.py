@@ -299,6 +299,7 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("eqs", {"note": "x" * 99}, "eqs = {'note': 'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...: unknown key"),
         ("eq.threads", 2, "eq.threads = 2: unknown key; known here: contacts, replicas, seed, tolerance, wall"),
         ("eq.tolerance", 0.0, "eq.tolerance = 0.0: must be above zero"),
+        ("eq.wall_time", "1h", "eq.wall_time = '1h': must be a number of seconds, such as 3600.0"),
         ("eq.wall_time", math.inf, "eq.wall_time = inf: must be finite"),
         ("eq.histograms", [1.0, 2.005], "eq.histograms[1] = 2.005: is none of the path's points; near it are 2 "),
         ("eq.histograms", [math.nan], "eq.histograms[0] = nan: must be finite"),
@@ -546,10 +547,13 @@ def test_broken_file_is_refused(tmp_path: Path, content: bytes, message: str) ->
         toolkit.load_scene(file)
 
 
-def test_unknown_name_lists_the_shipped_ones() -> None:
-    with pytest.raises(InputError, match=r"^scene = 'gausian': .* did you mean gaussian\? Shipped are ageing, "):
+def test_unknown_name_tells_those_like_it(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"^scene = 'gausian': .* did you mean gaussian or .*\? `mesofriction scenes` "):
         toolkit.load_scene("gausian")
-    with pytest.raises(InputError, match=r"^scene = 'qq': no such file, and no shipped scene: those are ageing, "):
+    (tmp_path / "hold-100.toml").touch()
+    with pytest.raises(InputError, match=r"no shipped scene; did you mean .*hold-100\.toml"):
+        toolkit.load_scene(tmp_path / "hold100.toml")
+    with pytest.raises(InputError, match=r"^scene = 'qq': no such file, and no shipped scene; `mesofriction scenes` "):
         toolkit.load_scene("qq")
     with pytest.raises(InputError, match=r"^scene = 3: must be a dict"):
         toolkit.load_scene(3)  # type: ignore[arg-type]

@@ -25,6 +25,7 @@ from toolkit.toml import to_toml
 
 SHIPPED = Path(__file__).parent / "scenes"
 _FURTHEST = 1e6  # mean thresholds
+_MEANT = 3  # names
 _EXPECTED = {
     "object": "a table",
     "array": "a list of numbers, such as [1.0, 2.0]",
@@ -193,10 +194,12 @@ def _find(scene: object) -> Path:
     if file.is_dir():
         refuse("scene", str(scene), "is a folder; name a scene file in it")
     if not file.is_file():
-        shipped = shipped_scenes()
-        close = get_close_matches(file.stem, shipped, n=1)
-        meant = f"; did you mean {close[0]}? Shipped" if close else ": those"
-        refuse("scene", str(scene), f"no such file, and no shipped scene{meant} are {', '.join(shipped)}")
+        beside = {other.stem: str(other) for other in file.parent.glob("*.toml")}
+        names = dict.fromkeys([*beside, *shipped_scenes()])
+        close = [beside.get(name, name) for name in get_close_matches(file.stem, names, n=_MEANT)]
+        meant = f"; did you mean {' or '.join(close)}?" if close else ";"
+        told = "`mesofriction scenes` lists those that are shipped"
+        refuse("scene", str(scene), f"no such file, and no shipped scene{meant} {told}")
     return file
 
 
@@ -304,6 +307,8 @@ def _explain(message: str, tables: Mapping[str, Any]) -> str:
     elif other and other[1] in _EXPECTED:
         rule = f"must be {_EXPECTED[other[1]]}"
         rule += without_point(value, least=0) if other[1] == "int" else ""
+    if keys[-1:] == ["wall_time"]:
+        rule = "must be a number of seconds, such as 3600.0"
     text = str(value).lower() if isinstance(value, bool) else shown(value)
     return f"{'.'.join(keys)} = {text}: {rule}"
 
