@@ -29,6 +29,7 @@ class Progress:
             self._first = now, done
         if done >= expected:
             self.close()
+            self._first = None  # of the next scene
         elif self._bar is not None:
             self._bar.total = expected
             self._bar.update(done - self._bar.n)

@@ -195,7 +195,7 @@ def _find(scene: object) -> Path:
         refuse("scene", str(scene), "is a folder; name a scene file in it")
     if not file.is_file():
         beside = {other.stem: str(other) for other in file.parent.glob("*.toml")}
-        names = dict.fromkeys([*beside, *shipped_scenes()])
+        names = sorted({*beside, *shipped_scenes()})
         close = [beside.get(name, name) for name in get_close_matches(file.stem, names, n=_MEANT)]
         meant = f"; did you mean {' or '.join(close)}?" if close else ";"
         told = "`mesofriction scenes` lists those that are shipped"
