@@ -27,6 +27,7 @@ class Progress:
         now = time.monotonic()
         if self._first is None:
             self._first = now, done
+            self._next = max(self._next, now + _PATIENCE)  # a first block does not tell the pace
         if done >= expected:
             self.close()
             self._first = None  # of the next scene
