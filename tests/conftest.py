@@ -1,7 +1,9 @@
 """What several test files share: the command in a process of its own, alone and under mpirun."""
 
 import importlib.util
+import math
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -30,18 +32,32 @@ def clean_environment(**extra: str) -> dict[str, str]:
     return {**kept, "PYTHONPATH": str(ROOT), **extra}
 
 
+@pytest.fixture(autouse=True)
+def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What commands say does not tell whether they are the first to compile."""
+    monkeypatch.setattr("toolkit.compiling_notice._LOG_PATIENCE", math.inf)
+
+
+def _compiled(done: subprocess.CompletedProcess[str]) -> subprocess.CompletedProcess[str]:
+    """The same of processes of their own."""
+    done.stderr = re.sub(r"^mesofriction: compiling, .*\n", "", done.stderr, flags=re.MULTILINE)
+    return done
+
+
 @pytest.fixture
 def python(tmp_path: Path) -> Runner:
     """python(code, *words, **environment): run code in a fresh interpreter, in an empty folder."""
 
     def run(code: str, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [sys.executable, "-c", code, *words],
-            cwd=tmp_path,
-            env=clean_environment(**environment),
-            capture_output=True,
-            text=True,
-            timeout=60,
+        return _compiled(
+            subprocess.run(
+                [sys.executable, "-c", code, *words],
+                cwd=tmp_path,
+                env=clean_environment(**environment),
+                capture_output=True,
+                text=True,
+                timeout=60,
+            )
         )
 
     return run
@@ -58,14 +74,16 @@ def mpirun(tmp_path: Path) -> Runner:
         environment = clean_environment(
             OMPI_MCA_rmaps_base_oversubscribe="1", PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe"
         )
-        return subprocess.run(
-            [launcher, "-n", str(ranks), sys.executable, "-c", code, *words],
-            cwd=tmp_path,
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=60,
-            stdin=subprocess.DEVNULL,
+        return _compiled(
+            subprocess.run(
+                [launcher, "-n", str(ranks), sys.executable, "-c", code, *words],
+                cwd=tmp_path,
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=60,
+                stdin=subprocess.DEVNULL,
+            )
         )
 
     return run

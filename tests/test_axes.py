@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 from matplotlib.figure import Figure
 
 import origins
+from toolkit import plots
+from toolkit.abscissa import conditions
 from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.comparing import compare
 from toolkit.comparison_picture import draw_comparison, plot_forces, plot_springs, plot_surface, plot_thresholds
@@ -23,7 +26,7 @@ from toolkit.plots import (
 )
 from toolkit.results import sample_curve
 from toolkit.running import run
-from toolkit.scene import load_scene
+from toolkit.scene import load_scene, read_table
 
 
 def labels(axis: Any) -> list[float]:
@@ -219,3 +222,23 @@ def test_a_drive_in_time_is_drawn_against_time(tmp_path: Path) -> None:
     assert "not as asked" not in labels[0] and "not as asked" in labels[1]
     save_picture(result, tmp_path / "picture.png")
     assert (tmp_path / "picture.png").stat().st_size > 10_000
+
+
+def test_titles_name_the_laws_and_old_thresholds_are_drawn() -> None:
+    laws = {
+        "thermal": {"law": "stiff", "temperature": 0.1, "closure": "paper"},
+        "reforming": {"kind": "gaussian", "mean": 0.0, "std": 0.05},
+        "ageing": {"rate": 5e-4, "final": {"kind": "gaussian", "mean": 2.0, "std": 0.1}},
+        "stiffness": "linked",
+    }
+    law = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    asked = read_table({"contacts": {"thresholds": law} | laws, "drive": {"to": 1.0, "points": 2}})
+    curve = sample_curve(origins.gaussian(1.0, 0.2))
+    result: Any = SimpleNamespace(asked=asked, thresholds=curve, master=None, eq=None, sweep=None)
+    first = r"stiff law (paper's closure) at $T$ = 0.1, $\omega$ = 1, linked $k \sim x_s$"
+    assert conditions(result) == f"{first},\nre-forming at 0 ± 0.05, $D$ = 0.0005, $v$ = 1"
+    assert plots._final(result) is not None
+    axes = plot_density(Figure().subplots(), curve)
+    plots._plot_final(axes, curve, plots._final(result))
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["new", "final"]
+    assert axes.get_xlim()[1] > 2.2 and axes.get_ylim()[1] > 3.98

@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
@@ -9,10 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import clean_environment
 
 import master
 import origins
 import toolkit
+from origins.errors import InputError
 from toolkit.command import COMMANDS, main
 from toolkit.scene import SHIPPED, shipped_scenes
 from toolkit.toml import to_toml
@@ -119,6 +123,21 @@ def test_a_spring_as_if_in_newtons_is_told_before_the_run(write_scene, capsys, m
     assert f"divided by N_c<k> = contact_density * area * <k>, {each:.3g} N/m per m² of nominal area" in line
 
 
+@pytest.mark.parametrize("dry", [[], ["--dry-run"]])
+def test_what_makes_a_run_hopeless_is_told_before_it(dry: list[str], write_scene, capsys, monkeypatch) -> None:
+    def begin(*arguments: Any, **named: Any) -> None:
+        raise InputError("begun")
+
+    for place in ("running.solve", "forecast.pilot"):
+        monkeypatch.setattr(f"toolkit.{place}", begin)
+    laws = {"thermal": {"law": "soft", "temperature": 500.0}, "start": {"kind": "identical", "value": 2.0}}
+    tables = {**MASTER_ONLY, "contacts": {**MASTER_ONLY["contacts"], **laws}}
+    assert main(["run", write_scene(tables), *dry]) == 2
+    hot, far, begun = capsys.readouterr().err.splitlines()
+    assert hot.startswith("mesofriction: the temperature is ") and far.startswith("mesofriction: contacts start about")
+    assert begun == "mesofriction: begun"
+
+
 @pytest.mark.parametrize(
     ("thresholds", "to", "eq", "why"),
     [
@@ -168,6 +187,21 @@ def test_out_names_the_folder(write_scene) -> None:
     assert main(["run", write_scene(MASTER_ONLY), "--out", "deep/er"]) == 0
     assert sorted(os.listdir(".")) == ["deep", "mine.toml"]
     assert toolkit.load("deep/er").eq is None
+
+
+def test_a_refusal_of_the_master_equation_says_what_runs_without_it(write_scene, capsys, monkeypatch) -> None:
+    def refuse(*arguments: Any, **named: Any) -> None:
+        raise InputError("path: no")
+
+    monkeypatch.setattr(master, "solve", refuse)
+    paper = {"thermal": {"law": "soft", "temperature": 0.1, "closure": "paper"}}
+    for tables, more in (
+        ({}, ""),
+        ({"eq": {"contacts": 10}}, "; without [master] the scene's [eq] runs alone"),
+        ({"eq": {"contacts": 10}, "contacts": MASTER_ONLY["contacts"] | paper}, ""),  # as [eq] alone would not
+    ):
+        assert main(["run", write_scene(MASTER_ONLY | tables)]) == 2
+        assert capsys.readouterr().err == f"mesofriction: master: path: no{more}\n"
 
 
 def test_tolerance_missed_is_said_and_written(write_scene, capsys, monkeypatch) -> None:
@@ -330,3 +364,18 @@ def test_an_interrupt_of_the_imports_is_one_line(
     monkeypatch.setattr("importlib.import_module", interrupt)
     assert main(["scenes"]) == 130
     assert capsys.readouterr() == ("", "mesofriction: interrupted; nothing was written\n")
+
+
+def test_compiling_is_told_while_it_lasts() -> None:
+    code = """
+from toolkit import compiling_notice
+compiling_notice._LOG_PATIENCE = 0.05
+with compiling_notice.CompilingNotice():
+    import time, numba
+    time.sleep(0.3)
+    for _ in range(2):
+        numba.njit(lambda x: [x**0.5 + y for y in range(3)])(2.0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], env=clean_environment(), capture_output=True, text=True)
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("mesofriction: compiling, ")

@@ -12,6 +12,7 @@ import toolkit
 from origins.errors import InputError
 from toolkit.command import main
 from toolkit.forecast import Estimate, Pilot, forecast, lines, pilot, pilot_lines
+from toolkit.toml import to_toml
 
 SCENE: dict[str, Any] = {
     "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}},
@@ -98,6 +99,29 @@ def test_the_command_tells_and_writes_nothing(
         forecast(toolkit.load_scene({key: SCENE[key] for key in ("contacts", "drive")} | {"master": {}}))
 
 
+def test_what_an_earlier_run_has_done_is_not_foretold_again(
+    tmp_path: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, more in (("cut", {"wall_time": 1e-6}), ("other", {"seed": 3}), ("rest", {})):
+        (tmp_path / f"{name}.toml").write_text(to_toml(SCENE | {"eq": SCENE["eq"] | more}))
+    assert main(["run", "cut.toml", "--out", "out"]) == 1
+    done = toolkit.load("out").eq
+    assert done is not None
+    before = sorted(tmp_path.rglob("*"))
+    capsys.readouterr()
+    assert main(["run", "cut.toml", "--out", "out", "--dry-run"]) == 0
+    told = capsys.readouterr().out
+    assert f"contacts        6,000,000, {done.contacts:,} of them done before\n" in told and "for what is left" in told
+    assert main(["run", "other.toml", "--out", "out", "--dry-run"]) == 2
+    assert "holds the checkpoint of another run, eq.seed = 2 there and 3 here" in capsys.readouterr().err
+    assert sorted(tmp_path.rglob("*")) == before
+    assert main(["run", "rest.toml", "--out", "out"]) == 0
+    assert f"note    went on from a checkpoint of {done.contacts:,} contacts: the run" in capsys.readouterr().out
+    whole = toolkit.load("out")
+    assert whole.eq is not None and whole.eq.contacts == 6_000_000 and whole.eq.run_time > done.run_time
+
+
 def test_the_master_equation_is_tried_at_looser_tolerances(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = toolkit.load_scene({key: SCENE[key] for key in ("contacts", "drive")} | {"master": {"tolerance": 1e-9}})
     told = pilot(scene)
@@ -117,8 +141,6 @@ def test_a_pilot_takes_a_second_and_no_longer(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_ranks_foretell_together(mpirun: Callable[..., Any], tmp_path: Any) -> None:
-    from toolkit.toml import to_toml
-
     (tmp_path / "scene.toml").write_text(to_toml(LATE))
     done = mpirun(2, "import sys; from toolkit.command import main; sys.exit(main())", "run", "scene.toml", "--dry-run")
     assert done.returncode == 0 and done.stderr == "", done.stderr

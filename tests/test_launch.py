@@ -2,12 +2,15 @@
 
 import json
 import os
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import toolkit
+from origins.errors import InputError
 from toolkit.launch import Launch, read_environment
 from toolkit.ranks import communicator, on_root
 
@@ -40,7 +43,10 @@ def scene(tmp_path: Path) -> str:
         ({}, Launch(1, 0)),
         ({"PMI_SIZE": "4", "PMI_RANK": "3"}, Launch(4, 3)),
         ({"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_RANK": "1", "PMIX_RANK": "1"}, Launch(2, 1)),
-        ({"SLURM_STEP_NUM_TASKS": "8", "SLURM_PROCID": "5"}, Launch(8, 5)),
+        ({"SLURM_STEP_NUM_TASKS": "8", "SLURM_PROCID": "5"}, Launch(8, 5, "srun")),
+        # with --mpi=pmi2; and mpirun, whose own daemons are a step, one a node
+        ({"SLURM_STEP_NUM_TASKS": "4", "SLURM_PROCID": "1", "PMI_SIZE": "4", "PMI_RANK": "1"}, Launch(4, 1, "srun")),
+        ({"SLURM_STEP_NUM_TASKS": "2", "SLURM_PROCID": "1", "PMI_SIZE": "8", "PMI_RANK": "5"}, Launch(8, 5)),
         # a batch script, alone on a machine given for 8 tasks
         ({"SLURM_NTASKS": "8", "SLURM_PROCID": "0"}, Launch(1, 0)),
         # mpirun inside a step of one task
@@ -197,6 +203,13 @@ def test_ranks_that_cannot_meet_are_not_lone_runs(python, scene, tmp_path: Path)
     assert told[0].stderr.startswith("mesofriction: mpirun: started 2 ranks, but mpi4py's MPI connects 1; ")
     assert len(told[0].stderr.splitlines()) == 1 and told[1].stderr == ""
     assert [done.stdout for done in told] == ["", ""] and os.listdir(tmp_path) == [scene]
+
+
+def test_slurm_is_told_how_to_connect_ranks(monkeypatch: pytest.MonkeyPatch) -> None:
+    alone = SimpleNamespace(COMM_WORLD=SimpleNamespace(Get_size=lambda: 1))
+    monkeypatch.setitem(sys.modules, "mpi4py", SimpleNamespace(MPI=alone))
+    with pytest.raises(InputError, match=r"^srun: started 8 ranks, but .* connects 1; .* --mpi=pmix or --mpi=pmi2"):
+        communicator(Launch(8, 3, "srun"))
 
 
 def test_root_refusal_reaches_every_rank(mpirun) -> None:

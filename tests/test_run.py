@@ -100,27 +100,42 @@ def test_progress_counts_up_to_the_whole() -> None:
     assert [done for done, _ in told] == sorted({done for done, _ in told})
 
 
-def test_bar_is_for_long_runs_only(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_is_for_long_runs_only(
+    terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     short = Progress()
     for done in (1, 2, 3):
         short(done, 3)
     assert capsys.readouterr().err == ""
-    clock = iter([0.0, 5.0, 15.0, 16.0, 17.0])  # stderr is no terminal here: ten seconds
+    clock = iter([0.0, 0.5, 70.0, 71.0, 101.0, 102.0])
     monkeypatch.setattr("toolkit.progress.time", SimpleNamespace(monotonic=lambda: next(clock)))
+    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
     long = Progress()
-    long(1, 4)
+    long(1_000_000, 4_000_000)
     assert capsys.readouterr().err == ""
-    for done in (2, 3, 4):
-        long(done, 4)
+    long(2_000_000, 4_000_000)
     told = capsys.readouterr().err
-    # how far, how fast, how long still
-    assert "50%" in told and re.search(r"<[\d:?]+, .*contacts/s\]", told)
+    if terminal:
+        # how far, since when, how long still, how fast
+        assert re.search(r" 50%\|.*2.00M/4.00M \[01:10<[\d:?]+, .*contacts/s\]", told), told
+    else:
+        line = "eq: 2,000,000 of 4,000,000 contacts (50%) after 0:01:10, 1.44e+04 a second, 0:02:19 left"
+        assert told == f"mesofriction: {line}\n"
+        long(2_100_000, 4_000_000)
+        assert capsys.readouterr().err == ""
+        long(3_000_000, 4_000_000)
+        assert "(75%) after 0:01:41" in capsys.readouterr().err
+    long(4_000_000, 4_000_000)
 
 
-def test_the_bar_of_the_master_equation_tells_its_error(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("terminal", [True, False])
+def test_the_progress_of_the_master_equation_tells_its_error(
+    terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("toolkit.progress._LOG_PATIENCE", 0.01)
+    for name in ("_PATIENCE", "_LOG_PATIENCE"):
+        monkeypatch.setattr(f"toolkit.progress.{name}", 0.01)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
     bar = Refinement(1e-8)
     for error in (1e-2, 1e-5, 3e-5):
         bar(error)
@@ -128,6 +143,10 @@ def test_the_bar_of_the_master_equation_tells_its_error(
     bar.close()
     told = capsys.readouterr().err
     assert "master equation:" in told and "error 1.0e-05 of 1.0e-08 asked" in told
+    assert terminal or (told.count("\n") == 1 and "\r" not in told)
+
+
+def test_the_master_equation_tells_its_error_on_the_way() -> None:
     errors: list[float] = []
     scene = toolkit.load_scene("friction-loop")
     solved = solve_master(scene, 1e-8, errors.append)
@@ -299,6 +318,8 @@ def test_no_result_to_load_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"^folder = .*holds no result\.h5"):
         toolkit.load(tmp_path)
     (tmp_path / "result.h5").write_text("not HDF5")
+    with pytest.raises(InputError, match=f": is a file; give the folder, '{tmp_path}'$"):
+        toolkit.load(tmp_path / "result.h5")
     with pytest.raises(InputError, match=r"^folder = .*its result\.h5 is not one of mesofriction"):
         toolkit.load(tmp_path)
 

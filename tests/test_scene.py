@@ -299,9 +299,11 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("eqs", {"note": "x" * 99}, "eqs = {'note': 'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...: unknown key"),
         ("eq.threads", 2, "eq.threads = 2: unknown key; known here: contacts, replicas, seed, tolerance, wall"),
         ("eq.tolerance", 0.0, "eq.tolerance = 0.0: must be above zero"),
+        ("eq.wall_time", "1h", "eq.wall_time = '1h': must be a number of seconds, such as 3600.0"),
         ("eq.wall_time", math.inf, "eq.wall_time = inf: must be finite"),
         ("eq.histograms", [1.0, 2.005], "eq.histograms[1] = 2.005: is none of the path's points; near it are 2 "),
         ("eq.histograms", [math.nan], "eq.histograms[0] = nan: must be finite"),
+        ("eq.histogram_times", [1.0], "eq.histogram_times = [1.0]: are of a path with drive.times; without them say"),
         ("drive.spring", 0.5, "drive.spring = 0.5: the ensemble [eq] takes a rigid slider; leave one of them out"),
         ("drive.slip", "reform", "drive.slip = 'reform': must be \"reset\", \"reform-after\" or \"instant\""),
         ("drive.slip", "reset", "drive.slip = 'reset': is what a slip of a soft slider does, and without drive.spring"),
@@ -453,6 +455,16 @@ def test_histograms_are_counted_each_time_the_slider_is_there() -> None:
     scene = SCENE | {"drive": {"turns": [2.0, 0.0], "points": 41}, "eq": {"histograms": [1.0, 2.0]}}
     assert toolkit.load_scene(scene).histogram_points().tolist() == [10, 20, 30]
     assert toolkit.load_scene(SCENE).histogram_points().size == 0
+    # at rest as it begins and as it ends, and whenever it is asked for by time
+    held = {"turns": [1.0, 1.0, 3.0, 1.0], "times": [2.0, 10.0, 11.0, 11.5], "points": 13}
+    for eq, points in (
+        ({"histograms": [1.0]}, [3, 6, 12]),
+        ({"histograms": [3.0], "histogram_times": [11.0, 10.0, 14.0 / 3.0]}, [4, 6, 9]),
+    ):
+        assert toolkit.load_scene(SCENE | {"drive": held, "eq": eq}).histogram_points().tolist() == points
+    near = r"near it are 4\.66666666667 and 7\.33333333333; all of drive\.times are"
+    with pytest.raises(InputError, match=rf"^eq\.histogram_times\[1\] = 5\.0: is none of the path's points; {near}"):
+        toolkit.load_scene(SCENE | {"drive": held, "eq": {"histogram_times": [2.0, 5.0]}})
 
 
 @pytest.mark.parametrize("name", CONTACT_LAWS)
@@ -535,10 +547,13 @@ def test_broken_file_is_refused(tmp_path: Path, content: bytes, message: str) ->
         toolkit.load_scene(file)
 
 
-def test_unknown_name_lists_the_shipped_ones() -> None:
-    with pytest.raises(InputError, match=r"^scene = 'gausian': .* did you mean gaussian\? Shipped are ageing, "):
+def test_unknown_name_tells_those_like_it(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"^scene = 'gausian': .* did you mean gaussian or .*\? `mesofriction "):
         toolkit.load_scene("gausian")
-    with pytest.raises(InputError, match=r"^scene = 'qq': no such file, and no shipped scene: those are ageing, "):
+    (tmp_path / "hold-100.toml").touch()
+    with pytest.raises(InputError, match=r"no shipped scene; did you mean .*hold-100\.toml"):
+        toolkit.load_scene(tmp_path / "hold100.toml")
+    with pytest.raises(InputError, match=r"^scene = 'qq': no such file, and no shipped scene; `mesofriction scenes` "):
         toolkit.load_scene("qq")
     with pytest.raises(InputError, match=r"^scene = 3: must be a dict"):
         toolkit.load_scene(3)  # type: ignore[arg-type]

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 _MARKS = str.maketrans("", "", "$^{}")  # of a formula
+_WIDE = 70  # letters of a title's line
 _DIGIT, _GAP = 0.0155, 0.015  # of an axis, which a digit of a tick's label takes, and the room between two
 
 
@@ -45,7 +46,11 @@ def write_along(axes: "Axes", result: Result) -> None:
     times = clock(result)
     if times is not None and result.asked.drive is not None and result.asked.drive.hold_scale is not None:
         _write_stretched(axes, times, result.asked.drive)
-        axes.set_xlabel(f"time $t${units(result, 's')}, with + since the turn before")
+        scale = f"{result.asked.drive.hold_scale:.3g}{' s' * bool(units(result, 's'))}"
+        axes.set_xlabel(
+            f"time $t${units(result, 's')}, with + since the turn before; each leg has a scale of its own,\n"
+            f"that of a hold is logarithmic, even in ln(1 + t/{scale})"
+        )
         return
     if times is not None:
         Lengths.of(reach, False).write(axes.xaxis, "time $t$" + units(result, "s"))
@@ -107,25 +112,45 @@ def grows(result: Result) -> bool:
 
 
 def conditions(result: Result) -> str:
-    """Temperature, delay, rates of ageing and growth and speed as a picture tells them; empty where contacts have no
-    such law."""
+    """The laws of the contacts and their numbers as a picture tells them, in lines; empty where contacts have none."""
 
     def told(symbol: str, value: float, unit: str) -> str:
         return f"${symbol}$ = {value:.3g}" + (f" {unit}" if result.thresholds.unit != OWN_UNIT else "")
 
+    def temperature(table: Mapping[str, Any]) -> str:
+        own = table["temperature"]
+        return f"$T$ = {own['kelvin']:.4g} K" if isinstance(own, Mapping) else told("T", own, "m²")
+
     asked = result.asked
-    contacts = asked.contacts
+    contacts, again = asked.contacts, asked.contacts.reforming
+    closure = {"paper": " (paper's closure)"}
     said = []
-    if contacts.thermal is not None:
-        temperature = contacts.thermal["temperature"]
-        kelvin = isinstance(temperature, Mapping)
-        said.append(f"$T$ = {temperature['kelvin']:.4g} K" if kelvin else told("T", temperature, "m²"))
+    if (thermal := contacts.thermal) is not None:
+        said.append(f"{thermal['law']} law{closure.get(thermal.get('closure', ''), '')} at {temperature(thermal)}")
+        said.append(told(r"\omega", thermal.get("attempt_frequency", 1.0), "1/s"))
+    if contacts.stiffness == "linked":
+        said.append("linked $k \\sim x_s$")
+    if again is not None:
+        place = temperature(again) if "temperature" in again else f"{again.get('value', again.get('mean')):.3g}"
+        width = f" ± {again['std']:.3g}" if "std" in again else ""
+        unit = " m" if result.thresholds.unit != OWN_UNIT and "temperature" not in again else ""
+        said.append(f"re-forming at {place}{width}{unit}")
     if contacts.delay is not None:
         said.append(told(r"\tau_m", contacts.delay["time"], "s"))
     if contacts.ageing is not None:
-        said.append(told("D", contacts.ageing["rate"], "m²/s"))
+        said.append(told("D", contacts.ageing["rate"], "m²/s") + closure.get(contacts.ageing.get("closure", ""), ""))
     if grows(result):
         said.append(rf"$\alpha$ = {contacts.thresholds['alpha']:.3g}")
     if said and asked.drive is not None and asked.drive.times is None:
         said.append(told("v", asked.drive.velocity, "m/s"))
-    return ", ".join(said)
+    return _in_lines(said)
+
+
+def _in_lines(said: list[str]) -> str:
+    lines: list[str] = []
+    for part in said:
+        if lines and len((lines[-1] + part).translate(_MARKS)) < _WIDE:
+            lines[-1] += f", {part}"
+        else:
+            lines.append(part)
+    return ",\n".join(lines)

@@ -57,7 +57,7 @@ def _formatter(power: int, logarithmic: bool) -> Any:
         """Numbers in units of 10^power with as many digits as tell the ticks apart, and no common offset."""
 
         def __call__(self, value: float, position: int | None = None) -> str:
-            return f"{value * 10.0**-power:.6g}"
+            return self.fix_minus(f"{value * 10.0**-power:.6g}")
 
         def format_ticks(self, values: list[float]) -> list[str]:
             steps = np.diff(np.sort(np.asarray(values, dtype=float))) * 10.0**-power
@@ -68,7 +68,7 @@ def _formatter(power: int, logarithmic: bool) -> Any:
             # 2.5 needs a digit more than 2
             if abs(round(step * 10.0**decimals) - step * 10.0**decimals) > 0.01:
                 decimals += 1
-            return [f"{value * 10.0**-power:.{decimals}f}" for value in values]
+            return [self.fix_minus(f"{value * 10.0**-power:.{decimals}f}") for value in values]
 
     class Logarithmic(LogFormatterSciNotation):
         def __call__(self, value: float, position: int | None = None) -> str:

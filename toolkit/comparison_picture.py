@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 # Okabe and Ito's, which the colour-blind tell apart too
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
+# the first is solid, and each of the others has gaps through which those drawn before are seen
+_DASHES = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (3, 3)), (0, (10, 4)), (0, (6, 2, 1, 2, 1, 2))]
+_COLUMNS = 5  # names in a row
 _BARS = 33
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
 
@@ -43,6 +46,9 @@ def draw_comparison(verdicts: Sequence[Verdict], surface: Any = None) -> "Figure
     plot_springs(places["S"], verdicts)
     plot_forces(places["F"], verdicts)
     plot_deviations(places["z"], verdicts)
+    # below all axes: within them it would lie on curves
+    named = places["F"].get_legend_handles_labels()
+    figure.legend(*named, loc="outside lower center", ncols=min(len(verdicts), _COLUMNS), fontsize="small")
     return figure
 
 
@@ -125,7 +131,6 @@ def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     else:
         axes.set_xlim(0.0, 1.02 * longest)
     axes.set_title("force: master equation (lines), EQ ensemble (points, ±1 standard error)")
-    axes.legend(loc="lower right", ncols=2, fontsize="small")
     return axes
 
 
@@ -138,7 +143,7 @@ def plot_deviations(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
             axes.plot(path[shown] / verdict.mean_threshold, off[shown], ".", ms=3.5, color=ink)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     kind = ", logarithmic axis" if axes.get_xscale() == "log" else ""
-    axes.set(xlabel=rf"slider position $X/\langle x_s\rangle${kind}", ylabel="EQ - ME\n(std. errors)", ylim=(-5.0, 5.0))
+    axes.set(xlabel=rf"slider position $X/\langle x_s\rangle${kind}", ylabel="EQ − ME\n(std. errors)", ylim=(-5.0, 5.0))
     return axes
 
 
@@ -159,10 +164,10 @@ def plot_springs(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     return axes
 
 
-def _inked(verdicts: Sequence[Verdict]) -> list[tuple[str, str, Verdict]]:
-    """A colour and, once the colours repeat, another dash for each."""
-    dashes = ["-", "--", ":", "-."]
+def _inked(verdicts: Sequence[Verdict]) -> list[tuple[str, Any, Verdict]]:
+    """A colour and a dash for each: of curves that coincide the later ones leave the earlier in sight."""
+    rounds = len(_INK)
     return [
-        (_INK[index % len(_INK)], dashes[index // len(_INK) % len(dashes)], verdict)
+        (_INK[index % rounds], _DASHES[(index + index // rounds) % len(_DASHES)], verdict)
         for index, verdict in enumerate(verdicts)
     ]

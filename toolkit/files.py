@@ -74,6 +74,8 @@ def load(folder: str | os.PathLike[str]) -> Result:
     import h5py
 
     file = Path(folder) / RESULT
+    if Path(folder).is_file():
+        refuse("folder", str(folder), f"is a file; give the folder, {str(Path(folder).parent)!r}")
     if not file.is_file():
         refuse("folder", str(folder), f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one")
     try:

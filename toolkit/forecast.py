@@ -46,6 +46,10 @@ class Estimate:
         """Both above zero and independent of each other."""
         return Estimate(self.value * other.value, self.low * other.low, self.high * other.high)
 
+    def less(self, done: float) -> "Estimate":
+        """What is left of it."""
+        return Estimate(*(max(x - done, 0.0) for x in (self.value, self.low, self.high)))
+
     def after(self, ready: float) -> "Estimate":
         """And what it takes to get ready, of which no range is known."""
         return Estimate(self.value + ready, self.low, self.high + _SPEED * ready)
@@ -55,7 +59,8 @@ class Estimate:
 class Forecast:
     """What the ensemble is expected to take and give.
 
-    ranks : at work. contacts : to be followed, of `most`; breaks : theirs. run_time : s, as of EnsembleResult.
+    ranks : at work. contacts : to be followed, of `most`, `done` of them by an earlier run; breaks : of all of them.
+    run_time : s, as of EnsembleResult, of those that are left.
     memory : MB of a rank at its peak. temporary, kept : MB of a rank's histograms, in a temporary file and in its
     checkpoint. error : largest standard error of the force in mean thresholds; tolerance : that was asked for.
     pilot_contacts, pilot_time : of what tells this, s, compilation not counted.
@@ -63,6 +68,7 @@ class Forecast:
 
     ranks: int
     most: int
+    done: int
     contacts: Estimate
     breaks: Estimate
     run_time: Estimate
@@ -76,8 +82,9 @@ class Forecast:
     pilot_time: float
 
 
-def forecast(scene: Scene, comm: Any = None) -> Forecast:
-    """Run pilots of the scene's ensemble, each larger than the one before, for some tenths of a second in all.
+def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
+    """Run pilots of the scene's ensemble, each larger than the one before, for some tenths of a second in all; `done`
+    contacts need not be followed again.
 
     All ranks of the communicator must call: they work at once, as they will. Raises InputError for a scene without
     [eq], and as a run does.
@@ -103,14 +110,16 @@ def forecast(scene: Scene, comm: Any = None) -> Forecast:
     of_n = Estimate(largest, largest * (1.0 - off), largest * (1.0 + off))
     contacts = Estimate(*(_followed(asked.tolerance, n, error, most) for error in (of_n.value, of_n.low, of_n.high)))
     cost = max(few.blocks - aside, 0.0) / n + each_block / (ranks * layout.BLOCK)
+    each = Estimate(cost, cost / _SPEED, cost * _SPEED)
     counts, file = sizes(scene.histogram_points().size, most)
     memory = _largest(comm, _peak())
     return Forecast(
         ranks=ranks,
         most=most,
+        done=done,
         contacts=contacts,
         breaks=contacts.times(_each(scene, found.breaks / n, n)),
-        run_time=contacts.times(Estimate(cost, cost / _SPEED, cost * _SPEED)).after(ready + each_block + few.once),
+        run_time=contacts.less(done).times(each).after(ready + each_block + few.once),
         memory=Estimate(memory + 0.5 * _AFTERWARDS, _COMPILED * memory, memory + _AFTERWARDS),
         temporary=file / 1e6,
         kept=counts / 1e6,
@@ -227,10 +236,12 @@ def lines(told: Forecast) -> list[str]:
     """The forecast of an ensemble as lines of text."""
     contacts, seconds, error = told.contacts, told.run_time, told.error
     of_all = f", of {told.most:,} at most" if told.tolerance is not None else ""
+    of_all += f", {told.done:,} of them done before" if told.done else ""
+    besides = "for what is left, " * bool(told.done) + "[master] and compilation not counted"
     out = [
         f"contacts        {_range(contacts, ',.0f')}{of_all}",
         f"breaks          {_range(told.breaks, '.2g')}",
-        f"run time        {_range(seconds, '.2g')} s on {told.ranks} rank(s), [master] and compilation not counted",
+        f"run time        {_range(seconds, '.2g')} s on {told.ranks} rank(s), {besides}",
         f"memory          {_range(told.memory, '.0f')} MB for each rank",
         *_on_disk(told),
         f"standard error  {_range(error, '.2g')} of <x_s>, the largest over the path",

@@ -2,8 +2,9 @@
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+_STEP = "SLURM_STEP_NUM_TASKS"
 # (number of ranks, own rank) as each launcher's processes see them. SLURM_NTASKS is not among them: a batch script
 # sees it too, alone. PMI: mpich, Intel MPI, srun --mpi=pmi2; MV2: mvapich; the step's variables: any srun.
 _VARIABLES = (
@@ -11,16 +12,18 @@ _VARIABLES = (
     ("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"),
     ("MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"),
     ("MPI_LOCALNRANKS", "MPI_LOCALRANKID"),
-    ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"),
+    (_STEP, "SLURM_PROCID"),
 )
+_OTHERS = ("OMPI_COMM_WORLD_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")  # mpirun within a step of Slurm's
 
 
 @dataclass(frozen=True)
 class Launch:
-    """What the launcher's environment says of this process."""
+    """What the launcher's environment says of this process; `by` is its name."""
 
     size: int = 1
     rank: int = 0
+    by: str = "mpirun"
 
 
 def read_environment(environment: Mapping[str, str] = os.environ) -> Launch:
@@ -29,4 +32,6 @@ def read_environment(environment: Mapping[str, str] = os.environ) -> Launch:
     for size, rank in _VARIABLES:
         if environment.get(size, "").isdecimal() and environment.get(rank, "").isdecimal():
             launches.append(Launch(int(environment[size]), int(environment[rank])))
-    return max(launches, key=lambda launch: launch.size)
+    found = max(launches, key=lambda launch: launch.size)
+    by_slurm = found.size > 1 and environment.get(_STEP) == str(found.size)
+    return replace(found, by="srun") if by_slurm and not any(name in environment for name in _OTHERS) else found

@@ -9,21 +9,22 @@ import numpy as np
 
 from origins.samples import Sampled
 from origins.thresholds import Thresholds
+from toolkit import laws
 from toolkit.abscissa import along, clock, conditions, curves, grows, write_along
 from toolkit.axes import Lengths, heights, spans_decades
 from toolkit.deviation import deviation, telling, why_not_compared
-from toolkit.results import OWN_UNIT, AgeingRecord, Result, SoftRecord, ThresholdCurve
+from toolkit.results import OWN_UNIT, AgeingRecord, Result, SoftRecord, ThresholdCurve, sample_curve
 from toolkit.sweep_picture import plot_sweep, sweep_panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
-_DASHES = {"master": "-", "eq": ":"}
 _STEPS = 2000  # as many as a picture can show
 _NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
 _ALL = 1e-9  # of the contacts
-_LEGEND = 0.15  # of the height, room for it above the curve
+_ELSEWHERE = ("from-topography", "from-samples", "domains", "mixture")  # files, or work, of their own
+_LEGEND = 0.13  # of the height, room for each of its rows above the curve
 _BARS = 61  # as many error bars as leave the line in sight
 
 
@@ -53,6 +54,8 @@ def plot(result: Result, axes: Any = None) -> Any:
     else:
         plot_sweep(axes[0], result)
     plot_density(axes[1], result.thresholds)
+    if (final := _final(result)) is not None:
+        _plot_final(axes[1], result.thresholds, final)
     if grows(result):
         axes[1].set_title(f"thresholds at $X$ = 0, age {result.asked.contacts.thresholds['age']:.3g}")
     return axes
@@ -88,13 +91,11 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
     write_along(axes, result)
     Lengths.of(highest, _in_metres(result.thresholds)).write(axes.yaxis, r"force $F/(N_c\langle k\rangle)$")
     axes.set_title("\n".join(filter(None, [result.title or result.name, conditions(result)])))
-    if isinstance(result.master, SoftRecord) and result.master.slip_drive.size:
-        # slips leave no corner free
-        bottom, top = axes.get_ylim()
-        axes.set_ylim(bottom, top + _LEGEND * (top - bottom))
-        axes.legend(loc="upper right", ncols=2)
-    else:
-        axes.legend()
+    # slips and cycles leave no corner free
+    handles, _ = axes.get_legend_handles_labels()
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, top + _LEGEND * -(-len(handles) // 2) * (top - bottom))
+    axes.legend(loc="upper right", ncols=2, fontsize="small")
     return axes
 
 
@@ -114,9 +115,13 @@ def plot_position(axes: "Axes", result: Result) -> "Axes":
 
 def plot_holding(axes: "Axes", result: Result) -> "Axes":
     """The fraction of the contacts that hold; the others wait to form again."""
-    for curve, name in ((result.master, "master"), (result.eq, "eq")):
-        if curve is not None:
-            axes.plot(along(result, curve), curve.holding, color=_INK[name], lw=1.2, ls=_DASHES[name])
+    if result.master is not None:
+        axes.plot(along(result, result.master), result.master.holding, color=_INK["master"], lw=1.2, label="ME")
+    if result.eq is not None:
+        some = np.unique(np.linspace(0, result.eq.path.size - 1, _BARS).round().astype(int))
+        axes.plot(along(result, result.eq)[some], result.eq.holding[some], ".", ms=4, color=_INK["eq"], label="EQ")
+    if result.master is not None and result.eq is not None:
+        axes.legend(fontsize="small", ncols=2, loc="lower right", borderpad=0.2)
     axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
     write_along(axes, result)
     return axes
@@ -131,7 +136,7 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     if result.eq is not None:
         axes.plot(along(result, result.eq)[telling(result)], off, ".", ms=3.5, color=_INK["eq"])
     reach = max(4.0, 1.1 * float(np.abs(off).max(initial=0.0)))
-    axes.set(ylabel="EQ - ME\n(std. errors)", ylim=(-reach, reach))
+    axes.set(ylabel="EQ − ME\n(std. errors)", ylim=(-reach, reach))
     write_along(axes, result)
     return axes
 
@@ -165,6 +170,30 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
         own.set_ylim(0.0, 1.05 * float(curve.atom_weights.max()))
         own.yaxis.set_major_formatter("{x:g}")
     return axes
+
+
+def _final(result: Result) -> ThresholdCurve | None:
+    """The law of old contacts, where they age and the scene's text alone says what it is."""
+    ageing = result.asked.contacts.ageing
+    if ageing is None or ageing["final"].get("kind") in _ELSEWHERE or "file" in ageing["final"]:
+        return None
+    return sample_curve(laws.build(laws.THRESHOLDS, ageing["final"], "contacts.ageing.final", Path()))
+
+
+def _plot_final(axes: "Axes", new: ThresholdCurve, final: ThresholdCurve) -> None:
+    """What the thresholds of new contacts become, dashed beside them."""
+    shown = np.isfinite(final.density)
+    if not final.density[shown].any() or not np.isfinite(new.density).all() or axes.get_yscale() == "log":
+        return
+    (line,) = axes.get_lines()
+    line.set_label("new")
+    axes.plot(final.x[shown], final.density[shown], color=_INK["thresholds"], lw=1.2, ls="--", label="final")
+    first, last = (ends for ends in zip(_reach(new), _reach(final), strict=True))
+    axes.set_xlim(min(first), max(last))
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, max(top, heights(final, final.density).top))
+    Lengths.of(max(last), _in_metres(new)).write(axes.xaxis, "threshold $x$")
+    axes.legend(fontsize="small")
 
 
 def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":

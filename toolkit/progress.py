@@ -1,4 +1,5 @@
-"""Progress bars that appear only once a run has lasted a second; in a log file, or under mpirun, ten."""
+"""Progress of long runs: in a terminal a bar, once they have lasted a second; in a log file, or under mpirun, a line
+after ten seconds and then every thirty. Both count the time from the start."""
 
 import math
 import sys
@@ -7,6 +8,9 @@ import time
 from typing import Any
 
 _PATIENCE, _LOG_PATIENCE = 1.0, 10.0
+_LOG_PACE = 30.0
+_PACE = 0.1
+_NOT_YET = 1e-9  # that a bar is not drawn before it knows when it began
 
 
 class Progress:
@@ -15,21 +19,41 @@ class Progress:
     def __init__(self) -> None:
         self._begun = time.monotonic()
         self._bar: Any = None
-        self._patience = _PATIENCE if sys.stderr.isatty() else _LOG_PATIENCE
+        self._terminal = sys.stderr.isatty()
+        self._next = self._begun + (_PATIENCE if self._terminal else _LOG_PATIENCE)
+        self._first: tuple[float, int] | None = None
 
     def __call__(self, done: int, expected: int) -> None:
-        if self._bar is None:
-            if done >= expected or time.monotonic() - self._begun < self._patience:
-                return
-            from tqdm import tqdm
-
-            pace = 0.1 * self._patience
-            shown = {"unit": " contacts", "unit_scale": True, "mininterval": pace}
-            self._bar = tqdm(leave=False, total=expected, initial=done, **shown)
-        self._bar.total = expected
-        self._bar.update(done - self._bar.n)
+        now = time.monotonic()
+        if self._first is None:
+            self._first = now, done
+            self._next = max(self._next, now + _PATIENCE)  # a first block does not tell the pace
         if done >= expected:
             self.close()
+            self._first = None  # of the next scene
+        elif self._bar is not None:
+            self._bar.total = expected
+            self._bar.update(done - self._bar.n)
+        elif now >= self._next and self._terminal:
+            from tqdm import tqdm
+
+            shown = {"unit": " contacts", "unit_scale": True, "mininterval": _PACE}
+            self._bar = tqdm(leave=False, total=expected, initial=done, delay=_NOT_YET, **shown)
+            self._bar.start_t -= now - self._begun
+            self._bar.initial = self._first[1]
+            self._bar.refresh()
+        elif now >= self._next:
+            self._next = now + _LOG_PACE
+            _log(self._line(now, done, expected))
+
+    def _line(self, now: float, done: int, expected: int) -> str:
+        """What there is to tell in words."""
+        begun, before = self._first or (now, done)
+        said = f"eq: {done:,} of {expected:,} contacts ({done / expected:.0%}) after {_clock(now - self._begun)}"
+        if done == before:
+            return said
+        pace = (done - before) / (now - begun)
+        return f"{said}, {pace:.3g} a second, {_clock((expected - done) / pace)} left"
 
     def close(self) -> None:
         """Take the bar away."""
@@ -46,7 +70,6 @@ class Refinement:
         self._tolerance = tolerance
         self._first = self._best = math.inf
         self._bar: Any = None
-        self._patience = _PATIENCE if sys.stderr.isatty() else _LOG_PATIENCE
         self._done = threading.Event()
         self._ticking = threading.Thread(target=self._tick, daemon=True)
         self._ticking.start()
@@ -57,16 +80,23 @@ class Refinement:
         self._best = min(self._best, error)
 
     def _tick(self) -> None:
-        begun = time.monotonic()
-        while not self._done.wait(self._patience):
+        begun, terminal = time.monotonic(), sys.stderr.isatty()
+        wait, pace = (_PATIENCE, _PATIENCE) if terminal else (_LOG_PATIENCE, _LOG_PACE)
+        while not self._done.wait(wait):
+            wait = pace
+            said = f"error {self._best:.1e} of {self._tolerance:.1e} asked"
+            said = said if math.isfinite(self._best) else "no error estimate yet"
+            if not terminal:
+                _log(f"master equation: {said}, after {_clock(time.monotonic() - begun)}")
+                continue
             if self._bar is None:
                 from tqdm import tqdm
 
                 form = "master equation: {bar} {postfix}, {elapsed}"
-                self._bar = tqdm(leave=False, total=1.0, bar_format=form, mininterval=0.0)
+                self._bar = tqdm(leave=False, total=1.0, bar_format=form, mininterval=0.0, delay=_NOT_YET)
                 self._bar.start_t -= time.monotonic() - begun
-            self._bar.n, said = self._share(), f"error {self._best:.1e} of {self._tolerance:.1e} asked"
-            self._bar.set_postfix_str(said if math.isfinite(self._best) else "no error estimate yet")
+            self._bar.n = self._share()
+            self._bar.set_postfix_str(said)
 
     def _share(self) -> float:
         if not math.isfinite(self._first) or self._first <= self._tolerance:
@@ -79,3 +109,13 @@ class Refinement:
         self._ticking.join()
         if self._bar is not None:
             self._bar.close()
+
+
+def _log(line: str) -> None:
+    print(f"mesofriction: {line}", file=sys.stderr, flush=True)
+
+
+def _clock(seconds: float) -> str:
+    """Hours, minutes and seconds."""
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"

@@ -38,13 +38,18 @@ def communicator(launch: Launch) -> Any:
             from mpi4py import MPI
     except (ImportError, RuntimeError) as error:
         raise InputError(
-            f"mpirun: started {launch.size} ranks, but mpi4py cannot be imported ({error}); install "
-            "mesofriction[mpi], or run without mpirun"
+            f"{launch.by}: started {launch.size} ranks, but mpi4py cannot be imported ({error}); install it against "
+            f"the MPI that is there (docs/clusters.md), or the extra [mpi], or run without {launch.by}"
         ) from error
     if MPI.COMM_WORLD.Get_size() < launch.size:
+        cure = "use the mpirun that belongs to mpi4py's MPI, or build mpi4py against this one"
+        if launch.by == "srun":
+            cure = (
+                "say how Slurm is to connect them, srun --mpi=pmix or --mpi=pmi2 (srun --mpi=list tells which there "
+                "are), and build mpi4py against the cluster's own MPI (docs/clusters.md)"
+            )
         raise InputError(
-            f"mpirun: started {launch.size} ranks, but mpi4py's MPI connects {MPI.COMM_WORLD.Get_size()}; use the "
-            "mpirun that belongs to mpi4py's MPI, or build mpi4py against this one"
+            f"{launch.by}: started {launch.size} ranks, but mpi4py's MPI connects {MPI.COMM_WORLD.Get_size()}; {cure}"
         )
     return MPI.COMM_WORLD
 

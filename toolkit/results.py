@@ -232,14 +232,17 @@ class Result:
         `path`, `force`, `holding`, `force_standard_error` and `step_error` (lengths), `holding_standard_error`, each of
         shape (n,);
         `histograms`, of eq_model.histogram.Histogram, each read when it is asked for; `contacts` followed, `breaks`,
-        `breaks_per_rank`, `success`, `message`, `run_time`, `compile_time`. None where not asked for.
+        `breaks_per_rank`, `success`, `message`, `run_time`, `compile_time`. A run that went on from a checkpoint counts
+        the `run_time` of all launches, each its slowest rank's, and the breaks of the earlier ones on rank 0: a note
+        says so. None where not asked for.
     time : array of shape (n,)
         When each point of the path is reached, s for a surface, else in the scene's own unit; empty without a path.
     sweep : SweepRecord or None
         F_k, what holds and K* along speeds, temperatures, rates of ageing or delays: toolkit.sweeping.SweepRecord. None
         where not asked for.
     notes : tuple of str
-        What to keep in mind of the thresholds: where samples, surface or load strain them.
+        What to keep in mind: where samples, surface or load strain the thresholds, what makes a run hopeless, that it
+        went on from a checkpoint.
     interface : dict or None
         For a rough surface, its contacts in SI units: a Number (`value`, `error`, `unit`) by name.
     """

@@ -9,6 +9,7 @@ import numpy as np
 
 import toolkit
 from origins.contacts import Contacts
+from origins.errors import InputError
 from toolkit import laws
 from toolkit.folders import check_folder
 from toolkit.interfaces import of_interface, remarks
@@ -106,9 +107,9 @@ def solve(
         with closing(refining(scene.master.tolerance)) if refining is not None else nullcontext() as refined:
             master = solve_master(scene, scene.master.tolerance, refined)
     sweep = None if scene.sweep is None else solve_sweep(scene.contacts, scene.sweep)
-    eq, finished = None, True
+    eq, finished, before = None, True, 0
     if scene.eq is not None:
-        eq, finished = _simulate(scene, scene.eq, comm, progress, kept)
+        eq, finished, before = _simulate(scene, scene.eq, comm, progress, kept)
     result = Result(
         name=scene.name,
         title=scene.title,
@@ -120,7 +121,7 @@ def solve(
         eq=eq,
         notes=(
             *(*remarks(law), *numerical_only(law), *foreseen(scene)),
-            *(*_beside(scene), *_all_hold(scene, master, eq)),
+            *(*_all_hold(scene, master, eq), *_went_on(before)),
         ),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
@@ -129,7 +130,14 @@ def solve(
 
 
 def foreseen(scene: Scene) -> list[str]:
-    """What to tell before a run: a spring that seems to be in N/m, where a surface knows contacts' stiffness."""
+    """What to tell before a run: springs that are hardly meant, temperatures at which contacts hold nothing, stretches
+    beyond nearly all thresholds, and what the numbers of the surface leave out of the contacts."""
+    contacts = scene.contacts
+    return [*_too_stiff(scene), *_too_hot(contacts), *_too_far(contacts), *_left_out(contacts)]
+
+
+def _too_stiff(scene: Scene) -> list[str]:
+    """A spring that seems to be in N/m, where a surface knows contacts' stiffness."""
     interface, drive = scene.contacts.interface, scene.given_drive
     if interface is None or drive is None or drive.spring is None or drive.spring <= 1.0:
         return []
@@ -165,13 +173,6 @@ def _all_hold(scene: Scene, master: Solved | None, eq: Simulated | None) -> list
     return [
         f"no contact breaks on this path{to_within}: it reaches {reach:.2g} <x_s>, and sliding takes several"
     ]
-
-
-def _beside(scene: Scene) -> list[str]:
-    """Temperatures at which contacts hold nothing, stretches beyond nearly all thresholds, and what the numbers of the
-    surface leave out of the contacts."""
-    contacts = scene.contacts
-    return _too_hot(contacts) + _too_far(contacts) + _left_out(contacts)
 
 
 def _too_hot(contacts: Contacts) -> list[str]:
@@ -210,19 +211,37 @@ def _left_out(contacts: Contacts) -> list[str]:
     return [f"F_k/load and the stress of the surface are those of its thresholds alone, without {', '.join(there)}"]
 
 
+def _went_on(before: int) -> list[str]:
+    """What a run that goes on tells of those before it as of itself."""
+    if not before:
+        return []
+    return [
+        f"went on from a checkpoint of {before:,} contacts: the run time of eq is that of all launches together, and "
+        "breaks_per_rank counts the earlier ones' on rank 0"
+    ]
+
+
 def solve_master(scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None) -> Solved:
-    """The master equation's answer along the scene's drive."""
+    """The master equation's answer along the scene's drive.
+
+    Raises InputError where it has none, which says so where the scene's ensemble would run without it.
+    """
     import master
 
     drive, contacts, path = scene.drive, scene.contacts, scene.path
     paced: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
     if refined is not None:
         paced["progress"] = refined
-    with laws.inside("master", {"tolerance": "tolerance"}):
-        if drive.spring is None:
-            solved: Any = master.solve(contacts, path, tolerance, **paced)
-            return ageing_record(solved) if hasattr(solved, "mass_defect") else solved
-        return soft_record(master.solve(contacts, path, tolerance, **paced, spring=drive.spring, slip=drive.slip))
+    try:
+        with laws.inside("master", {"tolerance": "tolerance"}):
+            if drive.spring is None:
+                solved: Any = master.solve(contacts, path, tolerance, **paced)
+                return ageing_record(solved) if hasattr(solved, "mass_defect") else solved
+            return soft_record(master.solve(contacts, path, tolerance, **paced, spring=drive.spring, slip=drive.slip))
+    except InputError as error:
+        if scene.eq is None or contacts.each_by_itself() is not contacts:
+            raise
+        raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
 
 
 def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ensemble":
@@ -255,7 +274,8 @@ def _simulate(
     comm: Any,
     progress: Callable[[int, int], None] | None,
     kept: "Checkpoint | None",
-) -> tuple[Simulated, bool]:
+) -> tuple[Simulated, bool, int]:
+    """The ensemble's answer, whether nothing is left to go on with, and contacts that were done before."""
     from toolkit.blocks import follow, unfinished
 
     earlier = [] if kept is None else kept.earlier()
@@ -264,4 +284,4 @@ def _simulate(
     del earlier  # the ensemble has its own of what was counted, which takes room
     with laws.inside("eq", _EQ_KEYS):
         result = follow(ensemble, progress, kept, done_before)
-    return result, not unfinished(ensemble, result)
+    return result, not unfinished(ensemble, result), done_before

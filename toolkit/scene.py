@@ -16,15 +16,16 @@ import numpy.typing as npt
 import origins
 from origins.contacts import Contacts, too_cold
 from origins.drive import Drive
-from origins.errors import InputError, check_tolerance, finite, positive, refuse, shown, whole, without_point
+from origins.errors import InputError, check_tolerance, positive, refuse, shown, whole, without_point
 from toolkit import laws
 from toolkit.driving import Speed, make_drive, sliding_speed
+from toolkit.histogram_points import histogram_points
 from toolkit.sweeping import Sweep, make_sweep
 from toolkit.toml import to_toml
 
 SHIPPED = Path(__file__).parent / "scenes"
 _FURTHEST = 1e6  # mean thresholds
-_SAME_PLACE = 1e-9  # of the furthest point
+_MEANT = 3  # names
 _EXPECTED = {
     "object": "a table",
     "array": "a list of numbers, such as [1.0, 2.0]",
@@ -72,6 +73,7 @@ class EqTable(Table, frozen=True):
     tolerance: float | None = None
     wall_time: float | None = None
     histograms: list[float] | None = None
+    histogram_times: list[float] | None = None
 
 
 class RangeTable(Table, frozen=True):
@@ -138,20 +140,10 @@ class Scene:
         return sliding_speed(self.given_drive, None if self.sweep is None else self.sweep.velocity)
 
     def histogram_points(self) -> npt.NDArray[np.intp]:
-        """Indices of the path's points at the positions that eq.histograms names, each time the slider is there.
-
-        Raises InputError for a position that is none of the path's points.
-        """
-        found: list[npt.NDArray[np.intp]] = []
-        close = _SAME_PLACE * float(np.abs(self.path).max())
-        for k, position in enumerate((self.eq and self.eq.histograms) or ()):
-            away = np.abs(self.path - finite(f"eq.histograms[{k}]", position))
-            if away.min() > close:
-                nearest = np.unique(self.path[np.argsort(away, kind="stable")[:2]])
-                near = " and ".join(f"{x:.12g}" for x in nearest)
-                refuse(f"eq.histograms[{k}]", position, f"is none of the path's points; near it are {near}")
-            found.append(np.flatnonzero(away <= close))
-        return np.unique(np.concatenate(found)) if found else np.empty(0, np.intp)
+        """Indices of the path's points that eq.histograms and eq.histogram_times name. Raises InputError for others."""
+        if self.eq is None:
+            return np.empty(0, np.intp)
+        return histogram_points(self.drive, self.eq.histograms, self.eq.histogram_times)
 
     def only_forward(self, what: str) -> "Scene":
         """Itself, if its slider is rigid and moves forward; InputError with the name of `what` takes no other."""
@@ -202,10 +194,12 @@ def _find(scene: object) -> Path:
     if file.is_dir():
         refuse("scene", str(scene), "is a folder; name a scene file in it")
     if not file.is_file():
-        shipped = shipped_scenes()
-        close = get_close_matches(file.stem, shipped, n=1)
-        meant = f"; did you mean {close[0]}? Shipped" if close else ": those"
-        refuse("scene", str(scene), f"no such file, and no shipped scene{meant} are {', '.join(shipped)}")
+        beside = {other.stem: str(other) for other in file.parent.glob("*.toml")}
+        names = sorted({*beside, *shipped_scenes()})
+        close = [beside.get(name, name) for name in get_close_matches(file.stem, names, n=_MEANT)]
+        meant = f"; did you mean {' or '.join(close)}?" if close else ";"
+        told = "`mesofriction scenes` lists those that are shipped"
+        refuse("scene", str(scene), f"no such file, and no shipped scene{meant} {told}")
     return file
 
 
@@ -313,6 +307,8 @@ def _explain(message: str, tables: Mapping[str, Any]) -> str:
     elif other and other[1] in _EXPECTED:
         rule = f"must be {_EXPECTED[other[1]]}"
         rule += without_point(value, least=0) if other[1] == "int" else ""
+    if keys[-1:] == ["wall_time"]:
+        rule = "must be a number of seconds, such as 3600.0"
     text = str(value).lower() if isinstance(value, bool) else shown(value)
     return f"{'.'.join(keys)} = {text}: {rule}"
 

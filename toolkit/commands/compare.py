@@ -1,6 +1,7 @@
 """mesofriction compare SCENE...: how prone to stick-slip each scene is, as one table and one picture."""
 
 import argparse
+from contextlib import closing, nullcontext
 from dataclasses import asdict, fields
 from typing import Any
 
@@ -17,6 +18,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print the table; write compare.png, compare.txt and compare.json; 1 where a solver missed its tolerance."""
     from origins.errors import refuse
     from toolkit.comparing import compare, naming, table
+    from toolkit.compiling_notice import CompilingNotice
     from toolkit.files import write_json
     from toolkit.folders import check_folder, write_folder
     from toolkit.progress import Progress
@@ -33,7 +35,8 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))
     first = comm is None or comm.Get_rank() == 0
-    verdicts = compare(scenes, comm, Progress() if first else None)
+    with CompilingNotice() if first else nullcontext(), closing(Progress()) as progress:
+        verdicts = compare(scenes, comm, progress if first else None)
     lines = table(verdicts)
     numbers = {"scenes": [_numbers(verdict) for verdict in verdicts]}
 

@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print each point once it is measured; write precision.png, precision.txt and precision.json."""
+    from toolkit.compiling_notice import CompilingNotice
     from toolkit.files import write_json
     from toolkit.folders import check_folder, write_folder
     from toolkit.precision import Point, precision, table, table_head, table_line
@@ -34,7 +35,8 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
             begun = True
         print(table_line(point), flush=True)
 
-    measured = precision(scene, report=show)
+    with CompilingNotice():
+        measured = precision(scene, report=show)
     lines = table(measured)
     numbers = {
         "name": measured.name,

@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from contextlib import closing
+from contextlib import closing, nullcontext
 from typing import Any
 
 _FELT, _APART = 0.3, 6.0  # of a standard error, and so many of them
@@ -29,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Run, report, write; 1 where a solver did not reach its tolerance (the results are written all the same)."""
+    from toolkit.compiling_notice import CompilingNotice
     from toolkit.progress import Progress, Refinement
     from toolkit.running import foreseen, open_checkpoint, solve, write
     from toolkit.scene import load_scene
@@ -37,22 +38,16 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     first = comm is None or comm.Get_rank() == 0
     for note in foreseen(scene) if first else []:
         print(f"mesofriction: {note}", file=sys.stderr, flush=True)
+    notice = CompilingNotice() if first else nullcontext()
+    folder = arguments.out or f"{scene.name}-output"
     if arguments.dry_run:
-        from toolkit.forecast import forecast, lines, pilot, pilot_lines
-
-        told = [scene.title or scene.name]
-        if scene.master is not None:
-            told += pilot_lines(pilot(scene))
-        if scene.sweep is not None:
-            told.append(f"sweep           {scene.sweep.velocity.size:,} points; their time is not foreseen")
-        if scene.eq is not None:
-            told += lines(forecast(scene, comm))
+        with notice:
+            told = _foretold(scene, folder, comm)
         print("\n".join(told))
         return 0
-    folder = arguments.out or f"{scene.name}-output"
     # refused before the work, not after it
     kept = open_checkpoint(folder, scene, comm, arguments.checkpoint)
-    with closing(Progress()) as progress:
+    with notice, closing(Progress()) as progress:
         result, finished = solve(scene, comm, progress if first else None, kept, Refinement if first else None)
     for line in report(result):
         print(line)
@@ -62,6 +57,23 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
         if answer is not None and not answer.success and first:
             print(f"mesofriction: {name}: {answer.message}", file=sys.stderr)
     return 0 if result.success else 1
+
+
+def _foretold(scene: Any, folder: str, comm: Any) -> list[str]:
+    """What a run of the scene into this folder will take, in lines."""
+    from toolkit.checkpoint import Checkpoint
+    from toolkit.forecast import forecast, lines, pilot, pilot_lines
+
+    told = [scene.title or scene.name]
+    # one of another scene is refused, as the run would
+    done = sum(state.contacts for state in Checkpoint(folder, scene, comm).earlier()) if scene.eq is not None else 0
+    if scene.master is not None:
+        told += pilot_lines(pilot(scene))
+    if scene.sweep is not None:
+        told.append(f"sweep           {scene.sweep.velocity.size:,} points; their time is not foreseen")
+    if scene.eq is not None:
+        told += lines(forecast(scene, comm, done))
+    return told
 
 
 def report(result: Any) -> list[str]:
