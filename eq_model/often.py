@@ -5,10 +5,10 @@ import numpy as np
 from origins import Contacts, Drive, GrainContact
 from origins.errors import InputError
 
-_MOST = 1e11  # breaks of one contact: minutes
+_MOST = 1e9  # breaks of one contact: minutes, and nobody can stop it in between
 _REACH, _TRAVEL = 5e5, 4e9  # in mean thresholds: of sums of whole numbers
 _COUNT = 256
-_STEPS = 1e10  # of one contact: minutes too
+_STEPS = 1e9  # of one contact: minutes too
 
 
 def duration(drive: Drive) -> float:
@@ -20,7 +20,7 @@ def duration(drive: Drive) -> float:
 
 def check_steps(contacts: Contacts, drive: Drive, longest: float) -> float:
     """Steps that a threshold takes at most that diffuses, `longest` (a time) those near the stretch that it must not
-    meet. InputError where on the whole drive it takes more than 1e10 elsewhere, too."""
+    meet. InputError where on the whole drive it takes more than 1e9 elsewhere, too."""
     ageing = contacts.ageing
     if ageing is None:
         return 0.0
@@ -53,7 +53,7 @@ def check_growth(contacts: Contacts, drive: Drive, reach: float) -> None:
 
 def check_often(contacts: Contacts, drive: Drive) -> float:
     """How often a contact breaks at a temperature, or one that grows breaks or comes near to it; InputError where a
-    contact is to break more than 1e11 times on the drive."""
+    contact is to break more than 1e9 times on the drive."""
     thermal, lasts = contacts.thermal, duration(drive)
     if contacts.grains is not None:
         pins = _pins(contacts.grains, drive)
@@ -74,7 +74,7 @@ def check_often(contacts: Contacts, drive: Drive) -> float:
 
 
 def _pins(grains: GrainContact, drive: Drive) -> float:
-    """How often a grain pins anew while the slider moves; InputError where more than 1e11 times."""
+    """How often a grain pins anew while the slider moves; InputError where more than 1e9 times."""
     path, growth = np.append(0.0, drive.path), grains.growth
     moved = np.abs(np.diff(path))
     lasts = moved / drive.velocity if drive.time is None else np.diff(drive.time, prepend=0.0)
