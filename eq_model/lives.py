@@ -12,7 +12,7 @@ from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
 from eq_model.histogram import BINS, Histogram, Made, histogram
 from eq_model.lattice import Whole, joined, split
-from eq_model.often import check_steps, duration
+from eq_model.often import check_growth, check_steps, duration
 from eq_model.rare import unseen_break
 from eq_model.tally import Counts, Tally
 from eq_model.thermal_tables import growth_tables, law_for_kernel
@@ -161,6 +161,7 @@ class Lives:
             self._differ = max(usual**2 - 1.0, 0.0)
         # a bin holds births as well as breaks
         exact = contacts.thresholds.atoms[0].size > 0
+        check_growth(contacts, drive, min(longest, span[-1] + furthest))
         self.course = make_course(drive, table.scale, 2.0 * min(longest, span[-1] + furthest) * stiffest, exact)
         unit = self.course.lattice.unit
         beginning.compile(unit)

@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from origins import Contacts, Drive
+from origins import Contacts, Drive, GrainContact
 from origins.errors import InputError
 
 # of one contact, which is followed in one go: some ten seconds, in which no interrupt is heard
 _MOST = 3e7  # breaks
 _STEPS = 3e7
+_REACH, _TRAVEL = 5e5, 4e9  # in mean thresholds: of sums of whole numbers
 _COUNT = 256
 
 
@@ -38,15 +39,28 @@ def check_steps(contacts: Contacts, drive: Drive, longest: float) -> float:
     return most
 
 
+def check_growth(contacts: Contacts, drive: Drive, reach: float) -> None:
+    """InputError where the way, or the stretch that contacts may `reach`, is far beyond the thresholds that grains have
+    at X = 0."""
+    grains, mean = contacts.grains, contacts.mean_threshold
+    travel = float(np.abs(np.diff(drive.path, prepend=0.0)).sum())
+    if grains is not None and (reach > _REACH * mean or travel > _TRAVEL * mean):
+        raise InputError(
+            f"B = {grains.growth.B:g}: at the age of {grains.age:g} grains hold up to stretches of {mean:.1g}, and on "
+            f"a way of {travel:.1g} they come to bear {reach:.1g}; the ensemble follows them up to {_REACH:.0e} of the "
+            f"first, along {_TRAVEL:.0e}: is B in the path's unit of length, and time in alpha's?"
+        )
+
+
 def check_often(contacts: Contacts, drive: Drive) -> float:
-    """How often a contact breaks at a temperature, or a grain's comes near to it; InputError where a contact is to
-    break more than 3e7 times on the drive."""
-    thermal = contacts.thermal
+    """How often a contact breaks at a temperature, or one that grows breaks or comes near to it; InputError where a
+    contact is to break more than 3e7 times on the drive."""
+    thermal, lasts = contacts.thermal, duration(drive)
+    if contacts.grains is not None:
+        pins = _pins(contacts.grains, drive)
+        return pins if thermal is None else max(pins, thermal.attempt_frequency * lasts)
     if thermal is None:
         return 0.0
-    lasts = duration(drive)
-    if contacts.grains is not None:
-        return thermal.attempt_frequency * lasts
     thresholds = contacts.thresholds.ppf((np.arange(_COUNT) + 0.5) / _COUNT)
     # relaxed contacts bear most: the others do not hold as long
     with np.errstate(over="ignore"):
@@ -58,3 +72,23 @@ def check_often(contacts: Contacts, drive: Drive) -> float:
             "way, one after the other; take a shorter or faster drive, or the master equation"
         )
     return often
+
+
+def _pins(grains: GrainContact, drive: Drive) -> float:
+    """How often a grain pins anew while the slider moves; InputError where more than 3e7 times."""
+    path, growth = np.append(0.0, drive.path), grains.growth
+    moved = np.abs(np.diff(path))
+    lasts = moved / drive.velocity if drive.time is None else np.diff(drive.time, prepend=0.0)
+    first, moves = growth.first_pinning_time, (moved > 0.0) & (lasts > 0.0)
+    # a threshold is at most about alpha (time)^(1/3) / B^(1/2)
+    speed = moved[moves] / lasts[moves]
+    with np.errstate(over="ignore"):
+        holds = (growth.alpha / (np.sqrt(growth.B) * speed)) ** 1.5
+    pins = float((lasts[moves] / (first + holds)).sum())
+    if pins > _MOST:
+        raise InputError(
+            f"alpha = {growth.alpha:g}: grains pin {first:.1g} after they broke, so on the way, which takes "
+            f"{duration(drive):.1g}, each pins and breaks about {pins:.0e} times; take a shorter or slower drive, or "
+            "another unit of time"
+        )
+    return pins

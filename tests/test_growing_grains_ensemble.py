@@ -9,6 +9,7 @@ from eq_model import grain_kernel
 from eq_model.course import make_course
 from eq_model.thermal_tables import law_for_kernel
 from origins import Contacts, Drive, Thermal, growing_grains
+from origins.errors import InputError
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
 FIRST = GRAINS.growth.first_pinning_time
@@ -86,3 +87,19 @@ def test_thresholds_seen_in_the_ensemble_are_those_of_their_age() -> None:
         share = np.cumsum(seen.thresholds * np.diff(seen.threshold_edges))
         assert np.abs(share - GRAINS.growth.thresholds(age).cdf(seen.threshold_edges[1:])).max() < 1.95 / np.sqrt(n)
     assert found.breaks == 0
+
+
+@pytest.mark.parametrize(
+    ("alpha", "density", "age", "to", "time", "match"),
+    [
+        (1.0, 1e30, 1.0, 2.0, 1.0, r"B = 1e\+30: .* hold up to stretches of 5e-16, and on a way of 2 "),
+        (1e30, 1e30, 1e-89, 2.0, 1e90, r"B = 1e\+30: at the age of 1e-89 .* come to bear 2; .*time in alpha's\?"),
+        (1.0, 1.0, 1e60, 1e20, 1e12, r"alpha = 1: grains pin 0.3 after they broke, .* about 3e\+12 times"),
+    ],
+)
+def test_other_units_are_told_by_what_has_them(
+    alpha: float, density: float, age: float, to: float, time: float, match: str
+) -> None:
+    contacts = Contacts(growing_grains(alpha, density, age=age))
+    with pytest.raises(InputError, match=match):
+        eq_model.simulate(contacts, [0.5 * to, to], time=[0.5 * time, time], n_contacts=10)
