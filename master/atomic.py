@@ -40,9 +40,9 @@ class AtomicChain:
         released = (weights * release.force_at(law.atoms)).ravel()
         stretch = np.tile(law.atoms - release.delay + release.birth, self.births.size)
         self._release = release
-        self.count = Tally(None, positions, weights.ravel(), stretch)
-        self._softened = Tally(None, positions, (weights * release.stiffness_at(law.atoms)).ravel(), stretch)
-        self._released = Tally(None, positions, released, stretch)
+        self.count = Tally(None, positions, weights.ravel(), stretch, _SAME)
+        self._softened = Tally(None, positions, (weights * release.stiffness_at(law.atoms)).ravel(), stretch, _SAME)
+        self._released = Tally(None, positions, released, stretch, _SAME)
 
     def _follow(self, law: Law, end: float) -> None:
         """Births from births, a window as wide as the smallest atom at a time: nothing in it follows from itself."""

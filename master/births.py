@@ -18,6 +18,7 @@ Array = npt.NDArray[np.float64]
 
 _ACCURACY, _BY_A_RATE = 1e-14, 1e-11
 _FELT = 1e-13
+_SOME, _NONE = 0.5, 1e-20  # of the way to the furthest birth; of the contacts
 
 
 def standing(contacts: Contacts, unit: float) -> tuple[float, float]:
@@ -57,8 +58,19 @@ def born(contacts: Contacts, unit: float, breaking: "Breaking | None", law: Thre
     from master.origin_breaks import OriginBreaks
 
     breaking = breaking.of(law_of)
-    end = (breaking.top - law_of.span[0]) / unit
+    end = (min(breaking.top, _furthest(again, breaking, law)) - law_of.span[0]) / unit
     return OriginBreaks(again, Law(again, np.inf, law, unit), breaking, end, _BY_A_RATE)
+
+
+def _furthest(again: Contacts, breaking: "Breaking", law: Thresholds) -> float:
+    """Stretch that next to none of these contacts passes: one that sums over all thresholds pass may be any number of
+    times as far."""
+    far, mean = max(law.support()[1], *np.abs(again.start.span)), again.start.mean()
+    origins = mean + np.array([-_SOME, 0.0, _SOME]) * (np.array([mean, mean, mean]) - again.start.span[0])
+    held = np.maximum(again.thresholds.sf(np.abs(origins)), 1e-300)
+    while far < breaking.top and (breaking.rows(np.full(3, far), origins)[1] > _NONE * held).any():
+        far *= 2.0
+    return float(far)
 
 
 class TravelLaw(Thresholds):

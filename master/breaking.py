@@ -182,6 +182,7 @@ class CohortBreaks(FirstBreaks):
         self.mean_start = direction * sum(cohort.held(law, turn)[1] for cohort in cohorts)
         atoms = [(np.empty(0),) * 3, *(standing.atoms() for standing in self._standing)]
         self.atoms, self.atom_weights, self.atom_released = (np.concatenate(part) for part in zip(*atoms, strict=True))
+        self._atom_stretch = np.zeros(self.atoms.size)  # travels beside a drop are told from it by themselves
         seeds = np.unique(np.concatenate([[0.0], *[standing.seeds(end) for standing in self._standing]]))
         self.seeds = seeds[np.append(True, np.diff(seeds) > 1e-13)]
         self.density, self._released = self._tables(step)

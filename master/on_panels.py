@@ -120,12 +120,15 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
             error = max(left(changes, found.lacks), _UNREAD * unread(found, asked, unit))
             error = max(error, unsure(found, asked, drive.path, torn) / unit)
             error += rounding + ROUND_OFF * (1.0 + count) + lives.error
+        if len(raw) == 2 and not lost:
+            # what is extrapolated is better than that, but nothing tells by how much if nothing finer follows
+            error = left([float(np.abs(raw[1] - raw[0])[0].max()) / unit], found.lacks) + lives.error
         progress(error)
-        if best is None or error < best.error or len(changes) == 2:
+        if best is None or error < best.error or len(changes) == 2 or len(raw) == 3:
             best = Found(answer[0, : asked.size], answer[1, : asked.size], error, count, found, "")
         more = worked + found.work * _FINER**2
         # the panels that matter may be the same in the first two answers
-        known = len(changes) != 1 or changes[0] > _SLIGHT * found.lacks
+        known = len(raw) != 2 and (len(changes) != 1 or changes[0] > _SLIGHT * found.lacks)
         if known and (best.error <= tolerance or error < _HARDLY * lives.error):
             break
         stuck = torn is not None and level > 1 and best.error > _TORN
@@ -133,7 +136,7 @@ def follow(contacts: Contacts, drive: Drive, tolerance: float, progress: Progres
             break
         fine *= _FINER
     assert best is not None
-    return replace(best, message=_words(best, tolerance, lives.error, torn))
+    return replace(best, message=_words(best, tolerance, lives.error, torn, lost))
 
 
 def left(changes: list[float], lacks: float) -> float:
@@ -179,7 +182,9 @@ def _torn(course: list[Piece], sharp: list[Jump] | None) -> Jump | None:
     return next(unsure, None)
 
 
-def _words(found: Found, tolerance: float, known: float, torn: Jump | None) -> str:
+def _words(found: Found, tolerance: float, known: float, torn: Jump | None, lost: bool) -> str:
+    if not np.isfinite(found.error) and not lost:
+        return "to follow all contacts in more detail takes minutes, so that no error is known; end the path sooner"
     if not np.isfinite(found.error):
         return "breaks at exact thresholds come at more times than can be followed; give the values a width"
     reached = f"error estimate {found.error:.1e} with {found.nodes} steps in time, above the tolerance {tolerance:.1e}"

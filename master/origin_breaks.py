@@ -75,7 +75,7 @@ class OriginBreaks(FirstBreaks):
             bend = np.zeros(1 if breaking.bends_at_zero else 0)
             self._cuts = np.unique(np.concatenate([law.inner_edges(self._sum.widest), marks, bend]))
             if isinstance(breaking, ThermalBreaking | PaperBreaking):
-                self._spread = SpreadBreaks(breaking, self._sum, law, np.append(marks, bend), self._accuracy)
+                self._spread = SpreadBreaks(breaking, self._sum, law, np.append(marks, bend), self._accuracy, end)
                 self._cuts = self._spread.cuts
         top = min(end, breaking.top / unit - low)
         seeds = np.unique(seeds[(seeds > 0.0) & (seeds <= top)])

@@ -23,7 +23,7 @@ Array = npt.NDArray[np.float64]
 _BRACKETS = 12
 _TOGETHER = 1e-8  # of X: no further apart are points on both sides of a jump
 _ZOOMS = 12
-_JUST_BESIDE = 1e-12
+_JUST_BESIDE = 2e-12
 _BESIDE_ERROR = 4e-12
 _FEW, _TURNS = 1e-6, 8
 _BROAD, _LIVES = 1e4, 2.0
@@ -180,7 +180,7 @@ def _extremes(problem: Problem, tolerance: float) -> tuple[float, float, float, 
     drops = problem.chain.weights.size > 0 or bool(at_once.any())
     if problem.law.atomic and problem.first.single and problem.chain.births.size:
         at = problem.chain.births
-        before = at * (1.0 - _JUST_BESIDE)
+        before = at - _beside(problem, at)
         force = problem.known(before) + (at - before) - problem.chain.released(before)
         return np.inf, 0.0, float(force.max()), floor
     begin = 0.0 if problem.contacts.ageing is None else tolerance
@@ -221,10 +221,16 @@ def _largest(problem: Problem, later: LaterReleased, begin: float) -> tuple[Arra
 
     nodes = later.lattice.step * np.arange(1, int(end / later.lattice.step))
     jumps = np.concatenate([first.jumps, first.density.edges, problem.chain.births])
-    beside = np.concatenate([jumps * (1.0 - _JUST_BESIDE), jumps * (1.0 + _JUST_BESIDE), [0.0, end]])
+    apart = _beside(problem, jumps)
+    beside = np.concatenate([jumps - apart, jumps + apart, [0.0, end]])
     x = np.unique(np.concatenate([nodes[nodes > begin], beside[(beside > begin) & (beside <= end)], [begin]]))
     (spring, at_spring), (static, at_static) = _maximum(fall, x), _maximum(force, x)
     return np.array([spring, static]), np.array([at_spring, at_static])
+
+
+def _beside(problem: Problem, x: Array) -> Array:
+    """How far from x what breaks there at exact thresholds has not broken yet."""
+    return _JUST_BESIDE * np.maximum(x, problem.law.atoms.max(initial=0.0))
 
 
 def _left(problem: Problem, last: float, before: float) -> float:

@@ -14,6 +14,7 @@ from master.cycle import LAWS, Cycle
 from master.effective_law import EffectiveLaw
 from master.law import Law
 from master.outcome import WELL, judged
+from master.reborn_cold import integrals
 from master.release import Release
 from master.starting import StartSum
 from origins import Contacts, InputError, Thresholds
@@ -127,6 +128,8 @@ def check_finite(contacts: Contacts) -> None:
 
 def steady_of(contacts: Contacts, cycle: Cycle) -> SteadyState:
     """The same, of contacts whose cycle is known, after `check_finite`."""
+    if contacts.reforming is not None and cycle.breaking is None:
+        return _steady(contacts, cycle, _reborn_cold(contacts, cycle))
     if contacts.reforming is not None and summable(contacts):
         known = _summed(contacts, cycle)
         if not np.isfinite(known[1]):
@@ -179,6 +182,13 @@ def _steady(contacts: Contacts, cycle: Cycle, known: tuple[float, float, float, 
         _contacts=contacts,
         _cycle=cycle,
     )
+
+
+def _reborn_cold(contacts: Contacts, cycle: Cycle) -> tuple[float, float, float, float]:
+    """Force, C and their errors (lengths) of contacts that form again at T = 0."""
+    (length, area), (length_off, area_off) = (part.tolist() for part in integrals(contacts, cycle.births))
+    force = area / (length + cycle.wait)
+    return force, (area_off + abs(force) * length_off) / (length + cycle.wait), length, length_off
 
 
 def _summed(contacts: Contacts, cycle: Cycle) -> tuple[float, float, float, float]:

@@ -5,19 +5,24 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from master.cut_law import SLACK
 from master.piecewise import Piecewise, tabulate
 
 Array = npt.NDArray[np.float64]
 
+_SAME = 1e-13
+
 
 class Tally:
-    """Of breaks with a density and of breaks at exact X, each with a weight, at a stretch each."""
+    """Of breaks with a density and of breaks at exact X, each with a weight, at a stretch each; what x, or the stretch,
+    misses by rounding, a share `same` of the larger, is reached."""
 
-    def __init__(self, table: Piecewise | None, atoms: Array, weights: Array, stretch: Array) -> None:
+    def __init__(
+        self, table: Piecewise | None, atoms: Array, weights: Array, stretch: Array, same: float = _SAME
+    ) -> None:
         order = np.argsort(atoms, kind="stable")
         self._table, self._atoms, self._stretch = table, atoms[order], stretch[order]
-        self._met = _met(self._atoms, self._stretch)
+        self._same = same
+        self._met = self._reached(self._atoms)
         self._sums = np.concatenate([[0.0], np.cumsum(weights[order])])
         self._moments = np.concatenate([[0.0], np.cumsum(weights[order] * self._atoms)])
 
@@ -30,7 +35,7 @@ class Tally:
 
     def once(self, x: Array, wait: float = 0.0) -> Array:
         """Sum up to x less a wait; a break right there counts."""
-        met = self._met if wait == 0.0 else _met(self._atoms + wait, self._stretch)
+        met = self._met if wait == 0.0 else self._reached(self._atoms + wait)
         found = self._sums[np.searchsorted(met, x, side="right")]
         return found if self._table is None else found + self._table.integral(x - wait)
 
@@ -42,8 +47,6 @@ class Tally:
             before = before + self._moment.integral(x)
         return x * self.once(x) - before
 
-
-def _met(atoms: Array, stretch: Array) -> Array:
-    """Where contacts have broken that do so at these places in their order, at a stretch each: what x, or the stretch,
-    misses by rounding alone is reached."""
-    return np.maximum.accumulate(atoms - SLACK * np.maximum(np.abs(atoms), stretch))
+    def _reached(self, atoms: Array) -> Array:
+        """X from which those are broken that break at these places, in their order."""
+        return np.maximum.accumulate(atoms - self._same * np.maximum(np.abs(atoms), self._stretch))

@@ -66,6 +66,8 @@ class SpreadBreaks:
         Stretches at which p may not be smooth.
     accuracy : float
         Of each panel of a table.
+    end : float
+        The furthest position asked for.
 
     Attributes
     ----------
@@ -76,7 +78,13 @@ class SpreadBreaks:
     """
 
     def __init__(
-        self, breaking: ThermalBreaking | PaperBreaking, start: StartSum, law: Law, marks: Array, accuracy: float
+        self,
+        breaking: ThermalBreaking | PaperBreaking,
+        start: StartSum,
+        law: Law,
+        marks: Array,
+        accuracy: float,
+        end: float,
     ) -> None:
         self._breaking, self._unit, self._accuracy = breaking, law.unit, max(accuracy, _LEAST)
         # narrower panels are cut out of sums where they come: such as those beside 0, which few starts pass
@@ -96,6 +104,7 @@ class SpreadBreaks:
         self._widest = (start.high - start.low) / _MOST_PARTS
         self._nodes, weights = gauss(self.edges[:-1], self.edges[1:])
         self._shares = weights * start.weight(self._nodes)
+        self._top = min(breaking.top / law.unit, end + start.high)
         self._parts: list[Part] = []
         self._split(0, self.edges.size - 1)
         if self._parts:
@@ -182,7 +191,7 @@ class SpreadBreaks:
     def _tabulate(self) -> None:
         """Tables of p from all origins on the same panels, each times the share of its part."""
         breaking, unit, parts = self._breaking, self._unit, self._parts
-        top = breaking.top / unit
+        top = self._top
         begins, ends = np.array([part.begin for part in parts]), np.cumsum([part.origins.size for part in parts])
         low = float(begins.min())
         edges = np.concatenate([self._seeds, begins, [low, top]])

@@ -5,6 +5,7 @@ import pytest
 
 import master
 import origins
+from master import on_panels
 from master.first_passage import first_passage
 from master.threshold_cells import Cells
 from origins import Ageing, Contacts, Delay, InputError, Thermal
@@ -155,3 +156,16 @@ def test_refusals() -> None:
         with pytest.raises(InputError) as refusal:
             master.solve(contacts, path, time=time)
         assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(refusal.value)
+
+
+def test_two_answers_tell_an_error_where_a_third_takes_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    contacts, path, time = Contacts(FRESH, ageing=Ageing(FINAL, 5e-3)), [0.4, 0.4], [0.4, 0.6]
+    known = master.solve(contacts, path, 1e-3, time=time)
+    assert known.success
+    monkeypatch.setattr(on_panels, "_MOST_LEVELS", 2)
+    found = master.solve(contacts, path, 1e-12, time=time)
+    assert not found.success and np.isfinite(found.force_error)
+    off = np.abs(found.force - known.force).max() / contacts.mean_threshold
+    assert off < found.force_error + known.force_error
+    monkeypatch.setattr(on_panels, "_MOST_LEVELS", 1)
+    assert "takes minutes, so that no error is known" in master.solve(contacts, path, 1e-3, time=time).message

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 import pytest
+import scipy.stats
 from moving_contacts import move
 from scipy.integrate import quad
 
@@ -235,3 +236,13 @@ def test_a_hold_without_end_leaves_thresholds_in_balance() -> None:
     assert found.success, found.message
     # on the way some ω T/v break
     assert np.abs(found.force[1:] - x * balance.sf(x) - later).max() < 3e-5
+
+
+def test_far_tails_and_births_at_many_stretches_with_next_to_no_temperature() -> None:
+    """Rates so low that none breaks by itself: as at T = 0, where tables need not reach to the strongest thresholds."""
+    laws = {"reforming": gaussian_start(0.1, 0.02)}
+    path = np.linspace(0.2, 8.0, 40)
+    warm = master.solve(Contacts(scipy.stats.lomax(2.2), thermal=Thermal("soft", 0.1, 1e-12), **laws), path, 1e-9)
+    cold = master.solve(Contacts(scipy.stats.lomax(2.2), **laws), path, 1e-10)
+    assert warm.success and cold.success
+    assert np.abs(warm.force - cold.force).max() < warm.force_error + cold.force_error + 1e-11

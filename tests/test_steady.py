@@ -152,3 +152,17 @@ def test_scale_of_lengths(scale: float) -> None:
     assert other.force_error < 1e-14
     x = np.linspace(0.0, 2.0, 101)
     assert np.allclose(other.distribution(scale * x) * scale, one.distribution(x), rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("births", [0.1, origins.gaussian_start(0.1, 0.01)], ids=["at one stretch", "at many"])
+def test_births_ahead_of_far_tails(births: object) -> None:
+    """P_c = a (1 + x)^(-a-1) beyond r is the same law, 1 + r times as wide."""
+    power, spread = 2.2, 0.0 if isinstance(births, float) else 0.01
+    once, twice = 1.1, 1.1**2 + spread**2  # means of 1 + r and of its square
+    length = once / (power - 1.0)
+    area = (twice - once) / (power - 1.0) + twice / ((power - 1.0) * (power - 2.0))
+    contacts = origins.Contacts(scipy.stats.lomax(power), reforming=births, delay=origins.Delay(0.3))
+    steady = master.steady_state(contacts)
+    unit = contacts.mean_threshold
+    assert abs(steady.cycle_length - length) < steady.cycle_length_error * unit < 1e-10
+    assert abs(steady.force - area / (length + 0.3)) < steady.force_error * unit < 1e-9
