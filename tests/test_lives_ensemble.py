@@ -149,6 +149,38 @@ def test_reported_errors_are_the_scatter_over_seeds() -> None:
         assert (scatter > low * claimed).all() and (scatter < high * claimed).all()
 
 
+@pytest.mark.parametrize(
+    ("thresholds", "reforming"),
+    [
+        (origins.gaussian(1.0, 0.05), 1.42),
+        (GAUSSIAN, 8.2),
+        (GAUSSIAN, origins.gaussian_start(2.7, 0.2)),
+        (scipy.stats.beta(1.5, 10.0), 0.95),
+    ],
+    ids=["2^-54", "1e-285", "spread", "thin end"],
+)
+def test_contacts_form_again_where_next_to_no_threshold_lies_beyond(thresholds: Any, reforming: Any) -> None:
+    contacts, path = Contacts(thresholds, reforming=reforming), np.linspace(0.0, 1.5, 7)[1:]
+    known, found = master.solve(contacts, path), eq_model.simulate(contacts, path, n_contacts=1000)
+    assert known.success and found.breaks > 10 * 1000
+    error = np.hypot(found.force_standard_error, known.force_error)
+    assert (np.abs(found.force - known.force) < 4.5 * error).all()
+
+
+@pytest.mark.parametrize(
+    ("thresholds", "reforming", "told"),
+    [
+        (GAUSSIAN, 8.5, "the survival of the thresholds is below 1e-290; use stretches .* below 8.28415"),
+        (origins.gaussian(1.0, 0.01), origins.boltzmann_reforming(0.05), "below 1e-290; use .* below 1.36"),
+        (origins.rectangular(0.5, 1.0), 1.0 - 1e-12, "half of the contacts break again within 5e-13"),
+    ],
+)
+def test_forming_again_where_no_answer_is_told(thresholds: Any, reforming: Any, told: str) -> None:
+    with pytest.raises(origins.InputError, match=f"^reforming: .*{told}") as refusal:
+        eq_model.simulate(Contacts(thresholds, reforming=reforming), [0.0, 1.0], n_contacts=10)
+    assert "\n" not in str(refusal.value) and "start" not in str(refusal.value)
+
+
 def test_the_steady_state_holds_length_biased_thresholds() -> None:
     """P_xs = x P_c/<x_s> and Q_s = S/C, once all but 2e-5 of the first contacts have broken."""
     law = origins.gw_elastic(1.0)
