@@ -30,9 +30,12 @@ USUAL = float(np.log2(DEEPEST))  # log2 of the probability beyond which tables e
 
 
 @compiled
-def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: ignore[no-untyped-def]
+def live(clock, leg, x, threshold, bears, law, a, tables, course, tie=0):  # type: ignore[no-untyped-def]
     """The break of a contact that holds at the stretch x (whole) at a moment of the clock, and can bear the integral
-    of its rate up to `bears`: clock, stretch and leg there; a clock beyond the drive's end where it holds so long."""
+    of its rate up to `bears`: clock, stretch and leg there; a clock beyond the drive's end where it holds so long.
+
+    tie : what a threshold may be away by rounding that is met where the slider turns or stops.
+    """
     begins, _, directions, paces = course
     legs = directions.size
     while leg < legs:
@@ -62,6 +65,8 @@ def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: igno
                 if law[0]:
                     own = outward(np.log(bears / pace), float(near), threshold, law, a, tables)
                 moved = max(np.int64(np.floor(own + 0.5)) - near, 0)
+                if moved > room and moved - room <= tie and leg + 1 < legs and directions[leg + 1] != d:
+                    moved = room
                 if moved <= room:
                     return clock + moved, x + d * moved, leg
                 if law[0] and leg + 1 < legs:
@@ -194,12 +199,12 @@ def run(  # type: ignore[no-untyped-def]
     many : contacts in each replica; again : table of the stretches of re-forming; tail_table : a table of the
     thresholds for contacts that form again far out, log2 of where it ends, and the stretch from which on it is needed;
     births, thresholds : negative starting stretches and first thresholds; physics : of lives.physics, whether stretches
-    of re-forming are drawn, and the one there is else. watch : moments at which contacts are counted, in order, the
+    of re-forming are drawn, the one there is else, and the tie of `live`. watch : moments at which contacts are counted, in order, the
     slider's places then, bins per unit of thresholds, and the largest threshold. sums : shape (columns * bins,),
     increased by the events of each bin;
     counts : shape (moments, 2, bins), by the contacts that hold then, by stretch of either sign and by threshold.
     """
-    law, tables, delay, stiff, mean, ageing, longest, grains, reform, single = physics
+    law, tables, delay, stiff, mean, ageing, longest, grains, reform, single, tie = physics
     hot, hot_shift, pieces, factor, sides, fine, edges, cubics = table
     deep, lowest, from_here = tail_table
     (k0, k1), many, end = key, _U(many), lattice[2]
@@ -325,7 +330,7 @@ def run(  # type: ignore[no-untyped-def]
                         if sooner <= until:
                             then, leg = sooner, other
                 else:
-                    then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course)
+                    then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course, tie)
                 while ahead[i] < moments.size and moments[ahead[i]] < then:
                     if moments[ahead[i]] >= clock[i]:
                         own = np.float64(threshold)

@@ -11,7 +11,7 @@ from eq_model.beginning import Beginning, deep_table, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
 from eq_model.histogram import BINS, Histogram, Made, histogram
-from eq_model.lattice import Whole, split
+from eq_model.lattice import TIE, Whole, split
 from eq_model.often import check_steps, duration
 from eq_model.tally import Counts, Tally
 from eq_model.thermal_tables import growth_tables, law_for_kernel
@@ -185,7 +185,7 @@ class Lives:
             _check_excess(contacts, unit)
         if spread:
             self._again = kernel_table(reforming_table(contacts), unit)
-        self._physics = (*physics(contacts, unit), spread, single)
+        self._physics = (*physics(contacts, unit), spread, single, TIE if exact else 0)
         check_steps(contacts, drive, self._physics[6][0])
         moments = self.course.lattice.points[self.course.lattice.place[points]]
         self._points, self._order = points, np.argsort(moments, kind="stable")

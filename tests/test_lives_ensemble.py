@@ -88,6 +88,26 @@ def test_a_life_is_that_of_the_plain_twin(thermal: Any, path: Any, time: Any, st
         assert found == pytest.approx(when, abs=1e-7 * clock_of[-1])
 
 
+@pytest.mark.parametrize("value", [0.3, 0.7, np.pi])
+def test_what_reaches_its_threshold_has_broken_whatever_comes_later(value: float) -> None:
+    """At a point, at a turn and where the slider stops alike, though rounding may leave it a unit short."""
+    for breaks in (1, 2, 20, 37):
+        for start in (0.0, 1.0 / 3.0, -0.2):
+            contacts, turn = Contacts(origins.identical(value), start * value), (breaks - start) * value
+            contacts, turn = Contacts(origins.identical(value), start * value), (breaks - start) * value
+            # further points, and the force at all, in thresholds: backward it breaks again one threshold away
+            for rest, force in (
+                ([], [0.0]),
+                ([-0.4], [0.0, -0.4]),
+                ([-1.0], [0.0, 0.0]),
+                ([-1.0, -0.9], [0.0, 0.0, 0.1]),
+                ([0.0, 0.1], [0.0, 0.0, 0.1]),
+            ):
+                path, time = turn + value * np.array([0.0, *rest]), np.arange(1.0, len(force) + 1.0)
+                found = eq_model.simulate(contacts, path, n_contacts=1, time=time)
+                assert np.abs(found.force - value * np.array(force)).max() < 1e-6 * value
+
+
 # -- many ---------------------------------------------------------------------------------------------------
 
 
