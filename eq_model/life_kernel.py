@@ -199,9 +199,9 @@ def run(  # type: ignore[no-untyped-def]
     many : contacts in each replica; again : table of the stretches of re-forming; tail_table : a table of the
     thresholds for contacts that form again far out, log2 of where it ends, and the stretch from which on it is needed;
     births, thresholds : negative starting stretches and first thresholds; physics : of lives.physics, whether stretches
-    of re-forming are drawn, the one there is else, and the tie of `live`. watch : moments at which contacts are counted, in order, the
-    slider's places then, bins per unit of thresholds, and the largest threshold. sums : shape (columns * bins,),
-    increased by the events of each bin;
+    of re-forming are drawn, the one there is else, and the tie of `live`. watch : moments at which contacts are
+    counted, in order, the slider's places then, bins per unit of stretches and of thresholds, and where stretches of
+    re-forming are drawn again. sums : shape (columns * bins,), increased by the events of each bin;
     counts : shape (moments, 2, bins), by the contacts that hold then, by stretch of either sign and by threshold.
     """
     law, tables, delay, stiff, mean, ageing, longest, grains, reform, single, tie = physics

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from eq_model.beginning import Beginning, deep_table, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
-from eq_model.histogram import BINS, Histogram, Made, histogram
+from eq_model.histogram import BINS, Histogram, Made, histogram, make_range
 from eq_model.lattice import TIE, Whole, split
 from eq_model.often import check_steps, duration
 from eq_model.tally import Counts, Tally
@@ -79,6 +79,15 @@ def _largest(contacts: Contacts, drive: Drive, fresh: float) -> float:
     if ageing.normal is not None:
         return max(fresh, ageing.normal.mean) + _SPREAD * ageing.normal.std
     return max(fresh, float(ageing.final.isf(DEEPEST)))
+
+
+def _typical(contacts: Contacts, longest: float) -> float:
+    """About as long as stretches and thresholds are (a length); `longest` where these grow."""
+    if contacts.grains is not None:
+        return longest
+    laws = [contacts.start, *(one.law for one in (contacts.reforming,) if one is not None)]
+    final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
+    return max(contacts.mean_threshold, final, *(abs(law.mean()) for law in laws))
 
 
 def _check_excess(contacts: Contacts, unit: float) -> None:
@@ -192,8 +201,9 @@ class Lives:
         places = np.rint(drive.path[points] / unit).astype(np.int64)[self._order]
         # stretches from here on are drawn again; a single one has thresholds beyond it
         top = last if spread and np.isfinite(contacts.thresholds.support()[1]) else np.inf
-        self._longest = longest
-        self._watch = (moments[self._order], places, BINS * unit / longest, min(top / unit, 2.0**58))
+        reach = float(span[points].max(initial=0.0)) + furthest
+        self._range = make_range(reach, longest, _typical(contacts, longest))
+        self._watch = (moments[self._order], places, self._range.per(unit), min(top / unit, 2.0**58))
         self._events = columns(self.linked) * self.course.lattice.bin_cell.size
         self._ages = contacts.ageing is not None
         self.size = self._events * (1 + self._ages)
@@ -269,10 +279,10 @@ class Lives:
 
     def histograms(self, n: int, counts: Tally) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""
-        points, path, longest, back = self._points, self.course.path, self._longest, np.argsort(self._order)
+        points, path, back = self._points, self.course.path, np.argsort(self._order)
 
         def make(index: int) -> Histogram:
             point = int(points[index])
-            return histogram(point, float(path[point]), longest, counts.at(int(back[index])), n)
+            return histogram(point, float(path[point]), self._range, counts.at(int(back[index])), n)
 
         return Made(points.size, make)

@@ -218,6 +218,24 @@ def test_the_steady_state_holds_length_biased_thresholds() -> None:
         assert scipy.stats.kstwobign.sf(distance * np.sqrt(found.count)) > 1e-3
 
 
+def test_histograms_of_wide_laws_tell_where_contacts_are() -> None:
+    """Bins are fine where most contacts are, and what lies beyond is in the last ones: all edges are told."""
+    law, n = scipy.stats.lomax(3.0), 40_000
+    run = eq_model.simulate(Contacts(law), [1e-9, 5.0], n_contacts=n, histograms=[0, 1])
+    for found in run.histograms:
+        assert found.stretch_edges[[0, -1]] == pytest.approx([-5.05, 5.05]) and found.threshold_edges[-1] > 1e5
+        weights = found.thresholds * np.diff(found.threshold_edges)
+        assert (np.diff(found.threshold_edges)[:-1] < 0.01).all() and 0.0 < weights[-1] < 1e-3
+        shares = found.stretches * np.diff(found.stretch_edges)
+        assert shares.sum() == pytest.approx(1.0) and weights.sum() == pytest.approx(1.0)
+        middle = 0.5 * (found.stretch_edges[1:] + found.stretch_edges[:-1])
+        assert abs((shares * middle).sum() - run.force[found.point]) < 0.5 * 10.1 / shares.size
+    fresh, worn = run.histograms
+    seen = np.cumsum(fresh.thresholds * np.diff(fresh.threshold_edges))
+    assert np.abs(seen - law.cdf(fresh.threshold_edges[1:])).max() < 1.95 / np.sqrt(n)
+    assert (worn.stretches > 0.0).sum() > 1500
+
+
 def test_steps_of_ageing_may_be_halved() -> None:
     fresh, final = origins.gaussian(0.5, 0.1), origins.gaussian(0.8, 0.04)
     contacts = Contacts(fresh, ageing=Ageing(final, 0.05))
