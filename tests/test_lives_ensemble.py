@@ -339,9 +339,16 @@ def test_heavy_tails_are_followed_where_linked_stiffness_does_not_add_to_them() 
         ({"contacts": Contacts(GAUSSIAN, ageing=Ageing(GAUSSIAN, 1.0)), "time": [1.0, 1e12, 2e12]}, "ageing: .* steps"),
         ({"velocity": -1.0}, "velocity"),
         ({"time": [0.0, 1.0, 0.5]}, "time"),
+        ({"comm": 3}, "^comm = 3: must be a communicator of mpi4py"),
     ],
 )
 def test_bad_input_is_refused_by_name(change: dict[str, Any], complaint: str) -> None:
     arguments: dict[str, Any] = {"contacts": Contacts(GAUSSIAN), "path": [0.0, 1.0, 2.0], "n_contacts": 10, **change}
     with pytest.raises(origins.InputError, match=complaint):
         eq_model.simulate(**arguments)
+
+
+def test_a_tolerance_out_of_all_reach_is_told() -> None:
+    for contacts, tolerance, told in ((10, 1e-200, "more than 1.4e+11"), (10, 1e-300, "more than"), (1, 0.1, "two")):
+        run = eq_model.simulate(Contacts(GAUSSIAN), [1.0], n_contacts=contacts, tolerance=tolerance)
+        assert not run.success and told in run.message
