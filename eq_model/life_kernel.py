@@ -208,13 +208,14 @@ def run(  # type: ignore[no-untyped-def]
     hot, hot_shift, pieces, factor, sides, fine, edges, cubics = table
     deep, lowest, from_here = tail_table
     (k0, k1), many, end = key, _U(many), lattice[2]
-    second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
+    # draws are counted in 64 bits: a contact may break, and age, more than 2^32 times
+    second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.int64)
     clock, legs = np.empty(LANES, np.int64), np.zeros(LANES, np.int64)
     words = np.empty(4 * ROW, np.uint32)
     cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
     count, base = np.empty(LANES, np.uint32), np.empty(LANES, np.uint32)
     limit, start = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
-    drawn, ahead, moments = np.zeros(LANES, np.uint32), np.zeros(LANES, np.int64), watch[0]
+    drawn, ahead, moments = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64), watch[0]
     known, share = np.int64(-1), 0.0  # the last stretch whose tail was wanted: often it is that of all
     breaks, steps, taken, lanes = 0, 0, 0, 0
     while True:
@@ -275,7 +276,7 @@ def run(  # type: ignore[no-untyped-def]
                     if never_holds(goal, clock[i], leg, course, grains):
                         clock[left], legs[left] = later(clock[i], leg, delay, course)
                         if clock[left] <= end:
-                            second[left], contact[left], block[left] = second[i], contact[i], block[i] + np.uint32(1)
+                            second[left], contact[left], block[left] = second[i], contact[i], block[i] + 1
                             drawn[left], ahead[left] = drawn[i], ahead[i]
                             left += 1
                         continue
@@ -314,7 +315,7 @@ def run(  # type: ignore[no-untyped-def]
                     seen,
                 )
                 ahead[i] = seen
-                drawn[i] += np.uint32(done)
+                drawn[i] += done
                 steps += done
             else:
                 begun = leg
@@ -326,7 +327,7 @@ def run(  # type: ignore[no-untyped-def]
                         sooner, other, done = shaken(
                             clock[i], begun, born, age, goal, until, bears, law, a, course, grains, drawn[i], stream
                         )
-                        drawn[i] += np.uint32(done)
+                        drawn[i] += done
                         if sooner <= until:
                             then, leg = sooner, other
                 else:
@@ -347,7 +348,7 @@ def run(  # type: ignore[no-untyped-def]
                 then, leg = later(then, leg, delay, course)
                 if then > end:
                     continue
-            second[left], contact[left], block[left] = second[i], contact[i], block[i] + np.uint32(1)
+            second[left], contact[left], block[left] = second[i], contact[i], block[i] + 1
             drawn[left], ahead[left] = drawn[i], ahead[i]
             clock[left], legs[left] = then, leg
             left += 1
