@@ -15,7 +15,9 @@ from origins.thresholds import Thresholds
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
-_FAINTEST = 1e-290
+_FAINTEST, _LEAST = 1e-290, 1e-300
+_DEEP = 2.0**-24  # survival from which on what the thresholds' own table lacks, 2^-54, is missed
+_SELDOM = 1e-9  # weight of re-forming that may miss it
 
 Tables = tuple[QuantileTable, QuantileTable | None]
 # many seeds ask the same
@@ -75,30 +77,47 @@ def tables(contacts: Contacts) -> Tables:
 def _tabulated(contacts: Contacts) -> Tables:
     thresholds, start = contacts.thresholds, contacts.start
     survival = _survival("start", start, thresholds)
-    table = quantile_table(thresholds, deepest=max(DEEPEST * survival, 1e-300))
+    table = quantile_table(thresholds, deepest=max(DEEPEST * survival, _LEAST))
     return table, None if start.is_single else quantile_table(start, name="start")
 
 
 def reforming_table(contacts: Contacts) -> QuantileTable:
-    """Quantile table of the stretches at which contacts form again; InputError as for a start."""
+    """Quantile table of the stretches at which contacts form again; InputError where it cannot be certified."""
     assert contacts.reforming is not None
-    _survival("reforming", contacts.reforming.law, contacts.thresholds)
     return quantile_table(contacts.reforming.law, name="reforming")
 
 
-def _survival(name: str, start: Start, thresholds: Thresholds) -> float:
-    """Survival of the thresholds where the stretches of `start` reach furthest."""
-    furthest = max(abs(start.span[0]), abs(start.span[1]))
+def deep_table(contacts: Contacts) -> tuple[QuantileTable, float] | None:
+    """A table of the thresholds for those contacts that form again where next to none is left, and the stretch (a
+    length) from which on; None where too few do to show.
+
+    Raises InputError where the survival is below 1e-290 there.
+    """
+    reforming, thresholds = contacts.reforming, contacts.thresholds
+    if reforming is None:
+        return None
+    law, limit = reforming.law, float(thresholds.isf(_DEEP))
+    survival = _survival("reforming", law, thresholds)
+    further = float(abs(law.mean()) > limit) if law.is_single else float(law.cdf(-limit) + law.sf(limit))
+    if further <= _SELDOM:
+        return None
+    return quantile_table(thresholds, deepest=max(DEEPEST * survival, _LEAST)), limit
+
+
+def _survival(name: str, law: Start, thresholds: Thresholds) -> float:
+    """Survival of the thresholds where the stretches of `law` reach furthest."""
+    furthest = max(abs(law.span[0]), abs(law.span[1]))
     upper = thresholds.support()[1]
     if furthest < upper:
         survival = float(thresholds.sf(furthest))
     else:
-        # the start beyond every threshold is cut off, but what is left comes close to the last of them
+        # what lies beyond every threshold is cut off, but what is left comes close to the last of them
         survival = max(float(thresholds.sf(np.nextafter(upper, 0.0))), _FAINTEST)
     if survival < _FAINTEST:
+        deepest = float(thresholds.isf(_FAINTEST))
         raise InputError(
-            f"{name}: reaches |x| = {furthest:g}, where the survival of the thresholds is below 1e-290; start from "
-            "stretches that contacts can have reached"
+            f"{name}: reaches |x| = {furthest:g}, where the survival of the thresholds is below 1e-290; use stretches "
+            f"that contacts can have reached, below {deepest:.6g}"
         )
     return survival
 

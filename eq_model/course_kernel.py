@@ -34,8 +34,8 @@ def place_of(clock, leg, course):  # type: ignore[no-untyped-def]
 @compiled
 def look(at, birth, threshold, watch, counts):  # type: ignore[no-untyped-def]
     """Count a contact that holds at one of the watched moments: its stretch (whole) and its threshold."""
-    _, places, per, _ = watch
+    _, places, (per_stretch, per_threshold), _ = watch
     bins = counts.shape[2]
-    x = np.int64(np.floor(np.float64(places[at] - birth) * (0.5 * per) + 0.5 * bins))
+    x = np.int64(np.floor(np.float64(places[at] - birth) * (0.5 * per_stretch) + 0.5 * bins))
     counts[at, 0, min(max(x, 0), bins - 1)] += 1
-    counts[at, 1, min(max(np.int64(threshold * per), 0), bins - 1)] += 1
+    counts[at, 1, min(max(np.int64(threshold * per_threshold), 0), bins - 1)] += 1

@@ -117,6 +117,8 @@ class Ensemble:
                 'closure = "exact"'
             )
         started = clock.perf_counter()
+        if comm is not None and not hasattr(comm, "Get_rank"):
+            refuse("comm", comm, "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process")
         self.contacts, self.comm = contacts, comm
         self.n_contacts, replicas = whole("n_contacts", n_contacts, 1), whole("n_replicas", n_replicas, 1)
         if replicas >= MOST_REPLICAS:
@@ -214,7 +216,8 @@ class Ensemble:
         """How many contacts reach the tolerance, if these had this largest standard error."""
         if self._tolerance is None:
             return float(self.total)
-        return contacts * (largest / self._tolerance) ** 2 if np.isfinite(largest) else np.inf
+        ratio = largest / self._tolerance
+        return contacts * ratio * ratio  # not as a power, which may overflow
 
     def result(self) -> EnsembleResult:
         """What all ranks found; every rank must call, and gets the same bits."""
@@ -268,8 +271,12 @@ class Ensemble:
         if self._tolerance is not None:
             if largest <= self._tolerance:
                 return True, f"{found}, within the tolerance {self._tolerance:.1e}"
-            more = self._wanted(contacts, largest)
-            return False, f"{found}, above the tolerance {self._tolerance:.1e}; it takes about {more:.1e} contacts"
+            more, unmet = self._wanted(contacts, largest), f"{found}, above the tolerance {self._tolerance:.1e}"
+            if not np.isfinite(largest):
+                return False, f"{unmet}; take at least two"
+            if more > _MOST_CONTACTS:
+                return False, f"{unmet}; it takes more than {_MOST_CONTACTS:.1e} contacts, the most there can be"
+            return False, f"{unmet}; it takes about {more:.1e} contacts"
         if contacts < self.total:
             return False, f"{found}: stopped before all {self.total} were followed"
         return True, found

@@ -10,14 +10,21 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 BINS = 4096
+_WIDE = 64.0  # typical lengths that bins alike are spread over: they are at most 1/32 of one wide
 
 
 @dataclass(frozen=True)
 class Histogram:
     """Contacts that hold at one point of the path; all arrays of shape (4096,) but for edges, of one more.
 
+    Stretches are counted as far as path, start and re-forming can bring them, thresholds as far as the law is drawn, to
+    2^-54 of its weight. Bins are alike, but for laws of wide tails: beyond 64 times the mean threshold (or the mean
+    stretch of start or re-forming, or the mean of the thresholds in the end) all that is left is counted in the first
+    and last bin of the stretches and the last one of the thresholds, which reach to the ends: a density is then the
+    mean over such a bin, and the sum over bins of density times width is still all contacts.
+
     point : index into the path; position : X there, a length.
-    stretch_edges, threshold_edges : lengths.
+    stretch_edges, threshold_edges : lengths, rising.
     stretches : Q(x; X), fraction of all contacts per length in each bin of stretches; stretch_error : its standard
     error. thresholds : P_xs(x), density of the thresholds of those contacts that hold, per length; threshold_error.
     count : contacts that hold there.
@@ -34,17 +41,44 @@ class Histogram:
     count: int
 
 
-def histogram(point: int, position: float, longest: float, counts: npt.NDArray[Any], n: int) -> Histogram:
-    """From counts (2, bins) of n contacts: stretches between -longest and longest, thresholds up to longest."""
-    held = int(counts[0].sum())
-    stretches, thresholds = _density(counts[0], n, -longest, longest), _density(counts[1], max(held, 1), 0.0, longest)
+@dataclass(frozen=True)
+class Range:
+    """Where contacts are counted, lengths: stretches up to +-stretch and thresholds up to `threshold`, each of them
+    (near, far): bins are alike up to near, and the last reaches to far."""
+
+    stretch: tuple[float, float]
+    threshold: tuple[float, float]
+
+    def per(self, unit: float) -> tuple[float, float]:
+        """Bins per unit of |x| and of thresholds, for the whole of either."""
+        return BINS * unit / self.stretch[0], BINS * unit / self.threshold[0]
+
+
+def make_range(reach: float, largest: float, typical: float) -> Range:
+    """For stretches that cannot exceed `reach` and thresholds that cannot exceed `largest`, of a typical size."""
+    # a little more: contacts that have all come as far as that lie within a bin, not at its edge
+    reach = min(1.01 * reach, largest) or largest
+    wide = _WIDE * typical
+    return Range((min(reach, wide), reach), (min(largest, wide), largest))
+
+
+def histogram(point: int, position: float, over: Range, counts: npt.NDArray[Any], n: int) -> Histogram:
+    """From counts (2, bins) of n contacts."""
+    held, (near, far) = int(counts[0].sum()), over.stretch
+    stretches = _density(counts[0], n, -near, near, -far, far)
+    near, far = over.threshold
+    thresholds = _density(counts[1], max(held, 1), 0.0, near, 0.0, far)
     return Histogram(point, position, *stretches, *thresholds, held)
 
 
-def _density(counts: npt.NDArray[Any], total: int, low: float, high: float) -> tuple[Array, Array, Array]:
+def _density(
+    counts: npt.NDArray[Any], total: int, low: float, high: float, least: float, most: float
+) -> tuple[Array, Array, Array]:
     """Edges, density and its standard error."""
-    share, width = counts / total, (high - low) / BINS
-    return np.linspace(low, high, BINS + 1), share / width, np.sqrt(share * (1.0 - share) / total) / width
+    edges = np.linspace(low, high, BINS + 1)
+    edges[0], edges[-1] = least, most
+    share, width = counts / total, np.diff(edges)
+    return edges, share / width, np.sqrt(share * (1.0 - share) / total) / width
 
 
 class Made(Sequence[Histogram]):

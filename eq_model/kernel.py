@@ -269,7 +269,12 @@ def _exact(word, more, factor, sides, first, edges, cubics):  # type: ignore[no-
     first : the fine cell with which each eighth of an octave begins, both sides in a row, as edges and cubics are.
     """
     v = (np.float64(((_U(word) & _U(_LOW31)) << _HALF) | more) + 0.5) * 2.0**-64
-    side = np.int64(word >> _TOP)
+    return value_at(v, np.int64(word >> _TOP), factor, sides, first, edges, cubics)
+
+
+@compiled
+def value_at(v, side, factor, sides, first, edges, cubics):  # type: ignore[no-untyped-def]
+    """Whole value of the fine cells at a probability v, counted from one side (1: from above)."""
     place = min(max((bits_of(v) >> _FINE_SHIFT) - sides[side, 2], np.int64(0)), sides[side, 1] - 1)
     k = first[sides[side, 0] + place]
     while k < sides[side, 3] and v >= edges[k + 1]:

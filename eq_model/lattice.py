@@ -20,7 +20,7 @@ SUM_BITS = 61
 _PATH_BITS = 57
 _MOST_BITS = 44  # 2^-44 of the scale is below the table's own error
 _LEAST_BITS = 24
-_TIE_BITS = 10  # ties of exact thresholds with path points are kept through this many units of rounding
+TIE = 1 << 10  # units of rounding through which ties of exact thresholds with path points and turns are kept
 _LIMB = 32
 _FINEST = 2.0**-20  # width of a cell, in scales
 
@@ -93,7 +93,7 @@ def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: 
     shift = int(np.floor(np.log2(width / scale))) + bits
     unit = width * 2.0**-shift if even else scale * 2.0**-bits
     square = 2.0 ** (SUM_BITS - 17 - 2 * (room + bits))
-    places = np.rint((path - origin) / unit).astype(np.int64) + ((1 << _TIE_BITS) if exact else 0)
+    places = np.rint((path - origin) / unit).astype(np.int64) + (TIE if exact else 0)
     points, place = np.unique(places, return_inverse=True)
     if even:
         points = points[0] + np.arange(points.size) * (1 << (shift + int(halvings)))

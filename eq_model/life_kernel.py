@@ -15,9 +15,10 @@ from eq_model.ageing_kernel import grow_old
 from eq_model.compiling import compiled
 from eq_model.course_kernel import later, look, place_of
 from eq_model.grain_kernel import age_at, hazard, hold, never_holds, quantile, shaken
-from eq_model.kernel import LANES, ROW, _draw, _exact, _find, _more, _values, philox
+from eq_model.kernel import LANES, ROW, _draw, _exact, _find, _more, _values, philox, value_at
 from eq_model.kernel import _bin as _find_bin
 from eq_model.thermal_kernel import MISSING, between, inward, outward, rate
+from origins.quantile import DEEPEST
 from origins.streams import LIFE_STEPS, LIFE_TAILS, LIVES, PURPOSE_SHIFT
 
 _U = np.uint64
@@ -25,12 +26,16 @@ _HALF, _MASK = _U(32), _U(0xFFFFFFFF)
 _LIVES, _LIFE_TAILS, _LIFE_STEPS = (_U(purpose << PURPOSE_SHIFT) for purpose in (LIVES, LIFE_TAILS, LIFE_STEPS))
 _LOW = np.uint32(0x7FFFFFFF)
 STIFFNESS_UNIT = 2.0**36
+USUAL = float(np.log2(DEEPEST))  # log2 of the probability beyond which tables end, but for deep ones
 
 
 @compiled
-def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: ignore[no-untyped-def]
+def live(clock, leg, x, threshold, bears, law, a, tables, course, tie=0):  # type: ignore[no-untyped-def]
     """The break of a contact that holds at the stretch x (whole) at a moment of the clock, and can bear the integral
-    of its rate up to `bears`: clock, stretch and leg there; a clock beyond the drive's end where it holds so long."""
+    of its rate up to `bears`: clock, stretch and leg there; a clock beyond the drive's end where it holds so long.
+
+    tie : what a threshold may be away by rounding that is met where the slider turns or stops.
+    """
     begins, _, directions, paces = course
     legs = directions.size
     while leg < legs:
@@ -60,6 +65,8 @@ def live(clock, leg, x, threshold, bears, law, a, tables, course):  # type: igno
                 if law[0]:
                     own = outward(np.log(bears / pace), float(near), threshold, law, a, tables)
                 moved = max(np.int64(np.floor(own + 0.5)) - near, 0)
+                if moved > room and moved - room <= tie and leg + 1 < legs and directions[leg + 1] != d:
+                    moved = room
                 if moved <= room:
                     return clock + moved, x + d * moved, leg
                 if law[0] and leg + 1 < legs:
@@ -130,31 +137,45 @@ def _bearing(word, more):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _conditional(stretch, word, more, table):  # type: ignore[no-untyped-def]
-    """A threshold beyond a stretch, with a uniform number of 64 bits: by the quantile, bisected."""
+def _tail(stretch, table, lowest):  # type: ignore[no-untyped-def]
+    """The probability of a threshold beyond a stretch, by the quantile, bisected; or that of one below, negative, where
+    that is the smaller.
+
+    lowest : log2 of the probability beyond which the table ends.
+    """
     _, _, _, factor, sides, fine, edges, cubics = table
-    w = (np.float64((_U(word) << _HALF) | more) + 0.5) * 2.0**-64
-    above = _fine(0.5, 1, factor, sides, fine, edges, cubics) <= stretch
-    low, high = -54.0, -1.0
+    deep = lowest < USUAL
+    above = _fine(0.5, 1, deep, factor, sides, fine, edges, cubics) <= stretch
+    low, high = lowest, -1.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        value = _fine(2.0**middle, 1 if above else 0, factor, sides, fine, edges, cubics)
+        value = _fine(2.0**middle, 1 if above else 0, deep, factor, sides, fine, edges, cubics)
         if (value > stretch) == above:
             low = middle
         else:
             high = middle
     v = 2.0 ** (0.5 * (low + high))
-    left = (v if above else 1.0 - v) * w
+    return v if above else -v
+
+
+@compiled
+def _beyond(stretch, tail, word, more, table, lowest):  # type: ignore[no-untyped-def]
+    """A threshold beyond a stretch of that `tail`, with a uniform number of 64 bits."""
+    _, _, _, factor, sides, fine, edges, cubics = table
+    w, deep = (np.float64((_U(word) << _HALF) | more) + 0.5) * 2.0**-64, lowest < USUAL
+    left = (tail if tail > 0.0 else 1.0 + tail) * w
     if left <= 0.5:
-        found = _fine(left, 1, factor, sides, fine, edges, cubics)
+        found = _fine(left, 1, deep, factor, sides, fine, edges, cubics)
     else:
-        found = _fine(1.0 - left, 0, factor, sides, fine, edges, cubics)
+        found = _fine(1.0 - left, 0, deep, factor, sides, fine, edges, cubics)
     return max(found, stretch + 1)
 
 
 @compiled
-def _fine(v, side, factor, sides, first, edges, cubics):  # type: ignore[no-untyped-def]
-    """Whole value of the fine cells at v of a side."""
+def _fine(v, side, deep, factor, sides, first, edges, cubics):  # type: ignore[no-untyped-def]
+    """Whole value of the fine cells at v of a side; `deep` where v may need more than the 64 bits of a draw."""
+    if deep:
+        return value_at(v, side, factor, sides, first, edges, cubics)
     number = np.int64(np.floor(v * 2.0**64)) if v < 0.5 else np.int64(0x7FFFFFFFFFFFFFFF)
     word = np.uint32(number >> 32) | np.uint32(side << 31)
     return _exact(word, _U(number & 0xFFFFFFFF), factor, sides, first, edges, cubics)
@@ -162,26 +183,46 @@ def _fine(v, side, factor, sides, first, edges, cubics):  # type: ignore[no-unty
 
 @compiled
 def run(  # type: ignore[no-untyped-def]
-    first, n, many, key, table, again, births, thresholds, physics, course, lattice, reference, watch, sums, counts
+    first,
+    n,
+    many,
+    key,
+    table,
+    again,
+    tail_table,
+    births,
+    thresholds,
+    physics,
+    course,
+    lattice,
+    reference,
+    watch,
+    sums,
+    counts,
 ):
     """Follow contacts first ... first + n - 1 to the drive's end; the numbers of breaks and of inner steps.
 
-    many : contacts in each replica; again : table of the stretches of re-forming; births, thresholds : negative
-    starting stretches and first thresholds; physics : of lives.physics, whether stretches of re-forming are drawn, and
-    the one there is else. watch : moments at which contacts are counted, in order, the slider's places then, bins per
-    unit of thresholds, and the largest threshold. sums : shape (columns * bins,), increased by the events of each bin;
+    many : contacts in each replica; again : table of the stretches of re-forming; tail_table : a table of the
+    thresholds for contacts that form again far out, log2 of where it ends, and the stretch from which on it is needed;
+    births, thresholds : negative starting stretches and first thresholds; physics : of lives.physics, whether stretches
+    of re-forming are drawn, the one there is else, and the tie of `live`. watch : moments at which contacts are
+    counted, in order, the slider's places then, bins per unit of stretches and of thresholds, and where stretches of
+    re-forming are drawn again. sums : shape (columns * bins,), increased by the events of each bin;
     counts : shape (moments, 2, bins), by the contacts that hold then, by stretch of either sign and by threshold.
     """
-    law, tables, delay, stiff, mean, ageing, longest, grains, reform, single = physics
+    law, tables, delay, stiff, mean, ageing, longest, grains, reform, single, tie = physics
     hot, hot_shift, pieces, factor, sides, fine, edges, cubics = table
+    deep, lowest, from_here = tail_table
     (k0, k1), many, end = key, _U(many), lattice[2]
-    second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.uint32)
+    # draws are counted in 64 bits: a contact may break, and age, more than 2^32 times
+    second, contact, block = np.empty(LANES, _U), np.empty(LANES, _U), np.zeros(LANES, np.int64)
     clock, legs = np.empty(LANES, np.int64), np.zeros(LANES, np.int64)
     words = np.empty(4 * ROW, np.uint32)
     cell, place, got = np.empty(LANES, np.uint32), np.empty(LANES), np.empty(2 * LANES, np.int64)
     count, base = np.empty(LANES, np.uint32), np.empty(LANES, np.uint32)
     limit, start = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
-    drawn, ahead, moments = np.zeros(LANES, np.uint32), np.zeros(LANES, np.int64), watch[0]
+    drawn, ahead, moments = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64), watch[0]
+    known, share = np.int64(-1), 0.0  # the last stretch whose tail was wanted: often it is that of all
     breaks, steps, taken, lanes = 0, 0, 0, 0
     while True:
         # lanes whose contact is done are at the end: give them the next ones
@@ -226,7 +267,14 @@ def run(  # type: ignore[no-untyped-def]
                     born = _exact(np.uint32(a0), a1, again[3], again[4], again[5], again[6], again[7])
                 if threshold <= abs(born):
                     more = philox(_U(block[i]), tail, contact[i] & _MASK, contact[i] >> _HALF, k0, k1)[3]
-                    threshold = _conditional(abs(born), words[i + 3 * ROW], more, table)
+                    far = abs(born) >= from_here
+                    if abs(born) != known:
+                        known = abs(born)
+                        share = _tail(known, deep, lowest) if far else _tail(known, table, USUAL)
+                    if far:
+                        threshold = _beyond(known, share, words[i + 3 * ROW], more, deep, lowest)
+                    else:
+                        threshold = _beyond(known, share, words[i + 3 * ROW], more, table, USUAL)
             goal, age = 0.0, 0.0
             if grains[0]:
                 if fresh:
@@ -234,7 +282,7 @@ def run(  # type: ignore[no-untyped-def]
                     if never_holds(goal, clock[i], leg, course, grains):
                         clock[left], legs[left] = later(clock[i], leg, delay, course)
                         if clock[left] <= end:
-                            second[left], contact[left], block[left] = second[i], contact[i], block[i] + np.uint32(1)
+                            second[left], contact[left], block[left] = second[i], contact[i], block[i] + 1
                             drawn[left], ahead[left] = drawn[i], ahead[i]
                             left += 1
                         continue
@@ -273,7 +321,7 @@ def run(  # type: ignore[no-untyped-def]
                     seen,
                 )
                 ahead[i] = seen
-                drawn[i] += np.uint32(done)
+                drawn[i] += done
                 steps += done
             else:
                 begun = leg
@@ -285,11 +333,11 @@ def run(  # type: ignore[no-untyped-def]
                         sooner, other, done = shaken(
                             clock[i], begun, born, age, goal, until, bears, law, a, course, grains, drawn[i], stream
                         )
-                        drawn[i] += np.uint32(done)
+                        drawn[i] += done
                         if sooner <= until:
                             then, leg = sooner, other
                 else:
-                    then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course)
+                    then, _, leg = live(clock[i], leg, born, float(threshold), bears, law, a, tables, course, tie)
                 while ahead[i] < moments.size and moments[ahead[i]] < then:
                     if moments[ahead[i]] >= clock[i]:
                         own = np.float64(threshold)
@@ -307,7 +355,7 @@ def run(  # type: ignore[no-untyped-def]
                 then, leg = later(then, leg, delay, course)
                 if then > end:
                     continue
-            second[left], contact[left], block[left] = second[i], contact[i], block[i] + np.uint32(1)
+            second[left], contact[left], block[left] = second[i], contact[i], block[i] + 1
             drawn[left], ahead[left] = drawn[i], ahead[i]
             clock[left], legs[left] = then, leg
             left += 1

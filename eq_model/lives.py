@@ -7,16 +7,17 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 
-from eq_model.beginning import Beginning, reforming_table
+from eq_model.beginning import Beginning, deep_table, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
-from eq_model.histogram import BINS, Histogram, Made, histogram
-from eq_model.lattice import Whole, joined, split
+from eq_model.histogram import BINS, Histogram, Made, histogram, make_range
+from eq_model.lattice import TIE, Whole, joined, split
 from eq_model.often import check_growth, check_steps, duration
 from eq_model.rare import unseen_break
 from eq_model.tally import Counts, Tally
 from eq_model.thermal_tables import growth_tables, law_for_kernel
 from origins import Ageing, Contacts, Drive, GrainContact
+from origins.errors import InputError
 from origins.quantile import DEEPEST
 
 Array = npt.NDArray[np.float64]
@@ -24,6 +25,7 @@ Array = npt.NDArray[np.float64]
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 _STEP_ELSE = 0.004
+_TOLD = 256  # units of the lattice in which half of the contacts break again: their mean is told to 1e-5
 _SPREAD = 9.0  # standard deviations beyond which no threshold of 1e17 diffuses
 # contacts followed besides in steps COARSER times longer, whose force tells the error of the steps: the first of each
 # _EACH contacts, _FIRST of them
@@ -78,6 +80,29 @@ def _largest(contacts: Contacts, drive: Drive, fresh: float) -> float:
     if ageing.normal is not None:
         return max(fresh, ageing.normal.mean) + _SPREAD * ageing.normal.std
     return max(fresh, float(ageing.final.isf(DEEPEST)))
+
+
+def _typical(contacts: Contacts, longest: float) -> float:
+    """About as long as stretches and thresholds are (a length); `longest` where these grow."""
+    if contacts.grains is not None:
+        return longest
+    laws = [contacts.start, *(one.law for one in (contacts.reforming,) if one is not None)]
+    final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
+    return max(contacts.mean_threshold, final, *(abs(law.mean()) for law in laws))
+
+
+def _check_excess(contacts: Contacts, unit: float) -> None:
+    """InputError where contacts all form again so near to the last thresholds that lengths of `unit` do not tell them
+    apart."""
+    reforming, thresholds = contacts.reforming, contacts.thresholds
+    assert reforming is not None
+    stretch = abs(reforming.law.mean())
+    excess = float(thresholds.isf(0.5 * thresholds.sf(stretch))) - stretch
+    if excess < _TOLD * unit:
+        raise InputError(
+            f"reforming: at |x| = {stretch:g} half of the contacts break again within {excess:.1g}, and the ensemble "
+            f"takes lengths in steps of {unit:.1g}; use a smaller stretch, or a shorter path"
+        )
 
 
 def coarse(part: range) -> list[range]:
@@ -148,7 +173,10 @@ class Lives:
         furthest = max(map(abs, contacts.start.span))
         if reforming is not None:
             furthest = max(furthest, *map(abs, reforming.law.span))
-        longest = max(float(table.upper(0.0)) * table.scale, furthest)
+        last, deep = float(table.upper(0.0)) * table.scale, deep_table(contacts)
+        if deep is not None:
+            last = max(last, float(deep[0].upper(0.0)) * table.scale)
+        longest = max(last, furthest)
         stiffest = max(longest / contacts.mean_threshold, 1.0) if self.linked else 1.0
         path = np.append(0.0, drive.path)
         span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
@@ -166,19 +194,25 @@ class Lives:
         unit = self.course.lattice.unit
         beginning.compile(unit)
         self._again, single = beginning.compiled, 0
-        if reforming is not None and reforming.law.is_single:
-            single = round(reforming.law.mean() / unit)
+        self._deep: tuple[Any, float, float] = beginning.compiled, float(np.log2(DEEPEST)), np.inf
+        if deep is not None:
+            self._deep = kernel_table(deep[0], unit), float(np.log2(deep[0].upper.edges[0])), deep[1] / unit
         spread = reforming is not None and not reforming.law.is_single
+        if reforming is not None and not spread:
+            single = round(reforming.law.mean() / unit)
+            _check_excess(contacts, unit)
         if spread:
             self._again = kernel_table(reforming_table(contacts), unit)
-        self._physics = (*physics(contacts, unit), spread, single)
+        self._physics = (*physics(contacts, unit), spread, single, TIE if exact else 0)
         self.steps = check_steps(contacts, drive, self._physics[6][0])
         moments = self.course.lattice.points[self.course.lattice.place[points]]
         self._points, self._order = points, np.argsort(moments, kind="stable")
         places = np.rint(drive.path[points] / unit).astype(np.int64)[self._order]
-        top = table.upper(0.0) * table.scale if np.isfinite(contacts.thresholds.support()[1]) else np.inf
-        self._longest = longest
-        self._watch = (moments[self._order], places, BINS * unit / longest, min(top / unit, 2.0**58))
+        # stretches from here on are drawn again; a single one has thresholds beyond it
+        top = last if spread and np.isfinite(contacts.thresholds.support()[1]) else np.inf
+        reach = float(span[points].max(initial=0.0)) + furthest
+        self._range = make_range(reach, longest, _typical(contacts, longest))
+        self._watch = (moments[self._order], places, self._range.per(unit), min(top / unit, 2.0**58))
         self._events = columns(self.linked) * self.course.lattice.bin_cell.size
         self._ages = contacts.ageing is not None
         self.size = self._events * (1 + self._ages)
@@ -218,6 +252,7 @@ class Lives:
             self._beginning.words,
             self._beginning.compiled,
             self._again,
+            self._deep,
             births,
             firsts,
             physics,
@@ -259,10 +294,10 @@ class Lives:
 
     def histograms(self, n: int, counts: Tally) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""
-        points, path, longest, back = self._points, self.course.path, self._longest, np.argsort(self._order)
+        points, path, back = self._points, self.course.path, np.argsort(self._order)
 
         def make(index: int) -> Histogram:
             point = int(points[index])
-            return histogram(point, float(path[point]), longest, counts.at(int(back[index])), n)
+            return histogram(point, float(path[point]), self._range, counts.at(int(back[index])), n)
 
         return Made(points.size, make)

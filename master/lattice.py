@@ -56,6 +56,8 @@ def cells(edges: Array, step: float, size: int) -> tuple[Array, Array]:
     if edges.size < 2:
         return np.empty(0), np.empty(0)
     bottom, top = edges.min(), min(edges.max(), (size - 1) * step)
+    if not top > bottom:  # nothing lies on the lattice, whose cells may not even have numbers there
+        return np.empty(0), np.empty(0)
     first, last = int(np.floor(bottom / step)), int(np.ceil(top / step))
     cuts = np.concatenate([step * np.arange(first, last + 1), edges])
     cuts.sort(kind="stable")

@@ -54,6 +54,10 @@ def test_compiled_philox_equals_the_published_one() -> None:
     expected = streams.philox(counters, key)
     for counter, words in zip(counters.T, expected.T, strict=True):
         assert [int(w) for w in one(*counter, np.uint64(key[0]), np.uint64(key[1]))] == words.tolist()
+    # a contact that breaks or ages more than 2^32 times goes on drawing, from counters of 64 bits
+    rest = [np.uint64(word) for word in (1, 2, 3, *key)]
+    far = [one(np.uint64(high * 2**32 + low), *rest) for high in range(4) for low in range(200)]
+    assert len(set(far)) == 800 and max(map(max, far)) < 2**32
 
 
 PEAKS = origins.mixture([origins.gaussian(m, 0.1) for m in (1.0, 2.5, 4.0)], [0.2, 0.3, 0.5])

@@ -88,6 +88,26 @@ def test_a_life_is_that_of_the_plain_twin(thermal: Any, path: Any, time: Any, st
         assert found == pytest.approx(when, abs=1e-7 * clock_of[-1])
 
 
+@pytest.mark.parametrize("value", [0.3, 0.7, np.pi])
+def test_what_reaches_its_threshold_has_broken_whatever_comes_later(value: float) -> None:
+    """At a point, at a turn and where the slider stops alike, though rounding may leave it a unit short."""
+    for breaks in (1, 2, 20, 37):
+        for start in (0.0, 1.0 / 3.0, -0.2):
+            contacts, turn = Contacts(origins.identical(value), start * value), (breaks - start) * value
+            contacts, turn = Contacts(origins.identical(value), start * value), (breaks - start) * value
+            # further points, and the force at all, in thresholds: backward it breaks again one threshold away
+            for rest, force in (
+                ([], [0.0]),
+                ([-0.4], [0.0, -0.4]),
+                ([-1.0], [0.0, 0.0]),
+                ([-1.0, -0.9], [0.0, 0.0, 0.1]),
+                ([0.0, 0.1], [0.0, 0.0, 0.1]),
+            ):
+                path, time = turn + value * np.array([0.0, *rest]), np.arange(1.0, len(force) + 1.0)
+                found = eq_model.simulate(contacts, path, n_contacts=1, time=time)
+                assert np.abs(found.force - value * np.array(force)).max() < 1e-6 * value
+
+
 # -- many ---------------------------------------------------------------------------------------------------
 
 
@@ -149,6 +169,38 @@ def test_reported_errors_are_the_scatter_over_seeds() -> None:
         assert (scatter > low * claimed).all() and (scatter < high * claimed).all()
 
 
+@pytest.mark.parametrize(
+    ("thresholds", "reforming"),
+    [
+        (origins.gaussian(1.0, 0.05), 1.42),
+        (GAUSSIAN, 8.2),
+        (GAUSSIAN, origins.gaussian_start(2.7, 0.2)),
+        (scipy.stats.beta(1.5, 10.0), 0.95),
+    ],
+    ids=["2^-54", "1e-285", "spread", "thin end"],
+)
+def test_contacts_form_again_where_next_to_no_threshold_lies_beyond(thresholds: Any, reforming: Any) -> None:
+    contacts, path = Contacts(thresholds, reforming=reforming), np.linspace(0.0, 1.5, 7)[1:]
+    known, found = master.solve(contacts, path), eq_model.simulate(contacts, path, n_contacts=1000)
+    assert known.success and found.breaks > 10 * 1000
+    error = np.hypot(found.force_standard_error, known.force_error)
+    assert (np.abs(found.force - known.force) < 4.5 * error).all()
+
+
+@pytest.mark.parametrize(
+    ("thresholds", "reforming", "told"),
+    [
+        (GAUSSIAN, 8.5, "the survival of the thresholds is below 1e-290; use stretches .* below 8.28415"),
+        (origins.gaussian(1.0, 0.01), origins.boltzmann_reforming(0.05), "below 1e-290; use .* below 1.36"),
+        (origins.rectangular(0.5, 1.0), 1.0 - 1e-12, "half of the contacts break again within 5e-13"),
+    ],
+)
+def test_forming_again_where_no_answer_is_told(thresholds: Any, reforming: Any, told: str) -> None:
+    with pytest.raises(origins.InputError, match=f"^reforming: .*{told}") as refusal:
+        eq_model.simulate(Contacts(thresholds, reforming=reforming), [0.0, 1.0], n_contacts=10)
+    assert "\n" not in str(refusal.value) and "start" not in str(refusal.value)
+
+
 def test_the_steady_state_holds_length_biased_thresholds() -> None:
     """P_xs = x P_c/<x_s> and Q_s = S/C, once all but 2e-5 of the first contacts have broken."""
     law = origins.gw_elastic(1.0)
@@ -164,6 +216,24 @@ def test_the_steady_state_holds_length_biased_thresholds() -> None:
         below = np.cumsum(counts) * np.diff(edges)
         distance = np.abs(below - np.interp(edges[1:], x[1:], exact, left=0.0)).max()
         assert scipy.stats.kstwobign.sf(distance * np.sqrt(found.count)) > 1e-3
+
+
+def test_histograms_of_wide_laws_tell_where_contacts_are() -> None:
+    """Bins are fine where most contacts are, and what lies beyond is in the last ones: all edges are told."""
+    law, n = scipy.stats.lomax(3.0), 40_000
+    run = eq_model.simulate(Contacts(law), [1e-9, 5.0], n_contacts=n, histograms=[0, 1])
+    for found in run.histograms:
+        assert found.stretch_edges[[0, -1]] == pytest.approx([-5.05, 5.05]) and found.threshold_edges[-1] > 1e5
+        weights = found.thresholds * np.diff(found.threshold_edges)
+        assert (np.diff(found.threshold_edges)[:-1] < 0.01).all() and 0.0 < weights[-1] < 1e-3
+        shares = found.stretches * np.diff(found.stretch_edges)
+        assert shares.sum() == pytest.approx(1.0) and weights.sum() == pytest.approx(1.0)
+        middle = 0.5 * (found.stretch_edges[1:] + found.stretch_edges[:-1])
+        assert abs((shares * middle).sum() - run.force[found.point]) < 0.5 * 10.1 / shares.size
+    fresh, worn = run.histograms
+    seen = np.cumsum(fresh.thresholds * np.diff(fresh.threshold_edges))
+    assert np.abs(seen - law.cdf(fresh.threshold_edges[1:])).max() < 1.95 / np.sqrt(n)
+    assert (worn.stretches > 0.0).sum() > 1500
 
 
 def test_steps_of_ageing_may_be_halved() -> None:
@@ -269,9 +339,16 @@ def test_heavy_tails_are_followed_where_linked_stiffness_does_not_add_to_them() 
         ({"contacts": Contacts(GAUSSIAN, ageing=Ageing(GAUSSIAN, 1.0)), "time": [1.0, 1e12, 2e12]}, "ageing: .* steps"),
         ({"velocity": -1.0}, "velocity"),
         ({"time": [0.0, 1.0, 0.5]}, "time"),
+        ({"comm": 3}, "^comm = 3: must be a communicator of mpi4py"),
     ],
 )
 def test_bad_input_is_refused_by_name(change: dict[str, Any], complaint: str) -> None:
     arguments: dict[str, Any] = {"contacts": Contacts(GAUSSIAN), "path": [0.0, 1.0, 2.0], "n_contacts": 10, **change}
     with pytest.raises(origins.InputError, match=complaint):
         eq_model.simulate(**arguments)
+
+
+def test_a_tolerance_out_of_all_reach_is_told() -> None:
+    for contacts, tolerance, told in ((10, 1e-200, "more than 1.4e+11"), (10, 1e-300, "more than"), (1, 0.1, "two")):
+        run = eq_model.simulate(Contacts(GAUSSIAN), [1.0], n_contacts=contacts, tolerance=tolerance)
+        assert not run.success and told in run.message

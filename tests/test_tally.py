@@ -23,6 +23,7 @@ from toolkit.command import main
 from toolkit.files import _write_histograms, save
 from toolkit.forecast import forecast, lines
 from toolkit.running import open_checkpoint, solve
+from toolkit.state_file import read_state, write_state
 from toolkit.toml import to_toml
 from toolkit.untold import Untold
 
@@ -183,6 +184,38 @@ def test_a_blocks_counts_alone_are_held(short_blocks: None, files: list[int], tm
     told = forecast(scene)
     assert told.temporary == temporary and told.kept < checkpoint.stat().st_size / 1e6 < told.kept + 0.2
     assert f"disk         {temporary:.0f} MB in {tempfile.gettempdir()} and 20 MB in its checkpoint" in lines(told)[4]
+
+
+def test_no_damage_of_a_checkpoint_goes_unseen(tmp_path: Path) -> None:
+    """What is read is what was written, or nothing: single bits, above all of headers, and ends cut off."""
+    ensemble = eq_model.Ensemble(WAITING, PATH[:2], n_contacts=300, histograms=[1])
+    list(ensemble)
+    file, told = tmp_path / "state.npz", {"scene": "a", "version": "1"}
+    write_state(file, ensemble.state, told)
+    whole, draws = file.read_bytes(), np.random.default_rng(4)
+
+    def contents() -> Any:
+        found = read_state(file)
+        if found is None:
+            return None
+        state, named = found
+        done = [(part.start, part.stop) for part in state.done]
+        held = counts(state.counts).tobytes()
+        return state.sums.tobytes(), state.sums.shape, held, state.breaks, state.steps, done, state.run_time, named
+
+    right, damaged = contents(), 0
+    begins = [place for place in range(len(whole)) if whole.startswith((b"PK", b"\x93NUMPY"), place)]
+    places = [place + draws.integers(0, 140) for place in begins for _ in range(8)]
+    for place in [*places, *draws.integers(0, len(whole), 40)]:
+        if place < len(whole):
+            file.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << draws.integers(8)]) + whole[place + 1 :])
+            found = contents()
+            damaged += found is None
+            assert found in (None, right)
+    assert damaged > 80
+    for end in draws.integers(0, len(whole), 20):
+        file.write_bytes(whole[:end])
+        assert contents() is None
 
 
 def test_result_files_are_written_as_histograms_are_made(tmp_path: Path) -> None:

@@ -96,3 +96,10 @@ def test_cold_rectangles_at_the_highest_rates(law: str) -> None:
     force = 0.5 * square / (length + 0.5)
     assert abs(found.force - force) <= found.force_error + 1e-12 < 1e-9
     assert abs(found.holding - length / (length + 0.5)) < 1e-9
+
+
+def test_laws_far_beyond_the_lattice_leave_it_empty() -> None:
+    """Contacts that hold for 1e-18 and wait for 0.3: positions in widths of the law are beyond whole numbers."""
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 1e3, 1e18), delay=Delay(0.3))
+    found = master.solve(contacts, [1.0, 2.0])
+    assert not found.success and "too narrow to follow" in found.message and (np.abs(found.force) < 1e-15).all()

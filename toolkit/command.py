@@ -21,9 +21,17 @@ COMMANDS = {
 def main(words: "Sequence[str] | None" = None) -> int:
     """Run the command and return its exit status: 0 done, 1 a solver or the program failed, 2 bad input, 130
     interrupted, 143 terminated."""
+    # before there was anything to end: all the time that the imports take
     try:
-        return _run(list(sys.argv[1:] if words is None else words))
-    except KeyboardInterrupt:  # before there was anything to end
+        from toolkit.terminated import Terminated, terminable
+
+        try:
+            with terminable():
+                return _run(list(sys.argv[1:] if words is None else words))
+        except Terminated:
+            print("mesofriction: terminated; nothing was written", file=sys.stderr, flush=True)
+            return 143
+    except KeyboardInterrupt:
         print("mesofriction: interrupted; nothing was written", file=sys.stderr, flush=True)
         return 130
 

@@ -272,7 +272,8 @@ def _followed(tolerance: float | None, n: int, error: float, most: int) -> int:
     """Contacts until the tolerance is reached, if n have this error: whole rounds of the ensemble."""
     if tolerance is None:
         return most
-    wanted = n * (error / tolerance) ** 2
+    ratio = error / tolerance
+    wanted = n * ratio * ratio  # not as a power, which may overflow
     return next((part.stop for part in layout.rounds(most, True) if part.stop >= wanted), most)
 
 

@@ -2,19 +2,16 @@
 
 import math
 import os
-import signal
 import sys
-import threading
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Callable
 from typing import Any, NoReturn, TypeVar
 
 from origins.errors import InputError
 from toolkit.launch import Launch
+from toolkit.terminated import Terminated, terminable
 
 T = TypeVar("T")
 
@@ -71,10 +68,6 @@ def on_root(comm: Any, work: Callable[[], T]) -> T:
     return value
 
 
-class Terminated(BaseException):
-    """SIGTERM: a scheduler's word that time is up."""
-
-
 def end_together(work: Callable[[Any], int], launched: Launch) -> int:
     """Exit status of `work`, called with the communicator of all ranks launched (None: this process alone).
 
@@ -82,54 +75,37 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
     of one rank ends all ranks.
     """
     ending = None
-    with _terminable():
-        try:
+    try:
+        with terminable():
             comm = communicator(launched)
             # how ranks meet at the end must not be taken for how they meet at work
             ending = None if comm is None else comm.Dup()
             return work(comm)
-        except InputError as error:
-            alike = ending is None or _arrived(ending, _PATIENCE)
-            if launched.rank == 0 or not alike:
-                _say(error)
-            if not alike:
-                _abort(ending, 2)
-            return 2
-        except (KeyboardInterrupt, Terminated) as stop:
-            status, word = (143, "terminated") if isinstance(stop, Terminated) else (130, "interrupted")
-            alike = ending is None or _arrived(ending, _GRACE)
-            if launched.rank == 0 or not alike:
-                note = (getattr(stop, "__notes__", None) or ["nothing was written"])[0]
-                print(f"mesofriction: {word}; {note}", file=sys.stderr, flush=True)
-            if ending is None:
-                return status
-            if not alike:
-                _abort(ending, status)
-            sys.stdout.flush()
-            os._exit(status)  # what ranks waited for in vain does not matter any more
-        except BaseException:
-            if ending is None:
-                raise
-            # an exception that leaves one rank only would leave the others waiting for ever
-            traceback.print_exc()
-            _abort(ending, 1)
-
-
-@contextmanager
-def _terminable() -> Iterator[None]:
-    """SIGTERM raises Terminated, in the main thread, which alone may say so."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def terminate(number: int, frame: FrameType | None) -> NoReturn:
-        raise Terminated
-
-    before = signal.signal(signal.SIGTERM, terminate)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
+    except InputError as error:
+        alike = ending is None or _arrived(ending, _PATIENCE)
+        if launched.rank == 0 or not alike:
+            _say(error)
+        if not alike:
+            _abort(ending, 2)
+        return 2
+    except (KeyboardInterrupt, Terminated) as stop:
+        status, word = (143, "terminated") if isinstance(stop, Terminated) else (130, "interrupted")
+        alike = ending is None or _arrived(ending, _GRACE)
+        if launched.rank == 0 or not alike:
+            note = (getattr(stop, "__notes__", None) or ["nothing was written"])[0]
+            print(f"mesofriction: {word}; {note}", file=sys.stderr, flush=True)
+        if ending is None:
+            return status
+        if not alike:
+            _abort(ending, status)
+        sys.stdout.flush()
+        os._exit(status)  # what ranks waited for in vain does not matter any more
+    except BaseException:
+        if ending is None:
+            raise
+        # an exception that leaves one rank only would leave the others waiting for ever
+        traceback.print_exc()
+        _abort(ending, 1)
 
 
 def _abort(comm: Any, status: int) -> NoReturn:

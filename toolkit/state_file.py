@@ -9,10 +9,12 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import suppress
+from io import BytesIO
 from pathlib import Path
 from tokenize import TokenError
 from typing import IO, TYPE_CHECKING, Any
 from zipfile import BadZipFile, ZipFile
+from zlib import error as ZlibError
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from eq_model.tally import Tally
 
 _HISTOGRAMS = "histograms.npy"
+# what zipfile and numpy say of bytes that are not what was written
+_SPOILED = (OSError, EOFError, KeyError, ValueError, TypeError, RuntimeError, BadZipFile, TokenError, ZlibError)
 
 
 def write_state(file: Path, state: State, told: dict[str, str]) -> None:
@@ -54,14 +58,14 @@ def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
     from eq_model.state import State
 
     try:
-        with np.load(file) as stored, ZipFile(file) as members:
-            breaks, steps = (int(count) for count in stored["counts"])
-            done = [range(int(start), int(stop)) for start, stop in stored["done"]]
-            told, run_time = json.loads(str(stored["identity"])), float(stored["run_time"])
-            return State(stored["sums"], _read_counts(members), breaks, steps, done, run_time), told
+        with ZipFile(file) as members:
+            breaks, steps = (int(count) for count in _read(members, "counts"))
+            done = [range(int(start), int(stop)) for start, stop in _read(members, "done")]
+            told, run_time = json.loads(str(_read(members, "identity"))), float(_read(members, "run_time"))
+            return State(_read(members, "sums"), _read_counts(members), breaks, steps, done, run_time), told
     except InputError:
         raise
-    except (OSError, EOFError, KeyError, ValueError, RuntimeError, BadZipFile, TokenError):
+    except _SPOILED:
         return None
 
 
@@ -87,18 +91,26 @@ def _write(stream: IO[bytes], state: State, told: dict[str, str]) -> None:
                 member.write(part.data)
 
 
+def _read(members: ZipFile, name: str) -> npt.NDArray[Any]:
+    """One array. Its member is read to the end: only there is its checksum looked at, which covers the header too."""
+    return np.asarray(np.lib.format.read_array(BytesIO(members.read(f"{name}.npy")), allow_pickle=False))
+
+
 def _read_counts(members: ZipFile) -> Tally:
+    from eq_model.histogram import BINS
     from eq_model.tally import PART, Tally
 
     with members.open(_HISTOGRAMS) as member:
         np.lib.format.read_magic(member)
         shape, _, dtype = np.lib.format.read_array_header_1_0(member)
         size = members.getinfo(_HISTOGRAMS).file_size - member.tell()
-        if size != np.prod(shape, dtype=object) * dtype.itemsize:
+        if shape[1:] != (2, BINS) or size != shape[0] * 2 * BINS * dtype.itemsize:
             raise ValueError("the header is spoiled")
 
         def parts() -> Iterator[npt.NDArray[Any]]:
             for begin in range(0, size, PART):
                 yield np.frombuffer(member.read(min(PART, size - begin)), dtype)
+            if member.read(1):
+                raise ValueError("is longer than its header says")
 
         return Tally.of(shape[0], dtype, parts())
