@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
 from functools import reduce
 from typing import Any
 
@@ -13,14 +12,13 @@ import numpy.typing as npt
 
 from eq_model import layout
 from eq_model.beginning import Beginning
+from eq_model.ensemble_result import EnsembleResult
 from eq_model.forward import Forward, takes
-from eq_model.histogram import Histogram
 from eq_model.lives import LAWS, Lives
 from eq_model.often import check_often
 from eq_model.state import State
 from eq_model.tally import Tally
 from origins import Contacts, Drive
-from origins.brief import brief
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse, whole
 from origins.streams import MOST_REPLICAS, key_of
@@ -32,46 +30,6 @@ _LONG = 0.5  # seconds of a block: who stops a run waits for its end
 # contacts of the first block where rates may break each of them millions of times; fewer where they may take so many
 # breaks or steps of some tenths of a microsecond each that a block would take too long
 _UNKNOWN, _QUICK = 256, 2e-7
-
-
-@dataclass(frozen=True)
-class EnsembleResult:
-    """What the ensemble measured.
-
-    path : the path asked for, shape (n,), lengths.
-    force : mean force over all contacts and replicas at each X, shape (n,), a length (force per N_c <k>).
-    force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for one contact.
-        For contacts without laws on a path that moves forward the variance is that of the first 2^18 contacts and of
-        every eighth 2^16 of the others. Where breaks are too rare to be seen, before the first ones and where many
-        come to an end or begin together, it is at least what one break more or less would make. What happens to less
-        than one contact in all of them later on is in no ensemble and not in its error: one contact's stretch divided
-        by their number.
-    step_error : what the inner steps of ageing may add to the force, shape (n,), a length; 0 without ageing, whose
-        contacts need none. An eighth of the contacts are followed in 16 times longer steps besides to tell.
-    holding : fraction of contacts that hold, shape (n,).
-    holding_standard_error : of that, shape (n,); where contacts may wait, at least that of one contact.
-    histograms : of stretches and thresholds, at the points asked for, each read when it is asked for.
-    contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
-    success, message : whether the tolerance is reached, or all contacts followed, and in words.
-    run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.
-    """
-
-    path: Array
-    force: Array
-    force_standard_error: Array
-    step_error: Array
-    holding: Array
-    holding_standard_error: Array
-    histograms: Sequence[Histogram]
-    contacts: int
-    breaks: int
-    breaks_per_rank: list[int]
-    run_time: float
-    compile_time: float
-    success: bool
-    message: str
-
-    __repr__ = brief
 
 
 class Ensemble:
