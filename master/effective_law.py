@@ -71,7 +71,8 @@ class EffectiveLaw(Thresholds):
     def panels(self) -> Array:
         """Ends of the table's panels (lengths), close where the density changes fast."""
         s = self._series.edges
-        return self._lower + (s * s if self._root else s)
+        edges = self._lower + (s * s if self._root else s)
+        return np.unique(edges) if self._lower > 0.0 else edges  # closer to the lower end than x is known
 
     def _at(self, s: float) -> float:
         return self._lower + (s * s if self._root else s)
