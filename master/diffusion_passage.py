@@ -42,6 +42,7 @@ _LEFT = 0.25
 _EASY = 1e-8
 _ULPS = 1e-13
 _ALL = 1e-6
+_TO_THE_WALL = 0.2
 _AT_A_WALL = 1e-5  # of the range, thinner elements there cost digits
 
 
@@ -226,6 +227,9 @@ def _march(problem: _Problem, size: float, accuracy: float, steps: Array | None 
         while t < length and (survived > problem.spent if steps is None else taken < steps.size):
             if steps is not None:
                 step = float(steps[taken])
+            elif way > 0:
+                # what is left between the level and the wall falls ever faster
+                step = min(step, _TO_THE_WALL * (problem.wall - begin - t))
             step = min(step, length - t)
             stages = step_of(q, begin + t, way, step)
             if steps is None:

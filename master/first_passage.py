@@ -90,7 +90,8 @@ def first_passage(
         Rate of breaking before they meet, of the contact's threshold as it is then; by the diffusion equation.
 
     Raises InputError for thresholds that the final law does not cover, for a start beyond every threshold, and for
-    exact single values in `fresh` unless the final law is Gaussian.
+    exact single values in `fresh` unless the final law is Gaussian; and for a start below -a where the final law begins
+    at a > 0.
     """
     law = as_thresholds(fresh)
     ageing.check_fresh(law)
@@ -99,6 +100,11 @@ def first_passage(
     held = float(law.sf(abs(start)))
     if not held > 0.0:
         raise InputError(f"start = {start:g}: lies beyond every threshold; contacts there hold nothing")
+    if 0.0 < ageing.final.support()[0] < -start:
+        raise InputError(
+            f"start = {start:g}: stretches come back across {ageing.final.support()[0]:g} from 0, where the final law "
+            "begins, so that thresholds are met, left and met again: not solved here; begin above, or use the ensemble"
+        )
     unit = law.mean()
     if start == 0.0 and diffusion <= _AT_REST * unit and thermal is None:
         return FirstPassage(law, 0.0)
@@ -175,9 +181,10 @@ def _from_steps(passage: DiffusionPassage, onset_power: float) -> tuple[Effectiv
     steeper = -(bend / (2.0 * s[-1]) - fall / (2.0 * s[-1] ** 2)) / (2.0 * s[-1])
     series = Piecewise(root, _PROJECT @ np.concatenate(density).T)
     rest = float(survival[-1])
+    poles = t[ends[1:-1]]
     if hazard <= 0.0:
-        return EffectiveLaw(series, passage.begins, onset_power=onset_power), rest
-    return EffectiveLaw(series, passage.begins, True, rest, float(hazard), float(steeper), onset_power), 0.0
+        return EffectiveLaw(series, passage.begins, onset_power=onset_power, poles=poles), rest
+    return EffectiveLaw(series, passage.begins, True, rest, float(hazard), float(steeper), onset_power, poles), 0.0
 
 
 def _powers(x: Array) -> Array:
