@@ -15,6 +15,8 @@ _HALF, _MASK = _U(32), _U(0xFFFFFFFF)
 _PARABOLA = 1
 _FAR, _THERMAL = 8.0, 0.1
 _CHANGE, _UNFELT = 0.6, 1e-4  # of the logarithm of a rate in one step, and a share of what is borne that needs no care
+_OF_THE_GAP = 0.15  # between the stretch and the upper end of the final law
+_FELT = 0.25
 _FORGOTTEN = 0.5  # of the time in which old thresholds forget
 
 
@@ -26,21 +28,65 @@ def _normal(a, b, c):  # type: ignore[no-untyped-def]
 
 @compiled
 def _drift(y, ageing):  # type: ignore[no-untyped-def]
-    """Mean change of a threshold per time, over D."""
-    _, _, _, _, _, first, step, values, slopes = ageing
-    return hermite(min(max(y, first), first + step * (values.size - 1)), first, step, values, slopes)
+    """Mean change of a threshold per time, over D, towards a law that is not normal."""
+    _, _, _, _, _, first, step, values, slopes, _, low, high, near, far = ageing
+    y = min(max(y, near), far)
+    below, above = y - low, high - y
+    return hermite(_over(below, above), first, step, values, slopes) * (1.0 / below + 1.0 / above)
 
 
 @compiled
-def _moved(y, time, normal, ageing):  # type: ignore[no-untyped-def]
-    """A threshold a time later: in an exact step towards a normal law, else by Heun's, of second order in the mean."""
+def _over(below, above):  # type: ignore[no-untyped-def]
+    """Where a threshold is in the tables, by its distance from the law's ends."""
+    return np.log(below / above) if above < np.inf else np.log(below)
+
+
+@compiled
+def _local(y, here, speed, longest, ageing):  # type: ignore[no-untyped-def]
+    """The time of a step from a threshold y, if `longest` is typical; the stretch |x| = here grows with `speed`."""
+    _, _, _, _, diffusion, first, step, _, _, shares, low, high, near, far = ageing
+    y = min(max(y, near), far)
+    place = (_over(y - low, high - y) - first) / step
+    k = min(max(int(place), 0), shares.size - 2)
+    part = min(max(place - k, 0.0), 1.0)
+    time = longest * (shares[k] + part * (shares[k + 1] - shares[k]))
+    if high < np.inf and here >= low:
+        # a threshold meets the stretch or the wall in one step, not both
+        gap = max(high - here, 1.0)
+        time = min(time, (_OF_THE_GAP * gap) ** 2 / (2.0 * diffusion))
+        if speed > 0.0:
+            time = min(time, 0.5 * gap / speed)
+    return time
+
+
+@compiled
+def _moved(y, time, normal, uniform, walled, ageing):  # type: ignore[no-untyped-def]
+    """A threshold a time later: in an exact step towards a normal law, else by Heun's, of second order in the mean.
+
+    A step that comes to the final law's upper end, or to its lower one where that is above the stretch (walled), is
+    reflected by how far it went beyond, exact but for the change of the drift; how far a Brownian bridge tells.
+    """
     kind, mean, width, relaxing, diffusion = ageing[:5]
     if kind == _PARABOLA:
         lost = -np.expm1(-relaxing * time)
         return y + (mean - y) * lost + width * np.sqrt(lost * (2.0 - lost)) * normal
-    kick, slope = np.sqrt(2.0 * diffusion * time) * normal, _drift(y, ageing)
-    there = _drift(y + diffusion * time * slope + kick, ageing)
-    return y + 0.5 * diffusion * time * (slope + there) + kick
+    low, high = ageing[10], ageing[11]
+    spread = np.sqrt(2.0 * diffusion * time)
+    # closer to an end than this no drift is felt through a step
+    least, most = low + _FELT * spread, high - _FELT * spread
+    slope = _drift(min(max(y, least), most), ageing)
+    guess = low + abs(y + diffusion * time * slope + spread * normal - low)
+    if high < np.inf:
+        guess = high - abs(high - guess)
+    there = _drift(min(max(guess, least), most), ageing)
+    later = y + 0.5 * diffusion * time * (slope + there) + spread * normal
+    if walled and y - low <= high - y:
+        lowest = 0.5 * (y + later - np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(uniform)))
+        later += max(low - lowest, 0.0)
+    elif high < np.inf:
+        highest = 0.5 * (y + later + np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(uniform)))
+        later -= max(highest - high, 0.0)
+    return min(max(later, low), high) if walled else min(later, high)
 
 
 @compiled
@@ -100,6 +146,8 @@ def _first_meeting(above, below, spread, normal, uniform):  # type: ignore[no-un
     I/(1 + I), I of the inverse Gaussian law of mean above/|below| and shape above²/spread², spread² the variance of
     the step without ends.
     """
+    if above <= 0.0:
+        return 0.0
     if below == 0.0:
         return 1.0
     mean, shape = above / abs(below), (above / spread) ** 2
@@ -124,6 +172,7 @@ def grow_old(  # type: ignore[no-untyped-def]
     k0, k1, second, contact = stream
     legs, y, steps, diffusion = directions.size, threshold, 0, ageing[4]
     longest, coarser = pace_of_steps
+    lower, upper = ageing[10], ageing[11]
     while leg < legs:
         at, d, pace = clock, directions[leg], paces[leg]
         end, stretch = begins[leg + 1], x
@@ -138,20 +187,32 @@ def grow_old(  # type: ignore[no-untyped-def]
             here, speed = abs(now), (1.0 / pace if d != 0 and leaving else 0.0)
             if seen < moments.size and moments[seen] < end:
                 left = min(left, max(np.float64(moments[seen] - at) - passed, 1.0) * pace)
-            time = min(max(longest, _safe(y - here, y, here, speed, ageing)), left)
+            own = longest
+            if ageing[0] != _PARABOLA:
+                own = _local(y, here, speed, longest, ageing)
+                # what comes to the law's lower end is reflected where the stretch is below, and breaks beyond
+                if d != 0 and (here < lower) == leaving and here != lower:
+                    left = min(left, max(abs(lower - here), 1.0) * pace)
+            time = min(max(own, _safe(y - here, y, here, speed, ageing)), left)
             if law[0]:
                 time = _felt(time, min(here, y), y, speed, law, a, ageing, coarser)
-                time = min(max(time, 1e-3 * longest), left)
+                time = min(max(time, 1e-3 * own), left)
             words = philox(_U(place + steps), second, contact & _MASK, contact >> _HALF, k0, k1)
             steps += 1
             ticks = time / pace
             then = abs(np.float64(stretch) + d * (passed + ticks))
-            later = _moved(y, time, _normal(words[0], words[1], words[2]), ageing)
+            walled, uniform = here + then < 2.0 * lower, (np.float64(words[3]) + 0.5) * 2.0**-32
+            reflected = uniform
+            if not walled and upper < np.inf:
+                more = philox(_U(place + steps), second, contact & _MASK, contact >> _HALF, k0, k1)
+                steps += 1
+                reflected = (np.float64(more[3]) + 0.5) * 2.0**-32
+            later = _moved(y, time, _normal(words[0], words[1], words[2]), reflected, walled, ageing)
             # the stretch is rounded where a leg ends
             above, below = max(y - here, 0.0), later - then
-            part, broken = 1.0, below <= 0.0
-            if not broken:
-                broken = (np.float64(words[3]) + 0.5) * 2.0**-32 < np.exp(-above * below / (diffusion * time))
+            part, broken = 1.0, below <= 0.0 and not walled
+            if not broken and not walled:
+                broken = uniform < np.exp(-above * below / (diffusion * time))
             if broken:
                 words = philox(_U(place + steps), second, contact & _MASK, contact >> _HALF, k0, k1)
                 steps += 1

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import CubicSpline
 
+from eq_model.ageing_tables import drift_table
 from eq_model.beginning import Beginning, deep_table, reforming_table
 from eq_model.compiled_table import kernel_table
 from eq_model.course import Course, make_course
@@ -16,7 +16,7 @@ from eq_model.often import check_growth, check_steps, duration
 from eq_model.rare import unseen_break
 from eq_model.tally import Counts, Tally
 from eq_model.thermal_tables import growth_tables, law_for_kernel
-from origins import Ageing, Contacts, Drive, GrainContact
+from origins import Contacts, Drive, GrainContact
 from origins.errors import InputError
 from origins.quantile import DEEPEST
 
@@ -24,7 +24,7 @@ Array = npt.NDArray[np.float64]
 
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
-_STEP_ELSE = 0.004
+STEP_ELSE = 0.5  # squares of the standard deviation that a law's table allows
 _TOLD = 256  # units of the lattice in which half of the contacts break again: their mean is told to 1e-5
 _SPREAD = 9.0  # standard deviations beyond which no threshold of 1e17 diffuses
 # contacts followed besides in steps COARSER times longer, whose force tells the error of the steps: the first of each
@@ -38,7 +38,7 @@ def physics(contacts: Contacts, unit: float) -> tuple[Any, ...]:
     ageing and its steps, growth."""
     law = law_for_kernel(contacts.thermal, unit)
     linked, mean = contacts.stiffness == "linked", contacts.mean_threshold / unit
-    ageing = _ageing(contacts.ageing, unit)
+    ageing = _ageing(contacts, unit)
     return law, growth_tables(), contacts.waiting_time, linked, mean, *ageing, _growth(contacts.grains, unit)
 
 
@@ -50,23 +50,24 @@ def _growth(grains: GrainContact | None, unit: float) -> tuple[int, float, float
     return 1, first, float(np.sqrt(grains.growth.B)) * unit, (grains.age - first) / first
 
 
-def _ageing(ageing: Ageing | None, unit: float) -> tuple[tuple[Any, ...], tuple[float, float]]:
-    """How a threshold diffuses, and its steps: the longest in time near the stretch that it must not meet, and how
-    much coarser than need be the others are."""
-    nothing = np.zeros(2)
+def _ageing(contacts: Contacts, unit: float) -> tuple[tuple[Any, ...], tuple[float, float]]:
+    """How a threshold diffuses, and its steps: the longest in time near the stretch that it must not meet, for laws
+    that are not Gaussian where thresholds typically are, and how much coarser than need be the others are."""
+    nothing, ageing = np.zeros(2), contacts.ageing
+    none = 0.0, 1.0, nothing, nothing, nothing, 0.0, np.inf, 0.0, np.inf
     if ageing is None:
-        return (0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, nothing, nothing), (0.0, 1.0)
-    diffusion, width = ageing.rate / unit**2, ageing.final.std() / unit
+        return (0, 0.0, 0.0, 0.0, 0.0, *none), (0.0, 1.0)
+    diffusion = ageing.rate / unit**2
     if ageing.normal is not None:
         normal = ageing.normal
-        settings = (1, normal.mean / unit, normal.std / unit, normal.rate, diffusion, 0.0, 1.0, nothing, nothing)
-        return settings, (STEP / normal.rate, 1.0)
-    low, high = (float(ageing.final.isf(q)) for q in (1.0 - 1e-14, 1e-14))
-    x = np.linspace(low, high, 4097)
-    step = x[1] - x[0]
-    drift = CubicSpline(x, ageing.final.logpdf(x)).derivative()
-    settings = (2, 0.0, 0.0, 0.0, diffusion, low / unit, step / unit, drift(x) * unit, drift(x, 1) * unit**2)
-    return settings, (_STEP_ELSE * width**2 / diffusion, 1.0)
+        return (1, normal.mean / unit, normal.std / unit, normal.rate, diffusion, *none), (STEP / normal.rate, 1.0)
+    table = drift_table(ageing.final, contacts.thresholds)
+    ended = np.isfinite(table.ends[1])
+    first = table.first - (0.0 if ended else np.log(unit))
+    shares = (table.spreads / table.typical) ** 2
+    ends = tuple(end / unit for end in (*table.ends, *table.reach))
+    settings = (2, 0.0, 0.0, 0.0, diffusion, first, table.step, table.values, table.slopes, shares, *ends)
+    return settings, (STEP_ELSE * table.typical**2 / ageing.rate, 1.0)
 
 
 def _largest(contacts: Contacts, drive: Drive, fresh: float) -> float:

@@ -17,6 +17,7 @@ from origins.thresholds import Array, Thresholds
 _MISFIT = 1e-6
 _SPENT = 45.0  # e-foldings of the survival after which nothing counts
 _TAIL_PANELS = 24
+_NONE = np.empty(0)
 
 
 class EffectiveLaw(Thresholds):
@@ -36,6 +37,8 @@ class EffectiveLaw(Thresholds):
         There: p/E per length, and its derivative in x. Beyond, E(x) = beyond exp(-hazard u - slope u²/2), u counted
         from the end.
     onset_power : float
+    poles : array
+        Where else than at the lower end the density diverges (lengths), increasing.
 
     Both cdf and survival are sums of what lies on their side of x. They are as accurate as the table: to some 1e-15,
     not relative to a survival of 1e-15.
@@ -50,8 +53,9 @@ class EffectiveLaw(Thresholds):
         hazard: float = 0.0,
         slope: float = 0.0,
         onset_power: float = np.inf,
+        poles: Array = _NONE,
     ) -> None:
-        self._series, self._lower, self._root = series, float(lower), root
+        self._series, self._lower, self._root, self._poles = series, float(lower), root, poles
         self._mirrored = mirrored(series)
         self._beyond, self._hazard, self._slope = beyond, hazard, max(slope, 0.0)
         self._last = self._at(float(series.edges[-1]))
@@ -65,13 +69,15 @@ class EffectiveLaw(Thresholds):
 
     @property
     def breakpoints(self) -> Array:
-        return np.array([self._lower] if self._beyond > 0.0 else [self._lower, self._last])
+        ends = [self._lower] if self._beyond > 0.0 else [self._lower, self._last]
+        return np.array([*ends[:1], *self._poles, *ends[1:]])
 
     @property
     def panels(self) -> Array:
         """Ends of the table's panels (lengths), close where the density changes fast."""
         s = self._series.edges
-        return self._lower + (s * s if self._root else s)
+        edges = self._lower + (s * s if self._root else s)
+        return np.unique(edges) if self._lower > 0.0 else edges  # closer to the lower end than x is known
 
     def _at(self, s: float) -> float:
         return self._lower + (s * s if self._root else s)

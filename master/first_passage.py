@@ -6,6 +6,7 @@ thresholds it makes contacts that age into contacts that do not.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +33,7 @@ _NODES = 16
 _X, _W = legendre.leggauss(_NODES)
 _T = 0.5 * (_X + 1.0)
 _PROJECT = ((np.arange(_NODES) + 0.5)[:, None] * legendre.legvander(_X, _NODES - 1).T) * _W
+_LEAST = 4  # ends of steps in a fit
 _TERMS = 8  # of ln E between steps: values and slopes at four ends
 
 
@@ -88,7 +90,8 @@ def first_passage(
         Rate of breaking before they meet, of the contact's threshold as it is then; by the diffusion equation.
 
     Raises InputError for thresholds that the final law does not cover, for a start beyond every threshold, and for
-    exact single values in `fresh` unless the final law is Gaussian.
+    exact single values in `fresh` unless the final law is Gaussian; and for a start below -a where the final law begins
+    at a > 0.
     """
     law = as_thresholds(fresh)
     ageing.check_fresh(law)
@@ -97,11 +100,16 @@ def first_passage(
     held = float(law.sf(abs(start)))
     if not held > 0.0:
         raise InputError(f"start = {start:g}: lies beyond every threshold; contacts there hold nothing")
+    if 0.0 < ageing.final.support()[0] < -start:
+        raise InputError(
+            f"start = {start:g}: stretches come back across {ageing.final.support()[0]:g} from 0, where the final law "
+            "begins, so that thresholds are met, left and met again: not solved here; begin above, or use the ensemble"
+        )
     unit = law.mean()
     if start == 0.0 and diffusion <= _AT_REST * unit and thermal is None:
         return FirstPassage(law, 0.0)
     diffusion = max(diffusion, _AT_REST * unit)
-    power = _onset_power(law) if start == 0.0 else np.inf
+    power = _onset_power(law, ageing.final) if start == 0.0 else np.inf
     if ageing.normal is None or thermal is not None:
         finest, hazard = max(0.3 * accuracy, _FINEST), None if thermal is None else _hazard(thermal, velocity)
         passage = diffusion_passage(law, ageing.final, diffusion, start, _SPENT, finest, hazard)
@@ -130,8 +138,11 @@ def _hazard(thermal: Thermal, velocity: float) -> Hazard:
     return hazard
 
 
-def _onset_power(fresh: Thresholds) -> float:
-    """Where P_ci ~ x^m from 0 on, a layer of width (D_X x)^(1/2) has broken by x: p ~ x^((m - 1)/2)."""
+def _onset_power(fresh: Thresholds, final: Thresholds) -> float:
+    """Where P_ci ~ x^m from 0 on, a layer of width (D_X x)^(1/2) has broken by x: p ~ x^((m - 1)/2). Where P_cf begins
+    as such a power above 0 thresholds have come to that end, as the same power, before they are met."""
+    if final.support()[0] > 0.0:
+        return 0.5 * (final.onset_power - 1.0)
     return 0.5 * (fresh.onset_power - 1.0) if fresh.support()[0] == 0.0 else np.inf
 
 
@@ -141,33 +152,39 @@ def _from_steps(passage: DiffusionPassage, onset_power: float) -> tuple[Effectiv
     # past the first survival that rounding took below 0 there is nothing to tell
     spent = np.flatnonzero(~(passage.survival > 0.0))
     size = int(spent[0]) if spent.size else passage.survival.size
-    survival, rate = passage.survival[:size], passage.rate[:size]
-    s = np.sqrt(passage.advance[:size])
-    log_survival, slope = np.log(survival), -2.0 * s * rate / survival
-    first = np.clip(np.arange(s.size - 1) - 1, 0, s.size - 4)
-    around = first[:, None] + np.arange(4)
-    left, right = s[around[:, :1]], s[around[:, -1:]]
-    half = 0.5 * (right - left)
-    at = (s[around] - left) / half - 1.0
-    rows = np.concatenate([_powers(at), _slopes(at) / half[:, :, None]], axis=1)
-    values = np.concatenate([log_survival[around], slope[around]], axis=1)
-    local = np.linalg.solve(rows, values[:, :, None])[:, :, 0]
-    nodes = s[:-1, None] + np.diff(s)[:, None] * _T
-    at = (nodes - left) / half - 1.0
-    inside = np.exp((_powers(at) * local[:, None]).sum(axis=-1))
-    density = -inside * (_slopes(at) * local[:, None]).sum(axis=-1) / half
-    end = np.ones((1, 1))
-    fall = float((_slopes(end) @ local[-1]).item() / half[-1, 0])
-    bend = float((_bends(end) @ local[-1]).item() / half[-1, 0] ** 2)
-    last = float(s[-1])
+    t, survival, rate = passage.advance[:size], passage.survival[:size], passage.rate[:size]
+    root = np.sqrt(t)
+    density = []
+    ends = [*(k for k in passage.roots if k < size - _LEAST), size - 1]
+    for begin, end in pairwise(ends):
+        part = slice(begin, end + 1)
+        s, logarithm = np.sqrt(t[part] - t[begin]), np.log(survival[part])
+        slope = -2.0 * s * rate[part] / survival[part]
+        first = np.clip(np.arange(s.size - 1) - 1, 0, s.size - 4)
+        around = first[:, None] + np.arange(4)
+        left, right = s[around[:, :1]], s[around[:, -1:]]
+        half = 0.5 * (right - left)
+        at = (s[around] - left) / half - 1.0
+        rows = np.concatenate([_powers(at), _slopes(at) / half[:, :, None]], axis=1)
+        values = np.concatenate([logarithm[around], slope[around]], axis=1)
+        local = np.linalg.solve(rows, values[:, :, None])[:, :, 0]
+        nodes = root[part][:-1, None] + np.diff(root[part])[:, None] * _T
+        own = nodes if begin == 0 else np.sqrt(np.maximum(nodes**2 - t[begin], _NO_THRESHOLD))
+        at = (own - left) / half - 1.0
+        inside = np.exp((_powers(at) * local[:, None]).sum(axis=-1))
+        density.append(-inside * (_slopes(at) * local[:, None]).sum(axis=-1) / half * (nodes / own))
+    far = np.ones((1, 1))
+    fall = float((_slopes(far) @ local[-1]).item() / half[-1, 0])
+    bend = float((_bends(far) @ local[-1]).item() / half[-1, 0] ** 2)
     # from derivatives over s to those over t = s^2
-    hazard = -fall / (2.0 * last)
-    steeper = -(bend / (2.0 * last) - fall / (2.0 * last**2)) / (2.0 * last)
-    series = Piecewise(s, _PROJECT @ density.T)
-    left = float(survival[-1])
+    hazard = -fall / (2.0 * s[-1])
+    steeper = -(bend / (2.0 * s[-1]) - fall / (2.0 * s[-1] ** 2)) / (2.0 * s[-1])
+    series = Piecewise(root, _PROJECT @ np.concatenate(density).T)
+    rest = float(survival[-1])
+    poles = t[ends[1:-1]]
     if hazard <= 0.0:
-        return EffectiveLaw(series, onset_power=onset_power), left
-    return EffectiveLaw(series, 0.0, True, left, hazard, steeper, onset_power), 0.0
+        return EffectiveLaw(series, passage.begins, onset_power=onset_power, poles=poles), rest
+    return EffectiveLaw(series, passage.begins, True, rest, float(hazard), float(steeper), onset_power, poles), 0.0
 
 
 def _powers(x: Array) -> Array:

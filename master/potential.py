@@ -19,12 +19,16 @@ class Potential:
 
     Attributes
     ----------
+    final : Thresholds
+    is_singular : bool
+        Whether P_cf vanishes or diverges at the lower end.
     edges : array (n,)
         Ends of the panels on each of which U' is one series.
     """
 
     def __init__(self, final: Thresholds, upper: float) -> None:
-        lower = final.support()[0]
+        self.final, lower = final, final.support()[0]
+        self.is_singular = not 0.0 < float(final.pdf(lower)) < np.inf
         corners = final.breakpoints[(final.breakpoints > lower) & (final.breakpoints < upper)]
         ends = np.concatenate([[lower], corners, [upper]])
         for seed in np.concatenate([final.ppf(_SEEDS), final.isf(_SEEDS)]):

@@ -76,6 +76,12 @@ class SpectralElements:
         out[self.index[element]] = _basis(np.array([(2.0 * at - begin - end) / (end - begin)]), self.degree)[0]
         return out / self.weights
 
+    def at(self, values: Array, x: Array) -> Array:
+        """What has these values at the nodes, at x, any shape."""
+        element = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, self.index.shape[0] - 1)
+        begin, end = self.edges[element], self.edges[element + 1]
+        return (_basis((2.0 * x - begin - end) / (end - begin), self.degree) * values[self.index[element]]).sum(axis=-1)
+
     def series(self, values: Array) -> Array:
         """Legendre coefficients on each element of what has these values at the nodes, shape (degree + 1, m)."""
         nodes = _lobatto(self.degree)[0]

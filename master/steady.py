@@ -206,7 +206,9 @@ def _cycle_integrals(contacts: Contacts, cycle: Cycle) -> tuple[float, float, fl
         return _born_integrals(release, unit)
     moment = law.moment(3 if release.stiffness and cycle.breaking is None else 2)
     if isinstance(law, BreakingLaw | EffectiveLaw) and not release.stiffness:
-        nodes, weights = gauss(law.panels[:-1], law.panels[1:])
+        # all hold before the law begins
+        edges = np.unique(np.append(0.0, law.panels))
+        nodes, weights = gauss(edges[:-1], edges[1:])
         held = weights * law.sf(nodes)
         return law.mean(), 0.5 * moment, float(held.sum()), float((held * nodes).sum())
     if not release.stiffness:

@@ -8,9 +8,11 @@ from origins.errors import InputError, non_negative, refuse
 from origins.frozen import as_thresholds
 from origins.gaussian import CutGaussian
 from origins.ornstein_uhlenbeck import OrnsteinUhlenbeck
-from origins.thresholds import Thresholds
+from origins.thresholds import Array, Thresholds
 
 _FASTEST = 1e100  # D, whose powers must stay numbers
+_ROUND_OFF = 1e-15
+_NEAR, _JUMP = 1e4, 1e-6  # roundings of x beside a point, and what the logarithm of a density may change there
 
 
 class Ageing:
@@ -37,7 +39,8 @@ class Ageing:
         None for any other law: origins.diffusion.Diffusion(final, edges) moves the weights of its thresholds.
 
     Raises InputError for a rate that is negative or not finite, and for a P_cf that holds single values or has gaps:
-    its Ũ would be infinite.
+    its Ũ would be infinite; for closure "exact" also for one that jumps inside its support. Where P_cf ends at a
+    positive density, thresholds are reflected.
     """
 
     def __init__(self, final: object, rate: float, closure: Literal["exact", "paper"] = "exact") -> None:
@@ -58,7 +61,7 @@ class Ageing:
         """InputError unless all fresh thresholds lie where P_cf has weight."""
         low, high = self.final.support()
         beyond = float(fresh.cdf(low)) + float(fresh.sf(high))
-        if beyond > 0.0:
+        if beyond > _ROUND_OFF:
             raise InputError(
                 f"ageing: a weight of {beyond:.3g} of the fresh thresholds lies outside the final law, {low:g} to "
                 f"{high:g}, where its potential is infinite; use a final law that covers them"
@@ -72,6 +75,7 @@ class Ageing:
                 f"density, such as gaussian with mean = {atoms[0]:g}, std = {0.01 * atoms[0]:g}"
             )
         corners = self.final.breakpoints
+        low, high = self.final.support()
         middle = 0.5 * (corners[:-1] + corners[1:])
         gap = np.flatnonzero(self.final.logpdf(middle) == -np.inf) if middle.size else middle
         if gap.size:
@@ -79,4 +83,19 @@ class Ageing:
             raise InputError(
                 f"final: has no weight between {low:g} and {high:g}: thresholds cannot diffuse across; use a law "
                 "without gaps"
+            )
+        self._check_jumps(corners[(corners > low) & (corners < high)])
+
+    def _check_jumps(self, corners: Array) -> None:
+        if self.closure != "exact" or not corners.size:
+            return
+        near = _NEAR * np.spacing(corners)
+        around = corners + near * np.array([[-2.0], [-1.0], [1.0], [2.0]])
+        far_below, below, above, far_above = self.final.logpdf(around)
+        beside = np.maximum(np.abs(below - far_below), np.abs(far_above - above))
+        jump = np.abs(above - below) > _JUMP + 10.0 * beside
+        if jump.any():
+            raise InputError(
+                f"final: the density jumps at {corners[jump][0]:g}: there the drift of a threshold is infinite for an "
+                'instant, which no solver follows yet; use a law without jumps inside, or closure = "paper"'
             )

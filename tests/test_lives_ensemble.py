@@ -262,7 +262,7 @@ def test_the_error_of_the_steps_of_ageing_is_told(final: origins.Thresholds, mon
     exact = master.solve(contacts, path, tolerance=1e-5).force
     for longer in (1.0, 8.0):
         monkeypatch.setattr("eq_model.lives.STEP", longer * STEP)
-        monkeypatch.setattr("eq_model.lives._STEP_ELSE", longer * lives._STEP_ELSE)
+        monkeypatch.setattr("eq_model.lives.STEP_ELSE", longer * lives.STEP_ELSE)
         found = eq_model.simulate(contacts, path, n_contacts=40_000, seed=5)
         off = np.abs(found.force - exact)
         assert (off < found.step_error + 4.5 * found.force_standard_error).all()
