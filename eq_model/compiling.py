@@ -1,18 +1,35 @@
 """How kernels are compiled: by numba when first called, kept on disk, and with numpy's rules for division."""
 
 from collections.abc import Callable
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
 from numba import njit, types
 from numba.extending import intrinsic
 
+_HERE = Path(__file__).parent
+_ORIGINS = ("hot_cells", "quantile", "streams")  # whose constants are compiled in
+
 
 def compiled(function: Callable[..., Any]) -> Any:
     """`function` compiled when first called and kept on disk; in memory only where no folder can be written."""
     try:
-        return njit(cache=True, error_model="numpy")(function)
+        made: Any = njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # numba found no folder for its cache
         return njit(error_model="numpy")(function)
+    # numba compares a kernel's own file alone with what is on disk; it calls others, in other files
+    file = made._cache._cache_file
+    file._source_stamp = file._source_stamp, sources()
+    return made
+
+
+@cache
+def sources() -> str:
+    """What tells these kernels from those of another version."""
+    files = [*sorted(_HERE.glob("*kernel.py")), *(_HERE.parent / f"origins/{name}.py" for name in _ORIGINS)]
+    return sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
 inlined = njit(inline="always")

@@ -3,6 +3,7 @@
 import dataclasses
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -389,6 +390,18 @@ print(run.breaks > 0, before == after, sum(after.values()) > 0, kept > 0, run.co
     # in a process of its own, where nothing is compiled yet: nothing is once the ensemble is made
     done = subprocess.run([sys.executable, "-c", code], env=clean_environment(), capture_output=True, text=True)
     assert done.stdout.split() == ["True"] * 5, (done.stdout, done.stderr)
+
+
+def half(x: float) -> float:
+    return 0.5 * x
+
+
+def test_kernels_are_compiled_anew_where_any_of_them_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("numba.config.CACHE_DIR", str(tmp_path))
+    for version, hits in [("old", 0), ("old", 1), ("new", 0), ("new", 1)]:
+        monkeypatch.setattr(compiling, "sources", lambda version=version: version)
+        made = compiling.compiled(half)
+        assert made(3.0) == 1.5 and sum(made.stats.cache_hits.values()) == hits
 
 
 def test_the_kernel_works_where_no_folder_can_be_written() -> None:
