@@ -270,6 +270,9 @@ def _beside_atoms(differences: list[float]) -> float:
         return 0.0
     ratio = last / before if before > 0.0 else 1.0
     lucky = _LUCKY * before
-    if len(differences) > 2 and before < _EIGHTH * differences[-3] and ratio < _EIGHTH:
-        lucky *= _TWICE * before / differences[-3]
+    if len(differences) > 2:
+        earlier = before / differences[-3] if differences[-3] > 0.0 else 1.0
+        if earlier < _EIGHTH and ratio < _EIGHTH:
+            lucky *= _TWICE * earlier
+        ratio = max(ratio, earlier)  # what fell unevenly may do so again
     return max(last * max(ratio if ratio < 2.0 * _EIGHTH else 2.0, _SEVENTH), lucky)

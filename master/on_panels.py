@@ -23,7 +23,7 @@ Array = npt.NDArray[np.float64]
 
 _COARSEST, _FINER = 0.4, 1.15
 _ACCURACY, _FALLS = 3e-4, 0.12
-_SURE, _SUDDEN = 1.1, 0.05  # of the last change, and of the one before
+_SURE, _SUDDEN = 1.1, 0.1  # of the last change, and of the one before
 _BOTH, _LACKS = 0.8, 0.1  # of the last change and what B lacks, multiplied; of what B lacks
 _UNREAD = 0.3
 _SLIGHT = 0.01  # of what B lacks: a first change that tells nothing
