@@ -64,16 +64,18 @@ def bunched(law: Law, left: Array, right: Array, nodes: Array, mass: Array) -> l
     levels = [finest]
     # a hard edge may lie within any interval: those that it cuts are looked at more closely
     widths = np.unique(np.diff(law.edges)) * _JUST
-    wanted = 0.0
+    wanted, narrowest = 0.0, float((right - left).min())
     for width in widths:
         if width < 2.0 * wanted:
+            continue
+        wanted = width
+        if width <= narrowest:  # each panel is by itself
             continue
         below = levels[-1]
         cell = np.floor((below.left - left[0]) / width)
         first = np.append(np.flatnonzero(np.diff(cell, prepend=-1.0)), cell.size)
         if first.size - 1 <= _FEWER * cell.size:
             levels.append(_joined(law, below, first))
-        wanted = width
     return levels
 
 
