@@ -91,7 +91,7 @@ def test_errors_are_near_the_true_ones_at_a_temperature() -> None:
     solved = master.solve(contacts, PATH, 1e-8)
     finer = master.solve(contacts, PATH, 1e-11)
     off = np.abs(solved.force - finer.force).max() / contacts.mean_threshold
-    assert off < solved.force_error + finer.force_error and solved.force_error < 3e-10
+    assert off < solved.force_error + finer.force_error < 100.0 * off
 
 
 def test_cold_grains_that_are_met_before_any_rate_is_felt() -> None:
