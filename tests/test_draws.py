@@ -12,7 +12,7 @@ from eq_model.compiled_table import kernel_table
 from origins import streams
 from origins.quantile import quantile_table
 
-N = 10_000_000
+N = 4_000_000
 CELLS = 1 << 12
 TAILS = (2.0**-12, 1e-4, 1e-5, 3e-6)
 
@@ -33,7 +33,7 @@ LAWS: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_ten_million_draws(name: str) -> None:
+def test_four_million_draws(name: str) -> None:
     law = LAWS[name]()
     table = quantile_table(law)
     unit = table.scale * 2.0**-44

@@ -81,7 +81,7 @@ def alone(tmp_path_factory: pytest.TempPathFactory):
     return toolkit.run(path)
 
 
-@pytest.mark.parametrize("ranks", [2, 4])
+@pytest.mark.parametrize("ranks", [3])
 def test_ranks_share_one_run_and_one_voice(ranks: int, mpirun, scene, alone, tmp_path: Path) -> None:
     done = mpirun(ranks, SCRIPT, "run", scene, "--out", "many")
     assert done.returncode == 0, done.stderr
