@@ -189,7 +189,7 @@ SAMPLED = [
 
 @pytest.mark.parametrize("name", SAMPLED)
 def test_samples(name: str) -> None:
-    """Kolmogorov-Smirnov at 1e5 draws, and the count beyond the quantiles of 100; test_draws.py has ten million."""
+    """Kolmogorov-Smirnov at 1e5 draws, and the count beyond the quantiles of 100; test_draws.py has four million."""
     law = CASES[name]().law
     draws = np.sort(law.rvs(100_000, random_state=11))
     assert draws[0] >= law.support()[0] and draws[-1] <= law.support()[1]
