@@ -12,12 +12,14 @@ from master.law import Law
 from master.piecewise import tabulate
 from master.starting import StartSum
 from origins import Contacts
-from origins.quadrature import panel_edges
+from origins.quadrature import gauss, panel_edges
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
 _SUMS, _ROUNDING = 1e-12, 1e-15  # what sums over births are off by; and what thresholds beyond |r| are, of all
+_DEEP = 1e-3  # of the thresholds: beyond, the rest of them may be known better by itself
+_DECADES, _LEAST = 40, 1e-300
 
 
 def integrals(contacts: Contacts, again: Start) -> tuple[Array, Array]:
@@ -35,9 +37,44 @@ def integrals(contacts: Contacts, again: Start) -> tuple[Array, Array]:
     powers = [0, 1, 1, 3] if linked else [0, 1, 0, 2]
     none, first, lower, upper = (share * beyond(contacts, power, np.abs(origin)) for power in powers)
     unit = contacts.mean_threshold if linked else 1.0
-    found = np.array([(first - origin * none).sum(), 0.5 * (upper - origin**2 * lower).sum() / unit])
+    found = np.array([first - origin * none, 0.5 * (upper - origin**2 * lower) / unit])
     whole = np.array([contacts.thresholds.moment(1), contacts.thresholds.moment(powers[3]) / unit])
-    return found, _SUMS * np.abs(found) + _ROUNDING * share.sum() * whole
+    off = _ROUNDING * share * whole[:, None]
+    deep = np.flatnonzero(contacts.thresholds.sf(np.abs(origin)) < _DEEP)
+    if deep.size:
+        other, other_off = _in_the_tail(contacts, origin[deep], none[deep], linked)
+        better = other_off < off[:, deep]
+        found[:, deep] = np.where(better, other, found[:, deep])
+        off[:, deep] = np.where(better, other_off, off[:, deep])
+    total = found.sum(axis=1)
+    return total, _SUMS * np.abs(total) + off.sum(axis=1)
+
+
+def _in_the_tail(contacts: Contacts, origin: Array, share: Array, linked: bool) -> tuple[Array, Array]:
+    """C and the force integrated, times the `share` of births at each origin, and their errors, shapes (2, n): from
+    what is left of the thresholds beyond, which no difference of large numbers tells."""
+    law, least = contacts.thresholds, np.abs(origin)[:, None]
+    left = law.sf(least)
+    ends = law.isf(np.maximum(left * 0.1 ** np.arange(1.0, _DECADES + 1.0), _LEAST))
+    marks = np.concatenate([law.breakpoints, law.atoms[0]])
+    marks = np.broadcast_to(marks[np.isfinite(marks)], (least.size, np.isfinite(marks).sum()))
+    edges = np.sort(np.clip(np.concatenate([least, ends, marks], axis=1), least, ends[:, -1:]), axis=1)
+    nodes, weights = gauss(edges[:, :-1].ravel(), edges[:, 1:].ravel())
+    nodes, weights = (part.reshape(least.size, -1) for part in (nodes, weights))
+    held = weights * law.sf(nodes) / left
+    # a threshold beyond y adds this much to the force integrated for each step of y
+    arm = 0.5 * (3.0 * nodes**2 - least**2) / contacts.mean_threshold if linked else nodes
+    rows = np.stack([held, held * arm])
+    found = rows.sum(axis=2)
+    # what is beyond the last decade, as those before it fall
+    last, before = (
+        (rows * ((nodes >= low) & (nodes < high))).sum(axis=2)
+        for low, high in ((ends[:, -2:-1], np.inf), (ends[:, -3:-2], ends[:, -2:-1]))
+    )
+    ratio = np.divide(last, before, out=np.zeros(last.shape), where=before > 0.0)
+    rest = np.where(ratio < 1.0, last * ratio / np.maximum(1.0 - ratio, 1e-300), np.inf)
+    found[0] += np.abs(origin) - origin
+    return share * found, share * (rest + _SUMS * np.abs(found))
 
 
 def beyond(contacts: Contacts, power: int, least: Array) -> Array:

@@ -1,5 +1,6 @@
 """Smooth sliding: the force against exact moments of every origin, and what is refused."""
 
+import mpmath
 import numpy as np
 import pytest
 import references
@@ -166,3 +167,16 @@ def test_births_ahead_of_far_tails(births: object) -> None:
     unit = contacts.mean_threshold
     assert abs(steady.cycle_length - length) < steady.cycle_length_error * unit < 1e-10
     assert abs(steady.force - area / (length + 0.3)) < steady.force_error * unit < 1e-9
+
+
+@pytest.mark.parametrize("at", [2.3, 2.6, 2.65, 5.0])
+def test_births_deep_in_the_tail_of_the_thresholds(at: float) -> None:
+    """F_k = at + <d^2>/2<d> with d what thresholds are beyond: Mills' ratio and its moments, for normal thresholds."""
+    found = master.steady_state(origins.Contacts(origins.gaussian(1.0, 0.2), reforming=at))
+    with mpmath.workdps(60):
+        z = (mpmath.mpf(at) - 1) / mpmath.mpf("0.2")
+        mills = mpmath.sqrt(mpmath.pi / 2) * mpmath.erfc(z / mpmath.sqrt(2)) * mpmath.exp(z * z / 2)
+        first = 1 / mills - z
+        second = 1 - z * first
+        expected = float(at + mpmath.mpf("0.1") * second / first)
+    assert found.success and abs(found.force - expected) <= found.force_error * found.mean_threshold < 1e-10
