@@ -53,28 +53,36 @@ def integrals(contacts: Contacts, again: Start) -> tuple[Array, Array]:
 def _in_the_tail(contacts: Contacts, origin: Array, share: Array, linked: bool) -> tuple[Array, Array]:
     """C and the force integrated, times the `share` of births at each origin, and their errors, shapes (2, n): from
     what is left of the thresholds beyond, which no difference of large numbers tells."""
-    law, least = contacts.thresholds, np.abs(origin)[:, None]
-    left = law.sf(least)
-    ends = law.isf(np.maximum(left * 0.1 ** np.arange(1.0, _DECADES + 1.0), _LEAST))
-    marks = np.concatenate([law.breakpoints, law.atoms[0]])
-    marks = np.broadcast_to(marks[np.isfinite(marks)], (least.size, np.isfinite(marks).sum()))
-    edges = np.sort(np.clip(np.concatenate([least, ends, marks], axis=1), least, ends[:, -1:]), axis=1)
-    nodes, weights = gauss(edges[:, :-1].ravel(), edges[:, 1:].ravel())
-    nodes, weights = (part.reshape(least.size, -1) for part in (nodes, weights))
-    held = weights * law.sf(nodes) / left
-    # a threshold beyond y adds this much to the force integrated for each step of y
-    arm = 0.5 * (3.0 * nodes**2 - least**2) / contacts.mean_threshold if linked else nodes
-    rows = np.stack([held, held * arm])
-    found = rows.sum(axis=2)
-    # what is beyond the last decade, as those before it fall
-    last, before = (
-        (rows * ((nodes >= low) & (nodes < high))).sum(axis=2)
-        for low, high in ((ends[:, -2:-1], np.inf), (ends[:, -3:-2], ends[:, -2:-1]))
-    )
-    ratio = np.divide(last, before, out=np.zeros(last.shape), where=before > 0.0)
-    rest = np.where(ratio < 1.0, last * ratio / np.maximum(1.0 - ratio, 1e-300), np.inf)
+    found, off = np.zeros((2, origin.size)), np.zeros((2, origin.size))
+    for k, least in enumerate(np.abs(origin).tolist()):
+        found[:, k], off[:, k] = _excess(contacts, least, linked)
     found[0] += np.abs(origin) - origin
-    return share * found, share * (rest + _SUMS * np.abs(found))
+    return share * found, share * (off + _SUMS * np.abs(found))
+
+
+def _excess(contacts: Contacts, least: float, linked: bool) -> tuple[Array, Array]:
+    """Travel to the break from a stretch `least` on and the force integrated on it, means; and their errors."""
+    law = contacts.thresholds
+    left = float(law.sf(least))
+    ends = law.isf(np.maximum(left * 0.1 ** np.arange(1.0, _DECADES + 1.0), _LEAST))
+    marks = np.concatenate([[least], ends, panel_edges(law, float(ends[-1])), law.atoms[0]])
+    edges = np.unique(marks[(marks >= least) & (marks <= ends[-1])])
+
+    def rows(y: Array) -> Array:
+        # a threshold beyond y adds this much to the force integrated for each step of y
+        arm = 0.5 * (3.0 * y**2 - least**2) / contacts.mean_threshold if linked else y
+        held = law.sf(y) / left
+        return np.stack([held, held * arm])
+
+    nodes, weights = gauss(edges[:-1], edges[1:])
+    scale = (weights * rows(nodes)).sum(axis=(1, 2))
+    tables = tabulate(lambda y: rows(y) / scale[:, None, None], edges, 1e-15)
+    found = scale * np.array([table.total for table in tables])
+    # what is beyond the last decade, as those before it fall
+    before, last = (scale[:, None] * np.diff([table.integral(ends[-3:]) for table in tables], axis=1)).T
+    ratio = np.divide(last, before, out=np.zeros(2), where=before > 0.0)
+    rest = np.where(ratio < 1.0, last * ratio / np.maximum(1.0 - ratio, 1e-300), np.inf)
+    return found, rest + scale * np.array([table.total_error for table in tables])
 
 
 def beyond(contacts: Contacts, power: int, least: Array) -> Array:

@@ -180,3 +180,17 @@ def test_births_deep_in_the_tail_of_the_thresholds(at: float) -> None:
         second = 1 - z * first
         expected = float(at + mpmath.mpf("0.1") * second / first)
     assert found.success and abs(found.force - expected) <= found.force_error * found.mean_threshold < 1e-10
+
+
+def test_births_before_a_narrow_peak_in_the_tail() -> None:
+    """One threshold in a million is about 3, within 1e-4: most of what births at 2 meet."""
+    law = origins.mixture([origins.gaussian(1.0, 0.2), origins.gaussian(3.0, 1e-4)], [1.0 - 1e-6, 1e-6])
+    found = master.steady_state(origins.Contacts(law, reforming=2.0))
+    plain, peak = scipy.stats.norm(1.0, 0.2), scipy.stats.norm(3.0, 1e-4)
+    z = (2.0 - 1.0) / 0.2
+    parts = np.array([(1.0 - 1e-6) * plain.sf(2.0) / plain.sf(0.0), 1e-6 * peak.sf(2.0)])
+    near = plain.pdf(2.0) * 0.04 / plain.sf(2.0) - 1.0  # <d> beyond 2, and <d^2>
+    far = 0.04 * (1.0 + z**2) - 0.008 * z * plain.pdf(2.0) / plain.sf(2.0)
+    first, second = parts @ [near, 1.0], parts @ [far, 1.0 + 1e-8]
+    assert found.success
+    assert abs(found.force - 2.0 - 0.5 * second / first) < found.force_error * found.mean_threshold + 1e-11
