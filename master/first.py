@@ -58,6 +58,7 @@ class FirstBreaks:
 
     stiffness: Piecewise | None = None
     rounding = 0.0
+    _furthest_start = 0.0
     _poles: Poles | None = None
 
     def __init__(self, contacts: Contacts, law: Law, end: float, accuracy: float) -> None:
@@ -103,7 +104,9 @@ class FirstBreaks:
     @property
     def error(self) -> float:
         """Error of `released`, and of the later breaks that follow from `density`: as tables and conservation tell."""
-        return self._released.error + (1.0 + self.end) * (self.density.total_error + self._defect)
+        # what the tables do not see breaks at any of these stretches
+        unseen = (1.0 + self.end + self._furthest_start) * self._defect
+        return self._released.error + (1.0 + self.end) * self.density.total_error + unseen
 
     def released(self, x: Array) -> Array:
         """J_0: stretch released per contact by first breaks up to X = x; a break at x itself counts."""

@@ -32,6 +32,8 @@ _SAME = 1e-14
 _SHORT = 0.5  # of a mean stretch at a break: panels of the start on which breaks hardly change but at cuts
 _NEGLIGIBLE, _UNFELT = 1e-19, 1e-5
 _SIGNS = 8.0
+_NEAREST, _SAMPLES = 1e-4, 9  # of the way, and how many positions: there sums tell which panels do
+_FELT, _LEAST_FELT = 0.03, 1e-14  # of the accuracy, and of all contacts
 _EPSILON = float(np.finfo(float).eps)
 
 
@@ -39,9 +41,10 @@ class OriginBreaks(FirstBreaks):
     """Density and atoms of the first breaks over X (in units of `law`), up to X = `end`, the same face as at T = 0."""
 
     def __init__(self, contacts: Contacts, law: Law, breaking: Breaking, end: float, accuracy: float) -> None:
-        self.end, self._accuracy, self._law = end, max(accuracy, 2e-15), law
-        self._breaking = breaking = breaking.of(contacts.start)
         unit = law.unit
+        self._furthest_start = float(np.abs(contacts.start.span).max()) / unit
+        self.end, self._accuracy, self._law = end, max(accuracy / max(self._furthest_start, 1.0), 2e-15), law
+        self._breaking = breaking = breaking.of(contacts.start)
         self._unit, self._contacts = unit, contacts
         self._spread: SpreadBreaks | None = None
         self._may_bend = True
@@ -78,6 +81,8 @@ class OriginBreaks(FirstBreaks):
                 self._spread = SpreadBreaks(breaking, self._sum, law, np.append(marks, bend), self._accuracy, end)
                 self._cuts = self._spread.cuts
         top = min(end, breaking.top / unit - low)
+        if self._spread is not None:
+            self._leave_out(top, np.append(marks, bend))
         seeds = np.unique(seeds[(seeds > 0.0) & (seeds <= top)])
         # breaks vary over X as over x, or as over the start
         known = law.edges[::2] - self.mean_start
@@ -99,6 +104,39 @@ class OriginBreaks(FirstBreaks):
             width, weight = np.diff(self.density.edges), np.abs(np.diff(self.density.integral(self.density.edges)))
             self.rounding = _EPSILON * abs(low) * float((weight / width).sum())
             self._defect += self.rounding
+
+    def _leave_out(self, top: float, marks: Array) -> None:
+        """Edges of panels that direct sums do without: where those of the start are short, and where no table is to be
+        had as many as sums at some positions up to `top` do not feel; there all cuts but at `marks`, too."""
+        start, spread = self._sum, self._spread
+        assert start is not None and spread is not None
+        inner = spread.edges[1:-1]
+        own = np.searchsorted(start.edges, inner, side="right") - 1
+        added = ~np.isin(inner, start.edges)
+        self._spare = short = added & (np.diff(start.edges)[own] < _SHORT)
+        alone = added & ~short & spread.untold[1:] & spread.untold[:-1]
+        if not alone.any() and not spread.untold.all():
+            return
+        place = 1 + np.arange(inner.size) - np.searchsorted(inner, start.edges, side="left")[own]
+        x = top * np.geomspace(_NEAREST, 1.0, _SAMPLES)
+
+        def sums(every: int) -> Array:
+            self._spare = short | (alone & (place % every != 0))
+            return self._integrals(x)[[0, 2]] * x / np.array([[1.0], [1.0 + self._furthest_start]])
+
+        allowed = max(_FELT * self._accuracy, _LEAST_FELT)
+        every = 2 ** int(np.ceil(np.log2(1 + place[alone].max(initial=0))))
+        finer = sums(every)
+        while every > 1:
+            coarse, finer = finer, sums(every // 2)
+            if np.abs(finer - coarse).max() <= allowed:
+                break
+            every //= 2
+        if spread.untold.all():
+            cuts, self._cuts = self._cuts, marks
+            if np.abs(sums(every) - finer).max() > allowed:
+                self._cuts = cuts
+        self._spare = short | (alone & (place % every != 0))
 
     def _find_corners(self, seeds: Array, law: Law) -> None:
         """Jumps of b_0 between panels, and bends where the law has atoms."""
@@ -152,11 +190,9 @@ class OriginBreaks(FirstBreaks):
         assert start is not None
         panels = start.edges if self._spread is None else self._spread.edges
         own = np.broadcast_to(panels, (some.size, panels.size))
-        if known.size:  # where no table tells any of them panels are as wide as those of the start
-            whole = np.diff(start.edges)[np.searchsorted(start.edges, panels[1:-1], side="right") - 1] < _SHORT
-            inner = whole & ~np.isin(panels[1:-1], start.edges) & ~(known[some, 1:] | known[some, :-1])
+        if known.size:  # where no table tells any of them
             own = own.copy()
-            own[:, 1:-1][inner] = start.low
+            own[:, 1:-1][self._spare & ~(known[some, 1:] | known[some, :-1])] = start.low
         # where a stretch turns at 0, and where it is back at what it was
         turns = self._breaking.bends(x[some] * self._unit) / self._unit
         cuts = self._cuts - at

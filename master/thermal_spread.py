@@ -73,6 +73,8 @@ class SpreadBreaks:
     ----------
     edges : array
         Panels of the start, no wider than those on which p is smooth.
+    untold : array of bool
+        Which panels no table tells.
     cuts : array
         Stretches that sums over these must respect: the marks, and what narrower panels of the law there are.
     """
@@ -107,6 +109,9 @@ class SpreadBreaks:
         self._top = min(breaking.top / law.unit, end + start.high)
         self._parts: list[Part] = []
         self._split(0, self.edges.size - 1)
+        self.untold = np.ones(self.edges.size - 1, dtype=bool)
+        for part in self._parts:
+            self.untold[part.first : part.last] = False
         if self._parts:
             self._tabulate()
 

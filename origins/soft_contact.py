@@ -9,7 +9,7 @@ import numpy.typing as npt
 from scipy.special import dawsn
 
 from origins.dawson import inverse_log_growth, log_growth
-from origins.quadrature import gauss
+from origins.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
 
 Array = npt.NDArray[np.float64]
 
@@ -30,14 +30,19 @@ def grown(x: Array, threshold: Array, spring: Array, log_scale: float) -> tuple[
 
 def log_between(near: Array, far: Array, threshold: Array, spring: Array) -> Array:
     """ln of the integral of h/ω, a length, from `near` to `far` >= near; -inf where they are one."""
-    root = np.sqrt(spring)
     rise = spring * (far - near) * (far + near)
-    length = (dawsn(root * far) - np.exp(-rise) * dawsn(root * near)) / root
+    length = np.empty(rise.shape)
     # where the rate hardly changes the difference cancels; there eight nodes, placed from `far` back, are exact
     flat = (rise < 1.0) & (near > 0.0)
-    if flat.any():
-        back, weights = gauss(np.zeros(int(flat.sum())), (far - near)[flat])
-        length[flat] = (weights * np.exp(-spring[flat, None] * back * (2.0 * far[flat, None] - back))).sum(-1)
+    across, most, least = (far - near)[flat], (2.0 * spring * far)[flat], spring[flat]
+    total = np.zeros(across.size)
+    for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS, strict=True):
+        back = node * across
+        total += weight * np.exp(back * (least * back - most))
+    length[flat] = across * total
+    steep = ~flat
+    root, far_steep, near_steep = np.sqrt(spring[steep]), far[steep], near[steep]
+    length[steep] = (dawsn(root * far_steep) - np.exp(-rise[steep]) * dawsn(root * near_steep)) / root
     return log_rate(far, threshold, spring) + np.log(length)
 
 

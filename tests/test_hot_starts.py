@@ -125,3 +125,18 @@ def test_a_force_that_is_nearly_infinite_keeps_its_far_tail(power: float, temper
     assert state.success and abs(state.force / (second / first) - 1.0) < 2e-9
     assert abs(state.force - second / first) < 10.0 * state.force_error * law.mean()
 
+
+
+def test_a_spread_start_far_beyond_where_new_contacts_break_in_heat() -> None:
+    thermal, law, start = Thermal("stiff", 0.2, 1e10), gaussian(1.0, 0.08), gaussian_start(0.05, 0.03)
+    contacts = Contacts(law, start, thermal=thermal)
+    longest = 6e-9
+    path = np.geomspace(1e-3 * longest, longest, 12)
+    solution = master.solve(contacts, path, 1e-4)
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    origins, thresholds = 0.05 + 0.25 * nodes, 1.0 + 0.65 * nodes[:, None]
+    held = np.exp(-np.stack([thermal.cumulative(origins + x, thresholds, origins) for x in path]))
+    plain = (0.65 * weights * law.pdf(thresholds[:, 0])) @ held @ (0.25 * weights * start.pdf(origins) * origins)
+    # what later contacts bear is below the path's length
+    assert np.abs(solution.force - plain).max() <= solution.force_error + 2.0 * longest
+    assert solution.success and solution.force_error < 1e-8
