@@ -23,6 +23,8 @@ class Breaks:
         self._breaks: list[Array] = []
         self._births: list[Array] = []
         self._ends = np.empty(0)
+        # beginning, duration and, in powers of the place between -1 and 1, dJ/dt of each
+        self._rates = np.empty((0, 3))
 
     def add(self, panel: Panel, breaks: Array) -> None:
         """B at the nodes of the panel that comes next."""
@@ -31,6 +33,10 @@ class Breaks:
         self._breaks.append(np.append(self._last(self._breaks), breaks))
         self._panels.append(panel)
         self._ends = np.append(self._ends, panel.end)
+        row = np.append([panel.begin, panel.duration], radau(panel.count).slope(self._births[-1]) / panel.duration)
+        wider = row.size - self._rates.shape[1]
+        row, known = np.pad(row, (0, max(-wider, 0))), np.pad(self._rates, ((0, 0), (0, max(wider, 0))))
+        self._rates = np.concatenate([known, row[None]])
 
     def births(self, panel: Panel) -> tuple[Array, Array]:
         """J at the nodes of the panel that comes next, as far as it is known, and what the unknown B there add to it,
@@ -52,12 +58,13 @@ class Breaks:
 
     def rate(self, time: Array) -> Array:
         """dJ/dt at times on the panels done so far."""
-        out = np.zeros(time.size)
         panel = np.minimum(np.searchsorted(self._ends, time, side="left"), self._ends.size - 1)
-        for k in np.unique(panel).tolist():
-            own, mine = self._panels[k], panel == k
-            rule, share = radau(own.count), (time[mine] - own.begin) / own.duration
-            out[mine] = rule.slopes(share) @ self._births[k] / own.duration
+        begin, duration, *series = self._rates.T
+        z = 2.0 * (time - begin[panel]) / duration[panel] - 1.0
+        out = series[-1][panel]
+        for power in series[-2::-1]:
+            out *= z
+            out += power[panel]
         return out
 
     def next_rate(self, panel: Panel, time: Array) -> tuple[Array, Array]:

@@ -31,12 +31,12 @@ class Carried:
     """Contacts whose lives are `lives` at X = 0, t = 0, and form again a `delay` after they break.
 
     length : over which births change (a length)
-    most : steps that are taken on; TooLong says how far they came
+    most : steps, and numbers looked at in all of them, that are taken on; TooLong says how far they came
     """
 
-    def __init__(self, lives: Lives, delay: float, length: float, most: int) -> None:
+    def __init__(self, lives: Lives, delay: float, length: float, most: tuple[float, float]) -> None:
         self._delay, self._length, self._most = delay, length, most
-        self.steps, self.unresolved = 0, 0.0
+        self.steps, self.work, self.unresolved = 0, 0.0, 0.0
         self._place, self._now = 0.0, 0.0
         self._settle(lives)
 
@@ -82,8 +82,10 @@ class Carried:
 
     def _take(self, trial: Trial, travel: float, now: float) -> None:
         self.steps += 1
-        if self.steps > self._most:
-            raise TooLong(f"{self._most} steps led to t = {self._now:.4g} only, and more are not taken on")
+        # of the dead nothing is asked
+        self.work += np.count_nonzero(trial.lives.held) * trial.lives.work
+        if self.steps > self._most[0] or self.work > self._most[1]:
+            raise TooLong(f"{self.steps - 1} steps led to t = {self._now:.4g} only, and more are not taken on")
         self._last = travel, now - self._now
         self._even.append(trial.births - self._births[-1])
         self._lives, self._force, self._holding = trial.lives, trial.force, trial.holding

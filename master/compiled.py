@@ -15,6 +15,7 @@ Array = npt.NDArray[np.float64]
 
 _MOST = 500.0  # e^(-A) is nothing
 _LITTLE = 1e-13
+_NOTHING = 1e-18
 _FEW = 8
 _GONE = 45.0  # of the contacts less than is said
 _PER = 1024
@@ -78,8 +79,13 @@ def spent(
     n, k = legs.shape[0], nodes.size
     out = np.full((n, k), _MOST)
     for i in range(n):
+        few = 0
         for j in range(first[i], k):
+            if few > _FEW:  # further barriers are higher still
+                out[i, j] = kept[i, j]
+                continue
             out[i, j] = _spent(i, j, stiff, legs, kept, nodes, springs, table)
+            few = few + 1 if out[i, j] - kept[i, j] < _NOTHING else 0
     return out
 
 

@@ -103,21 +103,15 @@ class Generations:
         """Births of the panel itself, at each of its nodes."""
         ends = panel.nodes
         places = panel.place(ends)
-        times, weights = [], []
-        for now, at in zip(ends.tolist(), places.tolist(), strict=True):
-            part = Panel(panel.begin, now, panel.before, at, panel.count)
-            time, weight = between(part, self._splits(part, now, at, at, at), self.nodes)
-            times.append(time)
-            weights.append(weight)
-        sizes = [time.size for time in times]
-        time, weight = np.concatenate(times), np.concatenate(weights)
-        now = np.repeat(ends, sizes)
+        begin, before, count = (np.full(ends.size, x) for x in (panel.begin, panel.before, panel.count))
+        node, time, weight = self._parts(np.stack([begin, ends, before, places, count]), ends, places, places, places)
+        now, sizes = ends[node], np.bincount(node, minlength=ends.size)
         if self._pot is not None:
             held, pull = self._pot.young(now - time)
         elif self._resting is not None and panel.travel == 0.0:
             held, pull = self._resting.young(now - time)
         else:
-            held, pull = self._replay(time, panel.births(time), now, np.repeat(places, sizes))
+            held, pull = self._replay(time, panel.births(time), now, places[node])
         firsts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
         return Young(time, held * weight, pull * weight, firsts.astype(np.intp))
 
@@ -127,7 +121,7 @@ class Generations:
         self._pots.advance(self._at, panel.after, panel.duration)
         self._at = panel.after
         if self._pot is not None:
-            time, weight = between(panel, self._splits(panel, panel.end, self._at, self._at, self._at), self.nodes)
+            time, weight = self._parts_of(panel, panel.end, self._at, self._at)
             self._pot.add(panel.duration, panel.end - time, weight * breaks.rate(time))
             return
         self._table[:, 2] = np.maximum(self._table[:, 2], self._at)
@@ -142,10 +136,9 @@ class Generations:
     def _between_nodes(self, k: int, now: float) -> bool:
         """Whether of a panel's births some still hold that stand at none of its nodes."""
         panel, (_, _, most, least) = self._panels[k], self._table[k].tolist()
-        splits = self._splits(panel, now, self._at, most, least)
-        if not splits.size:
+        birth, _ = self._parts_of(panel, now, most, least)
+        if birth.size == self.nodes:
             return False
-        birth, _ = between(panel, splits, self.nodes)
         held, _ = self._replay(birth, panel.place(birth), np.full(birth.size, now), np.full(birth.size, self._at))
         return bool((held > _DEAD).any())
 
@@ -167,25 +160,23 @@ class Generations:
         out, bent = np.zeros((2, time.size)), np.zeros((time.size, self._alive.size), dtype=bool)
         most = np.maximum(self._table[:, 2], at[:, None])
         least = np.minimum(self._table[:, 3], at[:, None])
-        parts: list[tuple[int, Array, Array, Array]] = []
-        rests = self._rests(at)
-        for i, k in np.argwhere(self._suspects(time, at, most, least)).tolist():
-            panel = self._panels[k]
-            splits = self._splits(panel, float(time[i]), float(at[i]), float(most[i, k]), float(least[i, k]))
-            birth, weight = between(panel, splits, self.nodes)
-            bent[i, k] = True
-            if self._resting is not None and k >= rests:
-                for row, left in enumerate(self._resting.young(time[i] - birth)):
-                    out[row, i] += left @ (weight * breaks.rate(birth))
-                continue
-            parts.append((i, birth, weight, panel.place(birth)))
-        if not parts:
+        i, k = np.nonzero(self._suspects(time, at, most, least))
+        if not i.size:
             return out, bent
-        which = np.repeat([part[0] for part in parts], [part[1].size for part in parts])
-        birth, weight, place = (np.concatenate([part[k] for part in parts]) for k in (1, 2, 3))
-        weight = weight * breaks.rate(birth)
-        for row, left in enumerate(self._replay(birth, place, time[which], at[which])):
-            out[row] += np.bincount(which, left * weight, minlength=time.size)
+        bent[i, k] = True
+        panels = np.array([edges(panel) for panel in self._panels]).T[:, k]
+        pair, birth, weight = self._parts(panels, time[i], at[i], most[i, k], least[i, k])
+        weight *= breaks.rate(birth)
+        begin, end, before, after, _ = panels[:, pair]
+        place = before + (after - before) * ((birth - begin) / (end - begin))
+        which, moved = i[pair], np.ones(pair.size, dtype=bool)
+        if self._resting is not None:
+            moved = k[pair] < self._rests(at)
+            for row, left in enumerate(self._resting.young((time[which] - birth)[~moved])):
+                out[row] += np.bincount(which[~moved], left * weight[~moved], minlength=time.size)
+        which = which[moved]
+        for row, left in enumerate(self._replay(birth[moved], place[moved], time[which], at[which])):
+            out[row] += np.bincount(which, left * weight[moved], minlength=time.size)
         return out, bent
 
     def _rests(self, at: Array) -> int:
@@ -234,23 +225,47 @@ class Generations:
                     out += [most - reach + r, least + reach + r]
         return out
 
-    def _splits(self, panel: Panel, now: float, at: float, most: float, least: float) -> Array:
-        """Times in a panel between which what is left changes smoothly with the moment of birth."""
-        out: list[float] = []
-        if panel.travel != 0.0:
-            for x in self._candidates(np.array(now), np.array(at), np.array(most), np.array(least)):
-                share = (float(x) - panel.before) / panel.travel
-                if not _CLOSE < share < 1.0 - _CLOSE:
-                    continue
-                out.append(panel.begin + share * panel.duration)
-                if self.wear.forgets and not self._shortest:
-                    steps = _FINER ** -np.arange(1.0, _MOST_GRADES + 1.0)
-                    both = np.concatenate([share - steps, share + steps])
-                    out += (panel.begin + both[(both > 0.0) & (both < 1.0)] * panel.duration).tolist()
-        since = now - panel.end
-        if self._still and panel.travel != 0.0:
-            since = max(most - panel.after, panel.after - least) * (panel.duration / abs(panel.travel))
-        return np.unique(out + grades(panel, since, self._shortest))
+    def _parts_of(self, panel: Panel, now: float, most: float, least: float) -> tuple[Array, Array]:
+        """Nodes in time on parts of a panel, and their weights, as the slider stands now."""
+        rest = (np.array([x]) for x in (now, self._at, most, least))
+        return self._parts(np.array([edges(panel)]).T, *rest)[1:]
+
+    def _parts(
+        self, panels: Array, now: Array, at: Array, most: Array, least: Array
+    ) -> tuple[Numbers, Array, Array]:
+        """Of each panel, a column of `panels`, parts between which what is left changes smoothly with the moment of
+        birth: which panel each node is of, in order, its time and its weight."""
+        begin, end, before, after = panels[:4]
+        duration, travel = end - begin, after - before
+        which, times = [np.arange(begin.size)] * 2, [begin, end]
+        with np.errstate(divide="ignore", invalid="ignore"):  # of those that rest
+            share = (np.array(self._candidates(now, at, most, least)) - before) / travel
+        _, some = inside = np.nonzero((travel != 0.0) & (share > _CLOSE) & (share < 1.0 - _CLOSE))
+        shares = [(some, share[inside])]
+        if self.wear.forgets and not self._shortest:
+            steps = _FINER ** -np.arange(1.0, _MOST_GRADES + 1.0)
+            around = share[inside][:, None] + np.append(steps, -steps)
+            near = np.nonzero((around > 0.0) & (around < 1.0))
+            shares.append((some[near[0]], around[near]))
+        for one, split in shares:
+            which.append(one)
+            times.append(begin[one] + split * duration[one])
+        since = now - end
+        if self._still:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                moved = np.maximum(most - after, after - least) * (duration / np.abs(travel))
+            since = np.where(travel != 0.0, moved, since)
+        one, back = grades_of(panels, since, self._shortest)
+        which.append(one)
+        times.append(end[one] - back)
+        every, cuts = np.concatenate(which), np.concatenate(times)
+        order = np.lexsort((cuts, every))
+        every, cuts = every[order], cuts[order]
+        width = np.diff(cuts)
+        kept = np.flatnonzero((np.diff(every) == 0) & (width > 0.0))
+        nodes, weights = gauss(self.nodes)
+        width = width[kept, None]
+        return np.repeat(every[kept], nodes.size), (cuts[kept, None] + width * nodes).ravel(), (width * weights).ravel()
 
 
 @dataclass(frozen=True)
@@ -324,15 +339,31 @@ class Strands:
             self._worn, self.origin = self._worn[alive], self.origin[alive]
 
 
+def edges(panel: Panel) -> tuple[float, float, float, float, float]:
+    """Times and X at both ends, and how many nodes."""
+    return panel.begin, panel.end, panel.before, panel.after, panel.count
+
+
 def grades(panel: Panel, age: float, shortest: float) -> list[float]:
     """Times in a panel between which what is left changes as little, a time `age` after its end: births break the
     faster the weaker they are, some at once."""
-    if panel.count == 1 or panel.duration <= shortest or age >= panel.duration:
-        return []
-    most = _MOST_GRADES if panel.travel != 0.0 else np.inf
-    number = int(min(np.ceil(np.log(panel.duration / shortest) / np.log(_FINER)), most)) if shortest else _MOST_GRADES
-    share = _FINER ** -np.arange(1.0, number + 1.0)
-    return (panel.end - share[share * panel.duration > 0.5 * age] * panel.duration).tolist()
+    _, back = grades_of(np.array([edges(panel)]).T, np.array([age]), shortest)
+    return (panel.end - back).tolist()
+
+
+def grades_of(panels: Array, age: Array, shortest: float) -> tuple[Numbers, Array]:
+    """The same of many panels, columns of such: which, and how long before its end."""
+    begin, end, before, after, count = panels
+    duration = end - begin
+    graded = (count > 1) & (duration > shortest) & (age < duration)
+    number = np.full(begin.size, float(_MOST_GRADES))
+    if shortest:
+        most = np.where(after != before, number, np.inf)
+        number = np.minimum(np.ceil(np.log(np.maximum(duration / shortest, 1.0)) / np.log(_FINER)), most)
+    n = np.arange(1.0, number[graded].max(initial=0.0) + 1.0)
+    back = _FINER**-n * duration[:, None]
+    kept = np.nonzero(graded[:, None] & (n <= number[:, None]) & (back > 0.5 * age[:, None]))
+    return kept[0], back[kept]
 
 
 def between(panel: Panel, splits: Array, count: int) -> tuple[Array, Array]:

@@ -72,6 +72,8 @@ class LayerSpentWear(Spent):
         self.work = NODES * (self._edges.size - 1) + 100
 
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
+        if self._settled(worn, furthest):
+            return
         nodes, _ = self._nodes(furthest)
         own, atoms = self._spent(worn, nodes, stretch), self._at_atoms(worn, stretch, furthest)
         worn[:, _FIRST : self._atoms.start], worn[:, self._atoms] = own, atoms

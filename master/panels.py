@@ -105,6 +105,10 @@ class Radau:
         """Weights of the values at 0 and the nodes in the polynomial's at shares `at`, shape (m, count + 1)."""
         return _powers(at, self.count + 1) @ self._series
 
+    def slope(self, values: Array) -> Array:
+        """Its slope through such values, in powers of the place between -1 and 1."""
+        return np.asarray(self._slopes @ values)
+
     def slopes(self, at: Array) -> Array:
         """The same in its slope's."""
         return _powers(at, self.count) @ self._slopes

@@ -46,7 +46,7 @@ class Pull(Carried):
 
     again : makes the lives that a reset leaves
     plan : lengths in steps of the smooth stretches found on coarser steps, in order; empty on the coarsest
-    most : steps that it may take; TooLong says how far they came
+    most : steps, and numbers looked at in all of them, that it may take; TooLong says how far they came
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class Pull(Carried):
         length: float,
         level: int,
         plan: list[float],
-        most: int,
+        most: tuple[float, float],
     ) -> None:
         super().__init__(lives, delay, length, most)
         self._again, self._spring, self._rule = again, spring, rule

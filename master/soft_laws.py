@@ -14,7 +14,7 @@ from master.outcome import Progress, outcome, unheard
 from master.pulled import COARSEST, Pull
 from master.regime import Course, regime
 from master.soft import Slips, SoftSolution
-from master.timed import Extrapolation, most_steps, uneven
+from master.timed import Extrapolation, uneven
 from master.timeline import pieces, times
 from master.track import TooLong, Track
 from origins import Contacts, Drive
@@ -22,8 +22,9 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-_FULL, _TELLING = 0.7, 2  # of the most steps; halvings until there is an error
-_LAST, _MORE = 4, 2.5  # so often where slips come and go; steps on the next level, and some more
+_MOST_STEPS, _MOST_WORK = 6e3, 1e9  # these take a minute or less
+_FULL, _TELLING = 0.7, 2  # of what the most work halves; halvings until there is an error
+_LAST, _MORE = 4, 1.25  # so often where slips come and go; of what is foreseen, some more
 _STENCIL = 6
 _BISECTIONS = 60
 _SAME = 1e-12
@@ -100,7 +101,8 @@ def _refine(
     message = ""
     lives, finer = make_lives(contacts), make_lives(contacts, 1)
     # an error takes steps of three sizes
-    most = int(_FULL * most_steps(make_lives(contacts, _TELLING)) * 0.5**_TELLING)
+    grown = max(make_lives(contacts, _TELLING).work / lives.work, 1.0)
+    most = _FULL * _MOST_STEPS * 0.5**_TELLING, _FULL**2 * _MOST_WORK * 0.25**_TELLING / grown
     while True:
         length = COARSEST * lives.length
         again = partial(make_fresh, contacts, level)
@@ -141,14 +143,16 @@ def _refine(
             best = error, better, f, h, pull.steps
         # coarse steps may find slips that finer ones do not: then there is no error yet
         untold = not np.isfinite(best[0]) and len(before) <= _TELLING and level < _LAST
-        too_many = 2 * pull.steps > _FULL * most_steps(finer)
+        # twice as many, each with twice as many cohorts
+        more = 2.0 * pull.steps, 4.0 * pull.work * finer.work / lives.work
+        too_many = more[0] > _FULL * _MOST_STEPS or more[1] > _FULL**2 * _MOST_WORK
         if best[0] <= tolerance or error < 2.0 * lives.error or (too_many and not untold):
             break
         lives, finer = finer, make_lives(contacts, level + 2)
         level += 1
-        most = 2 * most if level < _TELLING else most_steps(lives)
+        most = (2.0 * most[0], 4.0 * most[1] * grown**0.5) if level < _TELLING else (_MOST_STEPS, _MOST_WORK)
         if untold:
-            most = max(most, int(_MORE * pull.steps))
+            most = max(most[0], _MORE * more[0]), max(most[1], _MORE**2 * more[1])
     error, slips, force, holding, steps = best
     reached = f"error estimate {error:.1e} with {steps} steps, above the tolerance {tolerance:.1e}"
     message = message or f"{reached}; shorten the path or loosen the tolerance"

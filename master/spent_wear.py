@@ -52,6 +52,10 @@ class Spent:
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
         raise NotImplementedError
 
+    def _settled(self, worn: Array, furthest: Array) -> bool:
+        """Whether none has moved or stood since all that was worked out: trials from one place ask again and again."""
+        return not (worn[:, [_WAY, _TIME]].any() or (worn[:, _CUT] != furthest).any())
+
     def _legs(self, worn: Array, stretch: Array) -> tuple[bool, Array]:
         """What compiled sums are told of the present motion."""
         begin, way = worn[:, _FROM], np.abs(worn[:, _WAY])
@@ -110,6 +114,8 @@ class SpentWear(Spent):
 
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
         """In place: what the motion so far has cost becomes part of what is kept."""
+        if self._settled(worn, furthest):
+            return
         own = np.zeros((furthest.size, self._cut.places.size))
         inside, m, panel = self._inside(furthest)
         if inside.size:

@@ -181,10 +181,13 @@ class Strands:
         return out[0], out[1]
 
     def copy(self) -> Strands:
-        out = copy(self)
+        out, alive = copy(self), self._alive()
         for name, value in vars(self).items():
-            if isinstance(value, np.ndarray) and name not in _FIXED:
+            if isinstance(value, np.ndarray) and name not in (*_FIXED, "_worn"):
                 setattr(out, name, value.copy())
+        # by far the most, and of the dead nothing is asked
+        out._worn = np.empty_like(self._worn)
+        out._worn[alive] = self._worn[alive]
         return out
 
 
