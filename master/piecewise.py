@@ -212,6 +212,7 @@ def tabulate(
     narrow: Callable[[Array, Array], npt.NDArray[np.bool_]] | None = None,
     offset: float = 0.0,
     scale: Callable[[Array], Array] | None = None,
+    relative: bool = False,
 ) -> list[Piecewise]:
     """Series of every row of `function` on the same panels, `edges` bisected until each is resolved.
 
@@ -219,7 +220,7 @@ def tabulate(
     two Legendre terms, times its width, stay below `accuracy` or below round-off. A panel [left, right] that is
     `narrow` stays whole: the function is not known more finely there. Nor is it where it takes its positions from a
     place as far off as `offset`, below the rounding of that. `accuracy` is of values times `scale`, shape (rows, n) at
-    positions of shape (n,), where there is one.
+    positions of shape (n,), where there is one; `relative` to the least value on a panel where that exceeds 1.
     """
     edges = edges[np.diff(edges, prepend=-np.inf) > 0.0]
     left, right = edges[:-1], edges[1:]
@@ -231,14 +232,16 @@ def tabulate(
             break
         width = right - left
         x = left[:, None] + width[:, None] * (0.5 * (_X + 1.0))
-        coefficients = np.moveaxis(function(x) @ _PROJECT.T, -1, 0)
+        values = function(x)
+        coefficients = np.moveaxis(values @ _PROJECT.T, -1, 0)
         size = np.abs(coefficients).max(axis=0)
         tail = np.abs(coefficients[-2:]).max(axis=0)
         # a position is known to round-off only, so a narrow panel far from 0 cannot be resolved better
         noise = 4e-15 + 1e-15 * (np.abs(left + right) + 2.0 * offset) / width
         middle = 0.5 * (left + right)
         felt = tail * width if scale is None else tail * width * scale(middle)
-        open_ = ((felt > accuracy) & (tail > noise * size)).any(axis=0)
+        allowed = accuracy * np.maximum(np.abs(values).min(axis=-1), 1.0) if relative else accuracy
+        open_ = ((felt > allowed) & (tail > noise * size)).any(axis=0)
         open_ &= (middle > left) & (middle < right) & (depth < _DEPTH - 1)
         if narrow is not None:
             open_ &= ~narrow(left, right)

@@ -23,7 +23,9 @@ from origins.start import Start
 Array = npt.NDArray[np.float64]
 
 _ACCURACY = 1e-14
+_ROUNDED = 4.0 * float(np.finfo(float).eps) / _ACCURACY
 _FELT = 1e-16
+_HALVINGS, _LITTLE = 200, 0.1
 _NEAR_ZERO = 1e-3
 _CHUNK = 60_000
 _GONE = 60.0  # exponent beyond which a barrier is never passed at the attempt frequency v per length
@@ -44,7 +46,7 @@ class PaperBreaking:
     def __init__(self, contacts: Contacts, velocity: float) -> None:
         assert contacts.thermal is not None
         self.law, self._thermal = contacts.thresholds, contacts.thermal
-        self._velocity = velocity
+        self._velocity, self._mean = velocity, contacts.mean_threshold
         self.atoms, self.atom_weights = self.law.atoms
         self._weights = NodeWeights(self.law)
         temperature, std = contacts.thermal.temperature, self.law.std() or contacts.mean_threshold
@@ -64,16 +66,31 @@ class PaperBreaking:
 
     @cached_property
     def _tables(self) -> list[Piecewise]:
-        edges = np.unique(np.concatenate([np.linspace(0.0, self.top, 9), self.marks[self.marks < self.top]]))
-        return tabulate(lambda x: np.stack(self._integrals(x.ravel())).reshape(2, *x.shape), edges, _ACCURACY)
+        """L, and H/v per mean threshold, over x in mean thresholds."""
+        unit = self._mean
+        # towards 0, where most break if much is spent at all, panels begin as narrow as is felt
+        near = self.top * 0.5 ** np.arange(1.0, _HALVINGS)
+        near = near[self._integrals(near)[0] > _LITTLE]
+        marks = self.marks[self.marks < self.top]
+        edges = np.unique(np.concatenate([np.linspace(0.0, self.top, 9), marks, near]))
+
+        def both(x: Array) -> Array:
+            spent, hazard = self._integrals(unit * x.ravel())
+            return np.stack([spent, unit * hazard]).reshape(2, *x.shape)
+
+        def known(x: Array) -> Array:
+            # beside barriers so high the distance to thresholds that break now is rounded
+            return np.stack([np.ones(x.size), 1.0 / (1.0 + _ROUNDED * (unit * x) ** 2 / self._thermal.temperature)])
+
+        return tabulate(both, edges / unit, _ACCURACY, scale=known, relative=True)
 
     def spent(self, x: Array) -> Array:
         """L at x >= 0."""
-        return self._tables[0](x)
+        return self._tables[0](x / self._mean)
 
     def hazard(self, x: Array) -> Array:
         """H/v at x >= 0; 0 beyond all thresholds."""
-        return self._tables[1](x)
+        return self._tables[1](x / self._mean) / self._mean
 
     def of(self, start: Start) -> Self:
         """The same for contacts that stand at the stretches of `start`: one table does for all."""
