@@ -32,7 +32,7 @@ _SAME = 1e-14
 _SHORT = 0.5  # of a mean stretch at a break: panels of the start on which breaks hardly change but at cuts
 _NEGLIGIBLE, _UNFELT = 1e-19, 1e-5
 _SIGNS = 8.0
-_NEAREST, _SAMPLES = 1e-4, 9  # of the way, and how many positions: there sums tell which panels do
+_NEAREST, _SAMPLES = 1e-12, 25  # of the way, and how many positions: there sums tell which panels do
 _FELT, _LEAST_FELT = 0.03, 1e-14  # of the accuracy, and of all contacts
 _EPSILON = float(np.finfo(float).eps)
 
