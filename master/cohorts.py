@@ -31,6 +31,7 @@ _NARROW = 5e-7  # width of laws that lattices do not tell from exact values
 _CUBE = 0.375
 _EIGHTH = 0.125  # errors that fall as the cube, from lattice to lattice
 _SEVENTH = 0.15  # of the last difference is left then
+_EARLY = 1.5  # of the second difference, beside corners: the first may be one of lattices that do not resolve them
 _LUCKY, _TWICE = 0.05, 4.0  # three times a seventh of an eighth; margin where two differences fell faster
 _ACCURACY = 1e-13
 _FURTHEST = 1e6  # mean thresholds: round-off of places is felt beyond
@@ -229,6 +230,8 @@ def _refine(
             before, difference = difference, course.change(coarser)
             differences.append(difference)
             least = max(_least_share(leg) for leg in course.legs)
+            if _CUBE <= least and len(differences) == 2:
+                least = max(least, _EARLY)
             if law.atoms.size and not law.diverges and _CUBE <= least < 1.0 and np.isfinite(before):
                 error = _beside_atoms(differences)
             else:
