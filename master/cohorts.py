@@ -230,12 +230,11 @@ def _refine(
             before, difference = difference, course.change(coarser)
             differences.append(difference)
             least = max(_least_share(leg) for leg in course.legs)
-            if _CUBE <= least and len(differences) == 2:
-                least = max(least, _EARLY)
             if law.atoms.size and not law.diverges and _CUBE <= least < 1.0 and np.isfinite(before):
                 error = _beside_atoms(differences)
             else:
-                error = estimate(difference, before, least, law.diverges)
+                early = _EARLY if _CUBE <= least and len(differences) == 2 else 0.0
+                error = estimate(difference, before, max(least, early), law.diverges)
             error += floor + course.table_error
             progress(error)
             if np.isfinite(before):
