@@ -233,7 +233,7 @@ def _refine(
             if law.atoms.size and not law.diverges and _CUBE <= least < 1.0 and np.isfinite(before):
                 error = _beside_atoms(differences)
             else:
-                early = _EARLY if _CUBE <= least and len(differences) == 2 else 0.0
+                early = _EARLY if least >= _CUBE and len(differences) == 2 else 0.0
                 error = estimate(difference, before, max(least, early), law.diverges)
             error += floor + course.table_error
             progress(error)
