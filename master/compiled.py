@@ -85,7 +85,8 @@ def spent(
                 out[i, j] = kept[i, j]
                 continue
             out[i, j] = _spent(i, j, stiff, legs, kept, nodes, springs, table)
-            few = few + 1 if out[i, j] - kept[i, j] < _NOTHING else 0
+            if kept[i, j] < _GONE:  # what is added to more is cut off or rounded away
+                few = few + 1 if out[i, j] - kept[i, j] < _NOTHING else 0
     return out
 
 

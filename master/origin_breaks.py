@@ -32,7 +32,8 @@ _SAME = 1e-14
 _SHORT = 0.5  # of a mean stretch at a break: panels of the start on which breaks hardly change but at cuts
 _NEGLIGIBLE, _UNFELT = 1e-19, 1e-5
 _SIGNS = 8.0
-_NEAREST, _SAMPLES = 1e-12, 25  # of the way, and how many positions: there sums tell which panels do
+_NEAREST, _DECADES, _SAMPLES = 1e-12, 25, 9  # of the way, and how many positions: there sums tell which panels do
+_HALVES = np.array([0.25, 0.75])
 _FELT, _LEAST_FELT = 0.03, 1e-14  # of the accuracy, and of all contacts
 _EPSILON = float(np.finfo(float).eps)
 
@@ -118,7 +119,7 @@ class OriginBreaks(FirstBreaks):
         if not alone.any() and not spread.untold.all():
             return
         place = 1 + np.arange(inner.size) - np.searchsorted(inner, start.edges, side="left")[own]
-        x = top * np.geomspace(_NEAREST, 1.0, _SAMPLES)
+        x = self._places(top)
 
         def sums(every: int) -> Array:
             self._spare = short | (alone & (place % every != 0))
@@ -137,6 +138,19 @@ class OriginBreaks(FirstBreaks):
             if np.abs(sums(every) - finer).max() > allowed:
                 self._cuts = cuts
         self._spare = short | (alone & (place % every != 0))
+
+    def _places(self, top: float) -> Array:
+        """Positions up to `top`: over all its decades, and where contacts of either half of the start meet what there
+        is of the law, few strong thresholds far behind the many too."""
+        start, edges = self._sum, self._law.edges
+        assert start is not None
+        felt = np.flatnonzero(np.diff(self._law.cdf(edges)) > _FELT * self._accuracy)
+        felt = felt[np.unique(np.linspace(0, felt.size - 1, _SAMPLES).astype(int))] if felt.size else felt
+        origins, shares = (part.ravel() for part in start.sample)
+        share = np.cumsum(shares) / shares.sum()
+        meet = 0.5 * (edges[felt] + edges[felt + 1]) - origins[np.searchsorted(share, _HALVES)][:, None]
+        x = np.concatenate([top * np.geomspace(_NEAREST, 1.0, _DECADES), meet.ravel()])
+        return np.unique(x[(x > 0.0) & (x <= top)])
 
     def _find_corners(self, seeds: Array, law: Law) -> None:
         """Jumps of b_0 between panels, and bends where the law has atoms."""

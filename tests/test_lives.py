@@ -163,6 +163,12 @@ def test_compiled_costs_are_those_of_numpy() -> None:
         np.testing.assert_allclose([left.held, left.edge], [plain.held, plain.edge], rtol=1e-9)
         both = [wear.at_nodes(worn, begin + 0.3, first), wear._compiled.spent(*wear._strands(worn, begin + 0.3, first))]
         np.testing.assert_allclose(both[1], both[0], rtol=1e-9, atol=1e-15)
+        # the weakest are long gone when the strongest begin to feel it
+        kept = worn[:, 4 : 4 + cut.nodes.size]
+        kept[:] = np.where(cut.nodes < 1.0, 500.0, kept)
+        assert ((cut.nodes < 1.0) & (np.arange(cut.nodes.size) >= 40)).sum() > 9
+        both = [wear.at_nodes(worn, begin + 0.3, first), wear._compiled.spent(*wear._strands(worn, begin + 0.3, first))]
+        np.testing.assert_allclose(both[1], both[0], rtol=1e-9, atol=1e-15)
 
 
 EXTREMES = [("soft", 1e-6, 1.0), ("stiff", 1e3, 1.0), ("stiff", 0.1, 1e-12)]
