@@ -32,6 +32,7 @@ _CUBE = 0.375
 _EIGHTH = 0.125  # errors that fall as the cube, from lattice to lattice
 _SEVENTH = 0.15  # of the last difference is left then
 _EARLY = 1.5  # of the second difference, beside corners: the first may be one of lattices that do not resolve them
+_TABLES = 4.0  # times as much as the last terms of series tell, where these are all there is
 _LUCKY, _TWICE = 0.05, 4.0  # three times a seventh of an eighth; margin where two differences fell faster
 _ACCURACY = 1e-13
 _FURTHEST = 1e6  # mean thresholds: round-off of places is felt beyond
@@ -235,7 +236,7 @@ def _refine(
             else:
                 early = _EARLY if least >= _CUBE and len(differences) == 2 else 0.0
                 error = estimate(difference, before, max(least, early), law.diverges)
-            error += floor + course.table_error
+            error += floor + _TABLES * course.table_error
             progress(error)
             if np.isfinite(before):
                 if best is None or error < best[1]:

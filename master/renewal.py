@@ -322,7 +322,8 @@ def bound(problem: Problem, x: float, tiny: float) -> float:
         often = again / (1.0 - again)
     else:  # what is released in all is what was stretched in all; otherwise nothing is known so simply
         often = 1.0 if release.plain else np.inf
-    return each * _broken(problem, x) * often
+    broken = _broken(problem, x)  # by rounding it may be below 0
+    return each * broken * often if broken > 0.0 else 0.0
 
 
 def _broken(problem: Problem, x: float) -> float:

@@ -168,3 +168,9 @@ def test_the_shortest_paths_at_a_temperature(start, path) -> None:  # type: igno
     contacts = Contacts(gaussian(1.0, 0.2), start, thermal=Thermal("stiff", 0.1, 1e-3))
     solution = master.solve(contacts, path)
     assert solution.success and np.abs(solution.force - contacts.start.mean() - path).max() < 1e-5
+
+
+def test_where_nothing_is_broken_but_by_rounding_an_error_is_a_number() -> None:
+    contacts = Contacts(gaussian(1.0, 0.07864858122250983), reforming=1.2557986627165292)
+    solution = master.solve(contacts, np.linspace(0.0, 0.804, 122), 5e-7)
+    assert solution.success and 0.0 < solution.force_error < 1e-11
