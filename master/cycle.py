@@ -76,7 +76,8 @@ class Cycle:
             if contacts.ageing.closure == "paper":
                 raise InputError(
                     'contacts.ageing: closure = "paper" (Q15) has one P_c for all contacts at each X, so that single '
-                    'contacts have no law of their own; use closure = "exact"'
+                    'contacts have no law of their own; use closure = "exact", or ask steady_state or '
+                    "critical_velocity, which take it"
                 )
             if contacts.thermal is not None and contacts.thermal.closure == "paper":
                 raise InputError(

@@ -46,7 +46,8 @@ _LONGEST = 1e12
 
 @dataclass(frozen=True)
 class DecoherenceSpectrum:
-    """Leading roots of p^(s) = 1, one of each pair, slowest first; arrays of shape (n,).
+    """Leading roots of p^(s) = 1, one of each pair, slowest first; arrays of shape (n,), n = 0 where F(X) oscillates no
+    further than `beyond`, as of contacts that heat breaks long before their thresholds.
 
     Attributes
     ----------

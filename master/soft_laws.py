@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.forward import ROUND_OFF
+from master.lives import Lives
 from master.make_lives import make_fresh, make_lives, prepare
 from master.marching import lagrange
 from master.outcome import Progress, outcome, unheard
@@ -15,7 +16,7 @@ from master.pulled import COARSEST, Pull
 from master.regime import Course, regime
 from master.soft import Slips, SoftSolution
 from master.timed import Extrapolation, uneven
-from master.timeline import pieces, times
+from master.timeline import Piece, pieces, times
 from master.track import TooLong, Track
 from origins import Contacts, Drive
 from origins.errors import refuse
@@ -25,6 +26,7 @@ Array = npt.NDArray[np.float64]
 _MOST_STEPS, _MOST_WORK = 6e3, 1e9  # these take a minute or less
 _FULL, _TELLING = 0.7, 2  # of what the most work halves; halvings until there is an error
 _LAST, _MORE = 4, 1.25  # so often where slips come and go; of what is foreseen, some more
+_OFTEN = 5.0  # breaks per mean threshold of the drive's way
 _STENCIL = 6
 _BISECTIONS = 60
 _SAME = 1e-12
@@ -111,7 +113,7 @@ def _refine(
         except TooLong as why:
             message = str(why) or "no steps were found that follow the slider"
             if not np.isfinite(best[0]):
-                refuse("path[-1]", drive.path[-1], f"{message}; end the path sooner")
+                refuse("path[-1]", drive.path[-1], f"{message}; {_hot(lives, course, unit)}end the path sooner")
             break
         plan = pull.stretches
         rows = [[s.drive, s.before, s.after, s.force_before, s.force_after] for s in pull.slips]
@@ -157,6 +159,17 @@ def _refine(
     reached = f"error estimate {error:.1e} with {steps} steps, above the tolerance {tolerance:.1e}"
     message = message or f"{reached}; shorten the path or loosen the tolerance"
     return slips, force, holding, error, steps, message
+
+
+def _hot(lives: Lives, course: list[Piece], unit: float) -> str:
+    """Why steps are so many, and what else to ask, where fresh contacts break far sooner than they are stretched."""
+    fastest = max(abs(piece.travel) / piece.duration for piece in course)
+    if not lives.rate * unit > _OFTEN * fastest:
+        return ""
+    return (
+        f"fresh contacts break within a time of {1.0 / lives.rate:.1g}, long before they reach their thresholds, and F "
+        "soon stays near F_k, which steady_state and kinetic_curve tell; ask these, or "
+    )
 
 
 def _read(tracks: list[Track], asked: Array, contacts: Contacts) -> tuple[Array, Array]:

@@ -20,7 +20,7 @@ from origins.errors import InputError
 from toolkit.command import main
 from toolkit.files import summary
 from toolkit.folders import check_folder, write_folder
-from toolkit.plots import plot_density
+from toolkit.plots import plot_density, plot_force
 from toolkit.progress import Progress, Refinement
 from toolkit.results import OWN_UNIT, sample_curve
 from toolkit.running import solve_master
@@ -408,6 +408,8 @@ def test_picture_of_every_sort_of_law_is_drawn(law: dict[str, Any], tmp_path: Pa
 
 
 def test_what_a_hold_leaves_is_in_the_result() -> None:
+    from matplotlib.figure import Figure
+
     scene = {
         "contacts": {
             "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2},
@@ -422,5 +424,7 @@ def test_what_a_hold_leaves_is_in_the_result() -> None:
     before, after = found.force[10], found.force[20]
     assert found.path[10] == found.path[20] == 1.0 and before > 0.4 and after < 0.25 * before
     spring = scene | {"drive": {**scene["drive"], "spring": 2.0}, "master": {"tolerance": 1e-2}}  # type: ignore[dict-item]
-    soft = toolkit.run(spring).master
+    pulled = toolkit.run(spring)
+    soft = pulled.master
     assert soft is not None and soft.force[20] < 0.5 * soft.force[10]
+    assert plot_force(Figure().subplots(), pulled).get_title().endswith(r"$K$ = 2 $N_c\langle k\rangle$, slip: reset")

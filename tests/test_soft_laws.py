@@ -42,6 +42,13 @@ def test_where_nothing_slips_the_force_is_that_of_the_sliders_own_motion() -> No
     assert np.abs(rigid.force - soft.force).max() < 3e-4
 
 
+def test_stiff_contacts_far_hotter_than_the_drive_is_fast_let_the_force_settle_at_the_kinetic_one() -> None:
+    contacts = Contacts(gaussian(1.0, 0.1), thermal=Thermal("stiff", 0.1, 1e4))
+    soft = master.solve(contacts, np.linspace(0.0, 0.16, 3), 1e-3, spring=1.0)
+    assert soft.success and soft.regime.verdict == "smooth"
+    assert 0.9 < soft.force[-1] / master.steady_state(contacts).force < 1.01
+
+
 @pytest.mark.parametrize("spring", [1e-6, 0.3])
 def test_a_spring_however_soft_slips_as_without_ageing_where_nothing_has_time_to_age(spring: float) -> None:
     path = np.linspace(0.0, 1.2 * (1.0 / spring + 1.0), 25)

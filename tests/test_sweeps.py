@@ -12,7 +12,7 @@ import toolkit
 from origins import InputError
 from origins.interface import BOLTZMANN
 from toolkit.command import main
-from toolkit.sweep_picture import plot_critical_spring, sweep_panels
+from toolkit.sweep_picture import plot_critical_spring, plot_sweep, sweep_panels
 
 THRESHOLDS = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
 WARM = {"thresholds": THRESHOLDS, "thermal": {"law": "soft", "temperature": 0.3}}
@@ -58,6 +58,14 @@ def test_a_picture_has_a_line_for_each_value_of_the_second_quantity() -> None:
     assert result.sweep is not None
     np.testing.assert_array_equal(axes[0].lines[1].get_ydata(), result.sweep.force[:, 1])
     assert [there for _, there in sweep_panels(result)] == [True, False, False]
+    assert axes[0].get_title() == "scene\nsoft law, $\\omega$ = 1"
+    ageing = {"rate": 0.2, "final": {"kind": "gaussian", "mean": 1.5, "std": 0.1}}
+    for sweep, laws, title in (
+        ({"temperature": [0.1, 0.3], "delay": 0.05}, WARM, r"soft law, $\omega$ = 1, $\tau_m$ = 0.05, $v$ = 1"),
+        ({"velocity": [1.0, 2.0], "temperature": 0.7}, WARM, r"soft law at $T$ = 0.7, $\omega$ = 1"),
+        ({"velocity": [1.0, 2.0], "rate": 0.7}, {"thresholds": THRESHOLDS, "ageing": ageing}, "$D$ = 0.7"),
+    ):
+        assert plot_sweep(Figure().subplots(), toolkit.run(scene(sweep, laws))).get_title().split("\n")[1] == title
 
 
 def test_the_axis_of_critical_springs_follows_them_where_they_differ() -> None:

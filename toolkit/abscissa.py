@@ -10,6 +10,7 @@ import numpy.typing as npt
 from toolkit.axes import Lengths
 from toolkit.driving import make_drive
 from toolkit.results import OWN_UNIT, Curve, Result, SoftRecord
+from toolkit.sweeping import SweepRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,22 +112,35 @@ def grows(result: Result) -> bool:
     return result.asked.contacts.thresholds.get("kind") == "growing-grains"
 
 
-def conditions(result: Result) -> str:
-    """The laws of the contacts and their numbers as a picture tells them, in lines; empty where contacts have none."""
+def conditions(result: Result, sweep: SweepRecord | None = None) -> str:
+    """The laws of the contacts and their numbers as a picture tells them, in lines; empty where contacts have none. Of
+    a sweep those that it does not vary."""
 
     def told(symbol: str, value: float, unit: str) -> str:
         return f"${symbol}$ = {value:.3g}" + (f" {unit}" if result.thresholds.unit != OWN_UNIT else "")
 
+    def value(name: str, own: float) -> float:
+        """A sweep may have one of its own."""
+        values = getattr(sweep, name, None)
+        return own if values is None else float(values.flat[0])
+
     def temperature(table: Mapping[str, Any]) -> str:
         own = table["temperature"]
+        if table is contacts.thermal and sweep is not None and sweep.kelvin is not None:
+            own = {"kelvin": sweep.kelvin.flat[0]}
+        elif table is contacts.thermal and not isinstance(own, Mapping):
+            own = value("temperature", own)
         return f"$T$ = {own['kelvin']:.4g} K" if isinstance(own, Mapping) else told("T", own, "m²")
 
     asked = result.asked
     contacts, again = asked.contacts, asked.contacts.reforming
     closure = {"paper": " (paper's closure)"}
+    swept = () if sweep is None else sweep.along
     said = []
     if (thermal := contacts.thermal) is not None:
-        said.append(f"{thermal['law']} law{closure.get(thermal.get('closure', ''), '')} at {temperature(thermal)}")
+        said.append(f"{thermal['law']} law{closure.get(thermal.get('closure', ''), '')}")
+        if not {"temperature", "kelvin"} & set(swept):
+            said[-1] += f" at {temperature(thermal)}"
         said.append(told(r"\omega", thermal.get("attempt_frequency", 1.0), "1/s"))
     if contacts.stiffness == "linked":
         said.append("linked $k \\sim x_s$")
@@ -135,14 +149,20 @@ def conditions(result: Result) -> str:
         width = f" ± {again['std']:.3g}" if "std" in again else ""
         unit = " m" if result.thresholds.unit != OWN_UNIT and "temperature" not in again else ""
         said.append(f"re-forming at {place}{width}{unit}")
-    if contacts.delay is not None:
-        said.append(told(r"\tau_m", contacts.delay["time"], "s"))
-    if contacts.ageing is not None:
-        said.append(told("D", contacts.ageing["rate"], "m²/s") + closure.get(contacts.ageing.get("closure", ""), ""))
+    delay = value("delay", contacts.delay["time"] if contacts.delay is not None else 0.0)
+    if delay and "delay" not in swept:
+        said.append(told(r"\tau_m", delay, "s"))
+    if contacts.ageing is not None and "rate" not in swept:
+        rate = told("D", value("rate", contacts.ageing["rate"]), "m²/s")
+        said.append(rate + closure.get(contacts.ageing.get("closure", ""), ""))
     if grows(result):
         said.append(rf"$\alpha$ = {contacts.thresholds['alpha']:.3g}")
-    if said and asked.drive is not None and asked.drive.times is None:
+    if sweep is not None and "velocity" not in swept:
+        said.append(told("v", float(sweep.velocity.flat[0]), "m/s"))
+    elif said and sweep is None and asked.drive is not None and asked.drive.times is None:
         said.append(told("v", asked.drive.velocity, "m/s"))
+    if sweep is None and asked.drive is not None and asked.drive.spring is not None:
+        said.append(f"$K$ = {asked.drive.spring:.3g} $N_c\\langle k\\rangle$, slip: {asked.drive.slip or 'reset'}")
     return _in_lines(said)
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from toolkit.abscissa import conditions
 from toolkit.axes import Lengths
 from toolkit.results import OWN_UNIT, Result
 from toolkit.sweeping import SweepRecord
@@ -35,7 +36,7 @@ def plot_sweep(axes: "Axes", result: Result) -> "Axes":
         force = Lengths.of(float(np.abs(result.sweep.force).max()), result.thresholds.unit != OWN_UNIT)
         force.write(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$")
         if result.master is None and result.eq is None:
-            axes.set_title(result.title or result.name)
+            axes.set_title("\n".join(filter(None, [result.title or result.name, conditions(result, result.sweep)])))
         if len(result.sweep.along) > 1:
             axes.legend(fontsize="small")
     return axes
