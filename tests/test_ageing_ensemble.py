@@ -77,7 +77,7 @@ def test_force_on_the_way_against_an_ensemble(start, rate: float, velocity: floa
     solution = master.solve(contacts, path, 1e-7, velocity=velocity)
     assert solution.success and (solution.holding == 1.0).all()
     per_length = Ageing(final, rate / velocity).normal
-    force, error = slide(FRESH, start, rate / velocity, 1.5, 1e-3, 12_000, 3, normal=per_length)
+    force, error = slide(FRESH, start, rate / velocity, 1.5, 1e-3, 8_000, 3, normal=per_length)
     z = (force - solution.force) / error
     assert np.abs(z).max() < 5.0, z
 
@@ -91,7 +91,7 @@ def test_delay_and_births_at_other_stretches(birth: float, wait: float) -> None:
     solution = master.solve(contacts, path, 1e-6, velocity=2.0)
     assert solution.success
     force, error = slide(
-        FRESH, -0.1, 0.01, 1.5, 2e-3, 8_000, 5, Ageing(final, 0.01).normal, birth=birth, wait=wait
+        FRESH, -0.1, 0.01, 1.5, 2e-3, 6_000, 5, Ageing(final, 0.01).normal, birth=birth, wait=wait
     )
     z = (force - solution.force) / error
     assert np.abs(z).max() < 5.0, z

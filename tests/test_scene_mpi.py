@@ -45,7 +45,7 @@ if comm.Get_rank() == 0:
 """
 
 
-@pytest.mark.parametrize("ranks", [3])
+@pytest.mark.parametrize("ranks", [2])
 def test_ranks_share_the_domains_and_agree(ranks: int, mpirun: Callable[..., Any]) -> None:
     alone = toolkit.run(SCENE)
     assert alone.eq is not None

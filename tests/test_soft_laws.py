@@ -156,7 +156,7 @@ def test_a_spring_as_stiff_as_one_likes_loses_no_digits() -> None:
 
 def test_slips_that_only_coarse_steps_find_leave_an_error_estimate() -> None:
     contacts = Contacts(gw_plastic(1.0), thermal=Thermal("soft", 0.11, 0.109))
-    drive = Drive(np.linspace(0.0, 13.0, 131)[1:], 2.475, spring=0.05566)
+    drive = Drive(np.linspace(0.0, 13.0, 91)[1:], 2.475, spring=0.05566)
     soft = solve_soft_laws(contacts, drive, 1e-3)
     assert soft.success and not soft.slips.drive.size
     # on the slider's own way, straight between its points and between every other of them: of second order
