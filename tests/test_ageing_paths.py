@@ -69,7 +69,7 @@ def test_paths_in_time_against_contacts_one_by_one(name: str) -> None:
     solved = master.solve(contacts, path, 2e-3, time=time)
     assert solved.success, solved.message
     wait = 0.0 if contacts.delay is None else contacts.delay.time
-    force, error = simulate(contacts, path, time, 4e-3, 4e-3, 8_000, 5, wait)
+    force, error = simulate(contacts, path, time, 4e-3, 4e-3, 5_000, 5, wait)
     z = (force - solved.force) / (error + solved.force_error * contacts.mean_threshold)
     assert np.abs(z).max() < 5.0, z
 

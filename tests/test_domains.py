@@ -112,7 +112,7 @@ def test_how_crude_the_exponential_is() -> None:
 def test_angles_by_their_energy(temperature: float) -> None:
     """Mean barrier and mean cos 4 phi against the integral over exp(-U_min/k_BT), U_min = -|S_x| - |S_y|."""
     law = origins.domains(A, sizes=[(9, 8)], temperature=temperature, stiffness=1.0, samples=40_000)
-    grid = 2.0 * np.pi * (np.arange(400_000) + 0.5) / 400_000
+    grid = 2.0 * np.pi * (np.arange(100_000) + 0.5) / 100_000
     factors = np.abs(origins.structure_factors(origins.triangular_island(A, 9, 8), grid))
     weight = np.exp((factors.sum(-1) - factors.sum(-1).max()) / temperature)
     record = law.domains
