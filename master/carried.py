@@ -85,7 +85,7 @@ class Carried:
         # of the dead nothing is asked
         self.work += np.count_nonzero(trial.lives.held) * trial.lives.work
         if self.steps > self._most[0] or self.work > self._most[1]:
-            raise TooLong(f"{self.steps - 1} steps led to t = {self._now:.4g} only, and more are not taken on")
+            raise TooLong(f"{self.steps - 1} steps led to a time of {self._now:.4g} only, and more are not taken on")
         self._last = travel, now - self._now
         self._even.append(trial.births - self._births[-1])
         self._lives, self._force, self._holding = trial.lives, trial.force, trial.holding

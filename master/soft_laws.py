@@ -24,7 +24,7 @@ from origins.errors import refuse
 Array = npt.NDArray[np.float64]
 
 _MOST_STEPS, _MOST_WORK = 6e3, 1e9  # these take a minute or less
-_FULL, _TELLING = 0.7, 2  # of what the most work halves; halvings until there is an error
+_FULL, _TELLING = 0.7, 2  # of the most steps; halvings until there is an error
 _LAST, _MORE = 4, 1.25  # so often where slips come and go; of what is foreseen, some more
 _OFTEN = 5.0  # breaks per mean threshold of the drive's way
 _STENCIL = 6
@@ -103,8 +103,8 @@ def _refine(
     message = ""
     lives, finer = make_lives(contacts), make_lives(contacts, 1)
     # an error takes steps of three sizes
-    grown = max(make_lives(contacts, _TELLING).work / lives.work, 1.0)
-    most = _FULL * _MOST_STEPS * 0.5**_TELLING, _FULL**2 * _MOST_WORK * 0.25**_TELLING / grown
+    grown = max(make_lives(contacts, _TELLING).work / lives.work, 1.0) ** (1.0 / _TELLING)
+    most = _FULL * _MOST_STEPS * 0.5**_TELLING, _FULL**2 * _MOST_WORK * (0.25 / grown) ** _TELLING
     while True:
         length = COARSEST * lives.length
         again = partial(make_fresh, contacts, level)
@@ -152,7 +152,7 @@ def _refine(
             break
         lives, finer = finer, make_lives(contacts, level + 2)
         level += 1
-        most = (2.0 * most[0], 4.0 * most[1] * grown**0.5) if level < _TELLING else (_MOST_STEPS, _MOST_WORK)
+        most = (2.0 * most[0], 4.0 * most[1] * grown) if level < _TELLING else (_MOST_STEPS, _MOST_WORK)
         if untold:
             most = max(most[0], _MORE * more[0]), max(most[1], _MORE**2 * more[1])
     error, slips, force, holding, steps = best

@@ -10,12 +10,12 @@ import numpy.typing as npt
 from toolkit.axes import Lengths
 from toolkit.driving import make_drive
 from toolkit.results import OWN_UNIT, Curve, Result, SoftRecord
-from toolkit.sweeping import SweepRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from toolkit.scene import DriveTable
+    from toolkit.sweeping import SweepRecord
 
 Array = npt.NDArray[np.float64]
 
@@ -112,7 +112,7 @@ def grows(result: Result) -> bool:
     return result.asked.contacts.thresholds.get("kind") == "growing-grains"
 
 
-def conditions(result: Result, sweep: SweepRecord | None = None) -> str:
+def conditions(result: Result, sweep: "SweepRecord | None" = None) -> str:
     """The laws of the contacts and their numbers as a picture tells them, in lines; empty where contacts have none. Of
     a sweep those that it does not vary."""
 
