@@ -1,13 +1,13 @@
 """What the distribution of contacts does: the master equation, solved as a renewal equation."""
 
-from master.ageing_slip import CriticalVelocity, critical_velocity
-from master.decoherence_spectrum import DecoherenceSpectrum, decoherence_spectrum
-from master.kinetic import KineticCurve, kinetic_curve
-from master.phase_line import PhaseLine, phase_line
-from master.propensity import Propensity, propensity
-from master.solution import Solution
-from master.solve import solve
-from master.steady import SteadyState, steady_state
+from master._old.ageing_slip import CriticalVelocity, critical_velocity
+from master._old.decoherence_spectrum import DecoherenceSpectrum, decoherence_spectrum
+from master._old.kinetic import KineticCurve, kinetic_curve
+from master._old.phase_line import PhaseLine, phase_line
+from master._old.propensity import Propensity, propensity
+from master._old.solution import Solution
+from master._old.solve import solve
+from master._old.steady import SteadyState, steady_state
 
 __all__ = [
     "CriticalVelocity",

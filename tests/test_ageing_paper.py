@@ -9,7 +9,7 @@ from scipy.special import ive
 
 import master
 import origins
-from master.ageing_paper import gaussian_force, paper_steady_state
+from master._old.ageing_paper import gaussian_force, paper_steady_state
 from origins import Ageing, Contacts
 from origins.diffusion import Diffusion
 from origins.frozen import as_thresholds

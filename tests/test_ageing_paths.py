@@ -5,9 +5,9 @@ import pytest
 
 import master
 import origins
-from master import on_panels
-from master.first_passage import first_passage
-from master.threshold_cells import Cells
+from master._old import on_panels
+from master._old.first_passage import first_passage
+from master._old.threshold_cells import Cells
 from origins import Ageing, Contacts, Delay, InputError, Thermal
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(0.8, 0.08)

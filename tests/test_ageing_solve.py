@@ -5,7 +5,7 @@ import pytest
 
 import master
 import origins
-from master.ageing_breaking import AgeingBreaking, gauss_rule
+from master._old.ageing_breaking import AgeingBreaking, gauss_rule
 from origins import Ageing, Contacts, Delay, InputError, Thermal
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05

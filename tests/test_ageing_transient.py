@@ -6,10 +6,10 @@ from scipy import stats
 
 import master
 import origins
-from master.ageing_paper import gaussian_force, paper_steady_state
-from master.ageing_propagator import AgeingPropagator
-from master.ageing_stepper import PaperStepper, enough_parts
-from master.ageing_transient import paper_transient
+from master._old.ageing_paper import gaussian_force, paper_steady_state
+from master._old.ageing_propagator import AgeingPropagator
+from master._old.ageing_stepper import PaperStepper, enough_parts
+from master._old.ageing_transient import paper_transient
 from origins import Ageing, Contacts, InputError
 from origins.diffusion import Diffusion
 

@@ -11,14 +11,14 @@ from scipy.special import ndtr
 
 import master
 import origins
-from master.bunches import bunched
-from master.cohort import starting
-from master.cohorts import Course, solve_cohorts
-from master.explicit import explicit
-from master.explicit_loop import explicit_loop
-from master.law import Law
-from master.leg import State
-from master.moves import moves
+from master._old.bunches import bunched
+from master._old.cohort import starting
+from master._old.cohorts import Course, solve_cohorts
+from master._old.explicit import explicit
+from master._old.explicit_loop import explicit_loop
+from master._old.law import Law
+from master._old.leg import State
+from master._old.moves import moves
 from origins.quadrature import gauss
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]
@@ -444,7 +444,7 @@ def test_turns_too_far_apart_are_refused(far: float) -> None:
 
 def test_breaks_that_no_seed_finds_are_missed_and_said_to_be(monkeypatch: pytest.MonkeyPatch) -> None:
     """Births and thresholds each within 1e-5: at X = 3 all contacts break at once, long after a turn."""
-    monkeypatch.setattr("master.cohorts.MOST_NODES", 2**16)
+    monkeypatch.setattr("master._old.cohorts.MOST_NODES", 2**16)
     found = master.solve(origins.Contacts(origins.gaussian(1.0, 1e-5)), [0.0, 2.5, 1.5, 4.5], 1e-4)
     assert np.abs(found.force - [0.0, 0.5, -0.5, 0.5]).max() <= found.force_error
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import master
-from master.on_panels import follow
+from master._old.on_panels import follow
 from origins import Contacts, Delay, Drive, Thermal, Thresholds, gaussian, gw_elastic, identical, mixture, rectangular
 from tests.moving_contacts import move
 

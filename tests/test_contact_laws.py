@@ -8,7 +8,7 @@ import eq_model
 import master
 import origins
 from eq_model.closest import closest
-from master.explicit import explicit
+from master._old.explicit import explicit
 from origins import Ageing, Contacts, Delay, InputError, Thermal, boltzmann_reforming, gaussian_start
 from origins.births import Births
 

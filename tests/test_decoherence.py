@@ -135,7 +135,7 @@ def test_narrow_thresholds_keep_the_damping_of_their_own() -> None:
 )
 def test_a_peak_with_a_wide_gamma_law(width: float, shape: float, scale: float, weight: float) -> None:
     law = mixture([gaussian(1.0, width), stats.gamma(shape, scale=scale)], [1.0 - weight, weight])
-    length, error = master.decoherence.decoherence_length(Contacts(law))
+    length, error = master._old.decoherence.decoherence_length(Contacts(law))
 
     def excess(s: complex) -> complex:
         return (1.0 - weight) * np.exp(-s + 0.5 * (s * width) ** 2) + weight * (1.0 + scale * s) ** -shape - 1.0
@@ -151,10 +151,10 @@ def test_a_peak_with_a_wide_gamma_law(width: float, shape: float, scale: float, 
 
 def test_rates_of_tails() -> None:
     for shape in (0.1, 1.0, 3.5, 20.0):
-        rate, error = master.decoherence.tail_rate(master.cycle.Cycle(Contacts(stats.gamma(shape))))
+        rate, error = master._old.decoherence.tail_rate(master._old.cycle.Cycle(Contacts(stats.gamma(shape))))
         assert abs(rate - 1.0) <= error < 1e-5
     for law, rate in ((stats.weibull_min(1.1), np.inf), (stats.weibull_min(0.8), 0.0), (stats.lognorm(1.0), 0.0)):
-        assert master.decoherence.tail_rate(master.cycle.Cycle(Contacts(law))) == (rate, 0.0)
+        assert master._old.decoherence.tail_rate(master._old.cycle.Cycle(Contacts(law))) == (rate, 0.0)
 
 
 TWO_WITNESSES = {
@@ -179,7 +179,7 @@ TWO_WITNESSES = {
 def test_the_slowest_root_is_the_decoherence_length(name: str) -> None:
     """One is searched for along dips, the others are counted: two roads to one number, or to the rate of a crowd."""
     contacts = TWO_WITNESSES[name]
-    length, error = master.decoherence.decoherence_length(contacts, master.cycle.Cycle(contacts))
+    length, error = master._old.decoherence.decoherence_length(contacts, master._old.cycle.Cycle(contacts))
     found = master.decoherence_spectrum(contacts, n_roots=1)
     if found.roots.size:
         assert abs(length - found.decay_length[0]) <= error + found.decay_length_error[0] < 1e-5 * length
@@ -256,7 +256,7 @@ def test_roots_told_one_by_one_are_those_that_are_counted(name: str, monkeypatch
         "linked, warm": Contacts(WIDE, 0.1, thermal=Thermal("soft", 0.1), stiffness="linked", delay=wait),
     }[name]
     one = master.decoherence_spectrum(contacts, n_roots=6)
-    monkeypatch.setattr(sys.modules["master.decoherence_spectrum"], "_COUNTED", 0.0)
+    monkeypatch.setattr(sys.modules["master._old.decoherence_spectrum"], "_COUNTED", 0.0)
     other = master.decoherence_spectrum(contacts, n_roots=6)
     assert (np.abs(one.roots - other.roots) <= one.roots_error + other.roots_error).all()
     assert (np.abs(one.amplitude - other.amplitude) <= one.amplitude_error + other.amplitude_error).all()

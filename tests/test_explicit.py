@@ -6,7 +6,7 @@ from scipy.special import ndtr
 
 import master
 import origins
-from master.explicit import MOST_NODES, explicit
+from master._old.explicit import MOST_NODES, explicit
 
 PATH = np.linspace(0.0, 5.0, 501)
 STEPS = (0.01, 0.005, 0.0025)

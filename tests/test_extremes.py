@@ -113,7 +113,7 @@ def test_laws_too_narrow_for_lattices_are_sent_to_exact_values(
     path: list[float], spring: float | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("forward", "cohorts", "soft"):
-        monkeypatch.setattr(f"master.{name}.MOST_NODES", 2**12)
+        monkeypatch.setattr(f"master._old.{name}.MOST_NODES", 2**12)
     narrow = origins.gaussian(1.0, 1e-9)
     found = master.solve(origins.Contacts(narrow), path, 1e-4, spring=spring)
     assert not found.success

@@ -9,9 +9,9 @@ from scipy.special import gamma, gammainc, ndtr
 import eq_model
 import master
 import origins
-from master.first import FirstBreaks
-from master.law import Law
-from master.problem import Problem
+from master._old.first import FirstBreaks
+from master._old.law import Law
+from master._old.problem import Problem
 
 mp = mpmath.MPContext()
 mp.dps = 25

@@ -7,10 +7,10 @@ from scipy.special import log_ndtr, ndtr
 
 import master
 import origins
-from master.diffusion_passage import _march, _Problem, _wall, diffusion_passage, narrowest
-from master.first_passage import first_passage
-from master.ornstein_passage import OrnsteinPassage
-from master.potential import Potential
+from master._old.diffusion_passage import _march, _Problem, _wall, diffusion_passage, narrowest
+from master._old.first_passage import first_passage
+from master._old.ornstein_passage import OrnsteinPassage
+from master._old.potential import Potential
 from origins import Ageing, InputError
 from origins.frozen import as_thresholds
 

@@ -11,8 +11,8 @@ import scipy.stats
 from scipy.integrate import quad
 
 import master
-from master.breaking_law import BreakingLaw
-from master.origin_breaks import OriginBreaks
+from master._old.breaking_law import BreakingLaw
+from master._old.origin_breaks import OriginBreaks
 from origins import Contacts, Delay, InputError, Thermal, gaussian, gaussian_start, mixture
 
 WIDE = scipy.stats.lomax(2.1)

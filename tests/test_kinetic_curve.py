@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import weibull_min
 
 import master
-from master.ageing_paper import gaussian_force
+from master._old.ageing_paper import gaussian_force
 from origins import (
     Ageing,
     Contacts,

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from master.lattice import STENCIL, cells, deposit_atoms, integrate, lagrange
-from master.lattice import lay as lay_all
-from master.piecewise import Piecewise, tabulate
+from master._old.lattice import STENCIL, cells, deposit_atoms, integrate, lagrange
+from master._old.lattice import lay as lay_all
+from master._old.piecewise import Piecewise, tabulate
 from origins.quadrature import gauss, panel_edges
 from origins.rectangular import rectangular
 from origins.weibull import gw_elastic

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 import master
-from master.ageing_transient import paper_transient
-from master.cohort import starting
-from master.cohorts import Course, solve_cohorts
-from master.cycle import Cycle
-from master.explicit import explicit
-from master.explicit_loop import explicit_loop
-from master.law import Law
-from master.leg import State
-from master.moves import moves
-from master.problem import Problem
-from master.renewal import LaterReleased
+from master._old.ageing_transient import paper_transient
+from master._old.cohort import starting
+from master._old.cohorts import Course, solve_cohorts
+from master._old.cycle import Cycle
+from master._old.explicit import explicit
+from master._old.explicit_loop import explicit_loop
+from master._old.law import Law
+from master._old.leg import State
+from master._old.moves import moves
+from master._old.problem import Problem
+from master._old.renewal import LaterReleased
 from origins import Ageing, Contacts, Delay, Thermal, gaussian, gaussian_start, rectangular
 
 Run = Callable[[float], np.ndarray]

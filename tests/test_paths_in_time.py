@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import master
-from master.on_panels import follow
+from master._old.on_panels import follow
 from origins import Contacts, Delay, Drive, Thermal, gaussian, gw_elastic, identical, mixture, rectangular
 
 PATH = np.array([0.0, 0.5, 1.3, 2.1, 2.1, 2.1, 2.6, 3.3, 2.5, 1.0])

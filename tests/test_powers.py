@@ -7,10 +7,10 @@ from scipy import special, stats
 
 import master
 import origins
-from master.powers import find_powers
-from master.problem import Problem
-from master.renewal import LaterReleased
-from master.response import SpreadSolution
+from master._old.powers import find_powers
+from master._old.problem import Problem
+from master._old.renewal import LaterReleased
+from master._old.response import SpreadSolution
 
 
 def two_generations(a: float, b: float, x: float) -> float:

@@ -273,7 +273,7 @@ def test_long_waits_in_closed_form(std: float, wait: float) -> None:
     whole, turn = mp.mpf(1.0 + wait), 2j * mp.pi
     root = 2 * turn / (whole + mp.sqrt(whole**2 - 2 * turn * mp.mpf(std) ** 2))
     contacts = origins.Contacts(origins.gaussian(1.0, std), delay=origins.Delay(wait))
-    length, error = master.decoherence.decoherence_length(contacts)
+    length, error = master._old.decoherence.decoherence_length(contacts)
     assert abs(length + float(1 / root.real)) <= error < 1e-13 * length
 
 
@@ -284,9 +284,9 @@ def test_long_waits_are_the_other_road_where_both_go(monkeypatch: pytest.MonkeyP
     for law, others in ((narrow, {}), (origins.lubricated(1.0), {}), (origins.gaussian(1.0, 0.1), hot)):
         contacts = origins.Contacts(law, delay=origins.Delay(40.0), **others)
         monkeypatch.undo()
-        length, error = master.decoherence.decoherence_length(contacts)
-        monkeypatch.setattr(master.decoherence, "LONG", np.inf)
-        other, other_error = master.decoherence.decoherence_length(contacts)
+        length, error = master._old.decoherence.decoherence_length(contacts)
+        monkeypatch.setattr(master._old.decoherence, "LONG", np.inf)
+        other, other_error = master._old.decoherence.decoherence_length(contacts)
         assert abs(length - other) <= error + other_error < 1e-6 * length
 
 
@@ -423,7 +423,7 @@ LOW = {"hundred times larger, rarely", "power law, cut off"}
 @pytest.mark.parametrize("name", SLOWEST)
 def test_no_root_is_slower(name: str) -> None:
     contacts = origins.Contacts(SLOWEST[name])
-    rate = contacts.mean_threshold / master.decoherence.decoherence_length(contacts)[0]
+    rate = contacts.mean_threshold / master._old.decoherence.decoherence_length(contacts)[0]
     top = 4.0 if name in LOW else 15.0
     assert slower_roots(contacts, 0.97 * rate, top) == pytest.approx(0.0, abs=1e-6)
     assert slower_roots(contacts, 1.03 * rate, top) >= 0.99
@@ -554,7 +554,7 @@ def test_what_is_not_known_well_enough_says_so(monkeypatch: pytest.MonkeyPatch) 
     assert found.success and found.message.startswith("K* known to ") and "only" not in found.message
     assert master.phase_line(contacts).success.all() and master.kinetic_curve(contacts).success.all()
     assert master.steady_state(contacts).success
-    monkeypatch.setattr(sys.modules["master.propensity"], "MOST_NODES", 200)
+    monkeypatch.setattr(sys.modules["master._old.propensity"], "MOST_NODES", 200)
     found = master.propensity(contacts, 1e-12)
     assert not found.success and "only, above 1.0e-12" in found.message
     line = master.phase_line(contacts, [1.0, 2.0], tolerance=1e-12)

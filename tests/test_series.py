@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from master.series import convolve, renew
+from master._old.series import convolve, renew
 
 
 def renew_by_recursion(source, kernel):

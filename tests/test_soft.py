@@ -11,8 +11,8 @@ from scipy.special import gammaln
 
 import master
 import origins
-from master.cohorts import solve_cohorts
-from master.soft import SoftSolution, solve_soft
+from master._old.cohorts import solve_cohorts
+from master._old.soft import SoftSolution, solve_soft
 
 NARROW = origins.gaussian(1.0, 0.05)
 RULES = ["reset", "instant", "reform-after"]

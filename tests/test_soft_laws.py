@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import master
-from master.regime import regime
-from master.soft_laws import solve_soft_laws
-from master.timed import solve_timed
-from master.timeline import times
+from master._old.regime import regime
+from master._old.soft_laws import solve_soft_laws
+from master._old.timed import solve_timed
+from master._old.timeline import times
 from origins import Ageing, Contacts, Delay, Drive, InputError, Thermal, gaussian, gaussian_start, gw_plastic
 from origins.drive import SlipRule
 

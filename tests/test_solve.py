@@ -8,8 +8,8 @@ from scipy.special import ndtr
 
 import master
 import origins
-from master.problem import Problem
-from master.renewal import LaterReleased
+from master._old.problem import Problem
+from master._old.renewal import LaterReleased
 
 PATH = np.linspace(0.0, 5.0, 501)
 SCENE = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))

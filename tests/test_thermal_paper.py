@@ -7,7 +7,7 @@ import pytest
 import scipy.stats
 
 import master
-from master.thermal_paper import PaperBreaking
+from master._old.thermal_paper import PaperBreaking
 from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical
 from origins.births import Births
 from origins.start import as_start

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import quad
 
 import master
-from master.cycle import Cycle
-from master.problem import Problem
-from master.threshold_panels import ThresholdPanels
+from master._old.cycle import Cycle
+from master._old.problem import Problem
+from master._old.threshold_panels import ThresholdPanels
 from origins import Contacts, Thermal, gaussian, gaussian_start, gw_plastic, rectangular
 
 LAWS = {"narrow": gaussian(1.0, 0.05), "from 0 on": gw_plastic(1.0), "jumps": rectangular(0.5, 1.5)}

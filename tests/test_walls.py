@@ -7,7 +7,7 @@ from scipy import stats
 import eq_model
 import master
 import origins
-from master.first_passage import first_passage
+from master._old.first_passage import first_passage
 from origins import Ageing, Contacts, InputError
 
 WALLS = Contacts(origins.rectangular(0.6, 1.0), ageing=Ageing(origins.rectangular(0.5, 1.5), 0.1))

@@ -5,7 +5,7 @@ import pytest
 from growing_contacts import along, deviation, rate, thresholds
 
 import master
-from master.grain_passage import warmed
+from master._old.grain_passage import warmed
 from origins import Contacts, Delay, Thermal, gaussian_start, growing_grains
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
@@ -82,7 +82,8 @@ def test_error_of_the_survival_is_what_it_is_said_to_be() -> None:
 
 def test_grains_that_hardly_ever_hold_leave_nothing_known_of_their_waves() -> None:
     contacts = Contacts(GRAINS)
-    assert master.decoherence.decoherence_length(contacts, master.cycle.Cycle(contacts, 10.0)) == (np.inf, np.inf)
+    cycle = master._old.cycle.Cycle(contacts, 10.0)
+    assert master._old.decoherence.decoherence_length(contacts, cycle) == (np.inf, np.inf)
 
 
 def test_errors_are_near_the_true_ones_at_a_temperature() -> None:

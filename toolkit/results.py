@@ -20,9 +20,9 @@ from toolkit.sweeping import SweepRecord
 
 if TYPE_CHECKING:
     from eq_model.histogram import Histogram
-    from master.ageing_transient import AgeingTransient
-    from master.regime import Regime, Verdict
-    from master.soft import Slips, SoftSolution
+    from master._old.ageing_transient import AgeingTransient
+    from master._old.regime import Regime, Verdict
+    from master._old.soft import Slips, SoftSolution
 
 Array = npt.NDArray[np.float64]
 
@@ -126,13 +126,13 @@ class SoftRecord(SolvedRecord):
 
     @property
     def slips(self) -> "Slips":
-        from master.soft import Slips
+        from master._old.soft import Slips
 
         return Slips(**{field.name: getattr(self, f"slip_{field.name}") for field in fields(Slips)})
 
     @property
     def regime(self) -> "Regime":
-        from master.regime import Regime
+        from master._old.regime import Regime
 
         own = {"slips": int(self.slip_drive.size), "trend": None if np.isnan(self.trend) else self.trend}
         return Regime(**{field.name: own.get(field.name, getattr(self, field.name)) for field in fields(Regime)})

@@ -1,0 +1,105 @@
+"""The line between stick-slip and smooth sliding: the critical spring along speeds, temperatures, ageing, delays."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master._old.cycle import LAWS, Cycle
+from master._old.outcome import judged
+from master._old.points import Points, changed
+from master._old.propensity import extremes
+from master._old.steady import check_finite
+from origins import Contacts
+from origins.brief import brief
+from origins.contacts import check_contacts
+from origins.errors import check_tolerance
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PhaseLine:
+    """K* at many points; arrays have the shape that the quantities asked for have together.
+
+    Attributes
+    ----------
+    velocity, temperature, rate, delay : array, or None where there is none
+        At which, as in master.KineticCurve.
+    critical_spring, critical_spring_error : array
+        K*/(N_c <k>) and its error: below it stick-slip, at and above it smooth sliding. 0 where the force never falls:
+        no spring lets go; inf where it drops at one X: every spring does.
+    run_time : float
+        Seconds.
+    success : array of bool
+        Whether K* is known within the tolerance, relative to 1 + K*, at each point.
+    message : str
+        In words: what was reached, and at how many points not what was asked for.
+    """
+
+    velocity: Array
+    temperature: Array | None
+    rate: Array | None
+    delay: Array | None
+    critical_spring: Array
+    critical_spring_error: Array
+    run_time: float
+    success: npt.NDArray[np.bool_]
+    message: str
+
+    __repr__ = brief
+
+
+def phase_line(
+    contacts: Contacts,
+    velocity: npt.ArrayLike = 1.0,
+    *,
+    temperature: npt.ArrayLike | None = None,
+    rate: npt.ArrayLike | None = None,
+    delay: npt.ArrayLike | None = None,
+    tolerance: float = 1e-6,
+) -> PhaseLine:
+    """K*(v, T) of `contacts` on a slider that moves forward from their start: max of -dF/dX (paper, Eq. Q16).
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With any laws that `propensity` takes; the start matters.
+    velocity, temperature, rate, delay : float or array
+        As in master.kinetic_curve.
+    tolerance : float
+        Change of K* between lattices, relative to 1 + K*, below which no finer one is asked; the errors say how far.
+
+    v is the speed of the slider itself: that of a soft slider's drive is higher while the force rises, by 1 + F'/K.
+
+    Raises InputError as `propensity` does, and for points as `kinetic_curve` does.
+    """
+    began = time.perf_counter()
+    check_contacts(contacts, "master.phase_line", LAWS)
+    tolerance = check_tolerance("tolerance", tolerance)
+    points = Points(contacts, velocity, temperature, rate, delay)
+    check_finite(contacts)
+    speeds, *others = points.rows
+    # without rates, ageing and delay, of thresholds or contacts, the speed does not tell
+    speeds = np.where(np.any(others, axis=0) | (contacts.grains is not None), speeds, 1.0)
+    cases, which = np.unique(np.stack([speeds, *others], axis=1), axis=0, return_inverse=True)
+    found = np.empty((2, len(cases)))
+    for i, (speed, heat, spread, wait) in enumerate(cases.tolist()):
+        single = changed(contacts, heat, spread, wait, contacts.start)
+        found[:, i] = extremes(single, Cycle(single, speed), tolerance)[:2]
+    spring, error = (row[which.reshape(-1)].reshape(points.shape) for row in found)
+    success, message = judged("K*", error / (1.0 + spring), tolerance)
+    return PhaseLine(
+        points.velocity,
+        points.temperature,
+        points.rate,
+        points.delay,
+        spring,
+        error,
+        time.perf_counter() - began,
+        success,
+        message,
+    )

@@ -1,0 +1,53 @@
+"""Life: the one thing that a law of contacts tells the master equation."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from master.motion.motion import History
+from origins.start import Start
+
+Array = npt.NDArray[np.float64]
+
+
+class Life(Protocol):
+    """What is left, after any motion of the slider, of contacts that were born together.
+
+    The survival E(t, s) and the force kernel K(t, s) of number conservation are `left` of contacts
+    born at the stretches at which broken contacts re-form; G_0(t) and M_0(t) are `left` of contacts
+    born at t = 0 at the stretches of the start. One method serves both.
+
+    Attributes
+    ----------
+    reach : float
+        Length: a contact whose |x| has been beyond it no longer holds (its survival is below 1e-17).
+    quiet : float
+        Length: a contact whose |x| has never been beyond it still holds for sure (its survival is
+        1 to rounding); 0 where there is no such length.
+    bends : array of shape (n,)
+        Lengths, sorted: the largest |x| at which the survival of a contact is not smooth, such as
+        jumps of P_c and exact thresholds.
+    error : float
+        Bound on the error of what `left` returns, however fine the panels: of the share that holds.
+    """
+
+    reach: float
+    quiet: float
+    bends: Array
+    error: float
+
+    def left(self, born: Start, history: History) -> Array:
+        """Share of contacts that still hold, and their mean force per contact born.
+
+        born : the law of the stretches at birth, relative thresholds following P_c conditional on
+            x_s > |stretch|
+        history : of shape (rows, columns); each row lies within one smooth piece, and its middle
+            column decides on which side of an exact threshold it is
+
+        Returns an array of shape (2, rows, columns): the share, between 0 and 1, and the force in
+        units of <k>, a length.
+        """
+        ...

@@ -1,0 +1,1 @@
+"""How the slider moves, and what contacts born at one moment have gone through by another."""

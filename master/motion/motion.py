@@ -1,0 +1,146 @@
+"""X(t): the slider's motion as straight legs, and the moves that a contact has seen since its birth."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+# Speeds that differ by less than this share are one speed: positions divided by times are known to
+# some 1e-13 where a path has thousands of points.
+SAME_SPEED = 1e-9
+
+
+class Legs(NamedTuple):
+    """The straight legs between the births of contacts and the moment at which they are looked at.
+
+    displacement : array of shape (..., k + 1), how far the slider stands from where it was at the
+        birth, at the beginning of the first leg and at the end of each; legs before the birth are
+        there with no displacement and no duration
+    duration : array of shape (..., k), the time that the contact spent on each leg
+    speed : array of shape (k,), dX/dt on each leg, of either sign
+    """
+
+    displacement: Array
+    duration: Array
+    speed: Array
+
+
+class Motion:
+    """X(t), straight between knots.
+
+    t is a time, or the way gone where nothing that the contacts do depends on time.
+
+    Parameters
+    ----------
+    times, positions : arrays of shape (n + 1,)
+        When the slider stands where; times rise. Knots at which the speed stays the same are left
+        out, knots that share a time are one.
+
+    Attributes
+    ----------
+    speeds : array of shape (n,)
+        dX/dt on each leg, 0 in a hold.
+    """
+
+    def __init__(self, times: Array, positions: Array) -> None:
+        later = np.append(True, np.diff(times) > 0.0)
+        times, positions = times[later], positions[later]
+        speeds = np.diff(positions) / np.diff(times)
+        fastest = np.abs(speeds).max(initial=0.0)
+        turns = np.flatnonzero(np.abs(np.diff(speeds)) > SAME_SPEED * fastest) + 1
+        kept = np.concatenate([[0], turns, [times.size - 1]])
+        self.times: Array = times[kept]
+        self.positions: Array = positions[kept]
+        self.speeds: Array = np.diff(self.positions) / np.diff(self.times)
+
+    @classmethod
+    def along(cls, positions: Array) -> Motion:
+        """The motion through these positions from the first, t being the way gone."""
+        way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
+        return cls(way, positions)
+
+    @property
+    def one_leg(self) -> bool:
+        """Whether the slider keeps one speed all along."""
+        return self.speeds.size == 1
+
+    def leg(self, t: Array | float) -> npt.NDArray[np.intp]:
+        """Index of the leg on which t lies; a knot belongs to the leg that it ends."""
+        found = np.searchsorted(self.times, t) - 1
+        return np.clip(found, 0, self.speeds.size - 1)
+
+    def at(self, t: Array) -> Array:
+        """X(t), same shape as t."""
+        return np.interp(t, self.times, self.positions)
+
+    def history(self, t: Array, s: Array) -> History:
+        """What contacts born at s have gone through at t.
+
+        t and s broadcast to shape (rows, columns); all t lie on one leg, and so do the s of a row.
+        """
+        return History(self, t, s)
+
+
+class History:
+    """The slider's displacement X(t) - X(s) since contacts were born at s, and all in between.
+
+    Every row (rows, columns) lies within one smooth piece: where a contact's largest |x| meets an
+    exact threshold, or another leg begins, the row ends. So the middle column tells on which side
+    of such a point the whole row is.
+
+    Attributes
+    ----------
+    now, high, low : arrays of shape (rows, columns)
+        Displacement at t, its largest (at least 0) and its smallest (at most 0) value since s.
+    """
+
+    def __init__(self, motion: Motion, t: Array, s: Array) -> None:
+        self.motion, self.t, self.s = motion, t, s
+        if motion.one_leg:
+            self.now: Array = motion.speeds[0] * (t - s)
+            self.high, self.low = np.maximum(self.now, 0.0), np.minimum(self.now, 0.0)
+            return
+        last, first = self._legs_of_rows()
+        same = np.equal(first, last)[:, None]
+        born = motion.at(s)
+        self.now = np.where(same, motion.speeds[last] * (t - s), motion.at(t) - born)
+        highest, lowest = _extremes(motion.positions, last)
+        self.high = np.maximum(np.maximum(self.now, highest[first][:, None] - born), 0.0)
+        self.low = np.minimum(np.minimum(self.now, lowest[first][:, None] - born), 0.0)
+
+    def _legs_of_rows(self) -> tuple[int, npt.NDArray[np.intp]]:
+        """The leg of all t, and the leg of each row's births: those of the middle column."""
+        shape = np.broadcast_shapes(self.t.shape, self.s.shape)
+        middle = shape[1] // 2
+        s = self.s[:, min(middle, self.s.shape[1] - 1)]
+        t = self.t.ravel()[self.t.size // 2]
+        last = int(self.motion.leg(t))
+        return last, np.broadcast_to(np.minimum(self.motion.leg(s), last), shape[:1])
+
+    def legs(self) -> Legs:
+        """The moves leg by leg, for contacts whose rate of breaking depends on all of them."""
+        motion = self.motion
+        shape = np.broadcast_shapes(self.t.shape, self.s.shape)
+        if motion.one_leg:
+            displacement = np.stack([np.zeros(shape), np.broadcast_to(self.now, shape)], axis=-1)
+            duration = np.broadcast_to(self.t - self.s, shape)[..., None]
+            return Legs(displacement, duration, motion.speeds)
+        last, first = self._legs_of_rows()
+        since = int(first.min(initial=last))
+        knots = motion.times[since : last + 2]
+        ends = np.clip(knots, self.s[..., None], np.maximum(self.t, self.s)[..., None])
+        displacement = motion.at(ends) - motion.at(self.s)[..., None]
+        return Legs(displacement, np.diff(ends, axis=-1), motion.speeds[since : last + 1])
+
+
+def _extremes(positions: Array, last: int) -> tuple[Array, Array]:
+    """Highest and lowest knot between each leg up to `last` and that one; -inf and inf for none."""
+    high, low = np.full(last + 1, -np.inf), np.full(last + 1, np.inf)
+    for leg in range(last - 1, -1, -1):
+        high[leg] = max(high[leg + 1], positions[leg + 1])
+        low[leg] = min(low[leg + 1], positions[leg + 1])
+    return high, low

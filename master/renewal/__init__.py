@@ -1,0 +1,1 @@
+"""Number conservation, written with survivals, solved panel by panel."""
