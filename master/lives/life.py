@@ -39,6 +39,10 @@ class Life(Protocol):
     bends: Array
     error: float
 
+    def marks(self, width: float) -> Array:
+        """The bends, and |x| between which the survival is smooth enough for panels of a width."""
+        ...
+
     def left(self, born: Start, history: History) -> Array:
         """Share of contacts that still hold, and their mean force per contact born.
 

@@ -77,6 +77,17 @@ class Motion:
         """X(t), same shape as t."""
         return np.interp(t, self.times, self.positions)
 
+    def extremes(self, t: Array, born: npt.NDArray[np.intp]) -> tuple[Array, Array]:
+        """Highest and lowest X from the end of the legs `born`, shape (m,), to t, shape (n,).
+
+        All t lie on one leg; X(t) itself counts. Both have shape (n, m).
+        """
+        now = self.at(t)[:, None]
+        last = int(self.leg(float(t[t.size // 2])))
+        highest, lowest = _extremes(self.positions, last)
+        seen = np.minimum(born, last)
+        return np.maximum(now, highest[seen]), np.minimum(now, lowest[seen])
+
     def history(self, t: Array, s: Array) -> History:
         """What contacts born at s have gone through at t.
 

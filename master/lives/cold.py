@@ -1,0 +1,148 @@
+"""Contacts that break at their thresholds alone (T = 0): E = S(m)/S(|r|), m the largest |x| so far."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from master.motion.motion import History
+from master.renewal.table import Table
+from origins import Contacts
+from origins.start import Start
+
+Array = npt.NDArray[np.float64]
+
+# Survivals below this are counted as none, and survivals that differ from 1 by less as all: a
+# hundredth of the rounding of what they are added to.
+NONE_LEFT = 1e-18
+# A threshold that a contact's |x| has come this near, relatively, is met: a turning point that was
+# meant to lie at an exact threshold is off by rounding.
+TIE = 1e-12
+# Gauss nodes on a piece of a law of stretches that is no wider than the survival's own panels.
+_NODES, _WEIGHTS = (0.5 * part for part in np.polynomial.legendre.leggauss(16))
+_NODES = _NODES + 0.5
+
+
+class ColdLife:
+    """The life of contacts without heat and without ageing; a Life.
+
+    `grain` is the length over which the survival has to be resolved: the mean width, weighted by
+    the contacts that break there, of the panels on which a polynomial follows it.
+    """
+
+    def __init__(self, contacts: Contacts) -> None:
+        law = contacts.thresholds
+        self._law, self._mean = law, contacts.mean_threshold
+        self._linked = contacts.stiffness == "linked"
+        self._atoms, self._weights = law.atoms
+        upper = law.support()[1]
+        self.reach = float(min(upper, law.isf(NONE_LEFT)))
+        if self._atoms.size:
+            self.reach = max(self.reach, float(self._atoms.max()))
+        marks = np.concatenate([law.breakpoints, self._atoms])
+        self.bends: Array = np.unique(marks[(marks > 0.0) & (marks <= self.reach)])
+        edges = np.unique(np.concatenate([[0.0, self.reach], self.bends]))
+        shortest = 1e-9 * self._mean
+        self._table = Table(lambda x: self._smooth(x)[None], edges, 1e-12, shortest)
+        self.fine: Array = self._table.edges
+        lost = -np.diff(self._smooth(self.fine))
+        weight = lost.sum()
+        self.grain = float(self._table.widths @ lost / weight) if weight > 0.0 else self.reach
+        self.quiet = self._quiet()
+        self.error = 0.0
+
+    def marks(self, width: float) -> Array:
+        """See Life."""
+        narrow = self._table.widths < width
+        beside = np.append(narrow, False) | np.append(False, narrow)
+        return np.union1d(self.bends, self.fine[beside])
+
+    def _quiet(self) -> float:
+        """The largest |x| up to which none breaks."""
+        low = float(self._law.ppf(NONE_LEFT)) if self._law.support()[0] == 0.0 else 0.0
+        low = max(low, float(self._law.support()[0]))
+        return min([low, *self._atoms])
+
+    def _smooth(self, m: Array) -> Array:
+        """Survival at m without the exact thresholds."""
+        out = np.asarray(self._law.sf(m), dtype=float)
+        for position, weight in zip(self._atoms, self._weights, strict=True):
+            out = out - weight * (m < position)
+        return np.maximum(out, 0.0)
+
+    def _held(self, m: Array, side: Array) -> Array:
+        """Survival at m; `side` tells which exact thresholds are met."""
+        if not self._atoms.size:
+            return np.asarray(self._law.sf(m))
+        out = self._smooth(m)
+        for position, weight in zip(self._atoms, self._weights, strict=True):
+            out = out + weight * (side < position * (1.0 - TIE))
+        return out
+
+    def _borne(self, m: Array, side: Array, held: Array) -> Array:
+        """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""
+        if not self._linked:
+            return held
+        inside = np.minimum(m, self.reach)
+        out = m * self._smooth(m) + self._table.beyond(inside)
+        for position, weight in zip(self._atoms, self._weights, strict=True):
+            out = out + position * weight * (side < position * (1.0 - TIE))
+        return np.asarray(out / self._mean)
+
+    def left(self, born: Start, history: History) -> Array:
+        """See Life."""
+        if not born.is_single:
+            return self._averaged(born, history)
+        r = float(born.mean())
+        m = np.maximum(abs(r), np.maximum(r + history.high, -(r + history.low)))
+        side = m[:, m.shape[1] // 2, None]
+        whole = np.array([abs(r)])
+        share = 1.0 / self._held(whole, whole)
+        held = share * self._held(m, side)
+        borne = held if not self._linked else share * self._borne(m, side, held)
+        return np.stack([held, (r + history.now) * borne])
+
+    def _averaged(self, born: Start, history: History) -> Array:
+        """The same for a law of stretches at birth: a sum over pieces on which nothing bends."""
+        shape = history.now.shape
+        now, high, low = (
+            np.broadcast_to(part, shape).reshape(-1, 1)
+            for part in (history.now, history.high, history.low)
+        )
+        first, last = born.span
+        out = np.zeros((2, now.size))
+        near = np.flatnonzero(np.maximum(first + high, -(last + low))[:, 0] < self.reach)
+        now, high, low = now[near], high[near], low[near]
+        pieces = int(np.clip(np.ceil((last - first) / (4.0 * self.grain)), 5, 64))
+        own = np.concatenate([np.linspace(first, last, pieces + 1), born.breakpoints, [0.0]])
+        own = np.concatenate([own, self.bends, -self.bends])
+        own = own[(own >= first) & (own <= last)]
+        # where the largest |x| changes from one side to the other, and where it meets a bend
+        moving = [
+            -0.5 * high,
+            -0.5 * low,
+            -0.5 * (high + low),
+            self.bends - high,
+            -self.bends - low,
+        ]
+        cuts = np.concatenate([np.tile(own, (now.size, 1)), *moving], axis=1)
+        cuts = np.sort(np.clip(cuts, first, last), axis=1)
+        row, column = np.nonzero(np.diff(cuts, axis=1) > 1e-14 * (last - first))
+        begin = cuts[row, column, None]
+        length = cuts[row, column + 1, None] - begin
+        r = begin + length * _NODES
+        m = np.maximum(np.abs(r), np.maximum(r + high[row], -(r + low[row])))
+        alive = (m.min(axis=1) < self.reach) & (np.abs(r).max(axis=1) < self.reach)
+        row, r, m, length = row[alive], r[alive], m[alive], length[alive]
+        middle = r.shape[1] // 2
+        kept = (
+            born.cdf(self.reach) - born.cdf(-self.reach) if max(last, -first) > self.reach else 1.0
+        )
+        share = born.pdf(r) * length * _WEIGHTS / kept
+        share = share / self._held(np.abs(r), np.abs(r[:, middle, None]))
+        side = m[:, middle, None]
+        held = self._held(m, side)
+        borne = (r + now[row]) * self._borne(m, side, held)
+        for kind, part in enumerate((held, borne)):
+            out[kind, near] = np.bincount(row, (share * part).sum(axis=1), now.size)
+        return out.reshape(2, *shape)

@@ -1,0 +1,75 @@
+"""Rule: polynomials on one panel, and the nodes at which number conservation is asked to hold.
+
+A panel is an interval [a, a + w] of t; a share is (t - a)/w. The number of breaks since the panel's
+beginning is a polynomial of degree DEGREE, known by its values at share 0 (where it is 0) and at the
+DEGREE Radau nodes, the last of which is the panel's end. Conservation with survivals is a Volterra
+equation of the first kind, for which Radau nodes are stable.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numpy.polynomial import legendre
+
+Array = npt.NDArray[np.float64]
+
+# Degree on a panel: 12 needs more panels for the same error, 20 more work on each (measured on
+# Gaussian thresholds to 1e-10).
+DEGREE = 16
+# Gauss nodes of an integral over one panel: exact for a product of two polynomials of degree 17.
+GAUSS = 18
+# Share of a panel, between the last two Radau nodes, at which conservation is tested.
+CHECK = 0.97
+
+
+def _radau() -> Array:
+    """Right Radau nodes on (0, 1], the roots of P_(n-1) - P_n."""
+    coefficients = np.zeros(DEGREE + 1)
+    coefficients[-2:] = 1.0, -1.0
+    nodes = 0.5 * (np.sort(legendre.legroots(coefficients).real) + 1.0)
+    return np.append(nodes[:-1], 1.0)
+
+
+NODES: Array = _radau()
+GAUSS_NODES: Array = 0.5 * (legendre.leggauss(GAUSS)[0] + 1.0)
+GAUSS_WEIGHTS: Array = 0.5 * legendre.leggauss(GAUSS)[1]
+# Values at share 0 and at the nodes to coefficients of Legendre polynomials.
+TO_LEGENDRE: Array = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0, DEGREE))
+# Values at the Gauss nodes to coefficients of Legendre polynomials.
+GAUSS_TO_LEGENDRE: Array = np.linalg.inv(legendre.legvander(2.0 * GAUSS_NODES - 1.0, GAUSS - 1))
+
+
+def values(share: Array) -> Array:
+    """The matrix from values at 0 and the nodes to values at shares, shape (..., DEGREE + 1)."""
+    return legendre.legvander(2.0 * share - 1.0, DEGREE) @ TO_LEGENDRE
+
+
+def legendre_slopes(share: Array) -> Array:
+    """Derivatives by the share of the Legendre polynomials, shape (DEGREE + 1, ...)."""
+    z = 2.0 * share - 1.0
+    out = np.zeros((DEGREE + 1, *z.shape))
+    before, value = np.zeros_like(z), np.ones_like(z)
+    for k in range(DEGREE):
+        out[k + 1] = (out[k - 1] if k else 0.0) + (4 * k + 2) * value
+        before, value = value, ((2 * k + 1) * z * value - k * before) / (k + 1)
+    return out
+
+
+# Derivative by the share, at the Gauss nodes, of the polynomial with given values at 0 and the nodes.
+SLOPES_AT_GAUSS: Array = np.moveaxis(legendre_slopes(GAUSS_NODES), 0, -1) @ TO_LEGENDRE
+# The same as coefficients of Legendre polynomials.
+SLOPES: Array = 2.0 * legendre.legder(np.eye(DEGREE + 1)) @ TO_LEGENDRE
+
+
+def legendre_sum(coefficients: Array, z: Array) -> Array:
+    """Sums of Legendre polynomials, a row of coefficients for each row of z in [-1, 1].
+
+    coefficients : array of shape (rows, n); z : array of shape (rows, columns), as the result
+    """
+    before, value = np.ones_like(z), z
+    out = coefficients[:, :1] + coefficients[:, 1:2] * z
+    for k in range(2, coefficients.shape[1]):
+        before, value = value, ((2 * k - 1) / k) * z * value - ((k - 1) / k) * before
+        out += coefficients[:, k : k + 1] * value
+    return out

@@ -1,0 +1,106 @@
+"""Table: functions of one length, kept as polynomials on panels that halving has found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+from numpy.polynomial import legendre
+
+Array = npt.NDArray[np.float64]
+
+# Nodes of a panel: a look-up reads as many coefficients.
+SIZE = 12
+# Halvings of a panel: 2^-50 of it is rounding.
+DEPTH = 50
+
+_NODES: Array = 0.5 * (legendre.leggauss(SIZE)[0] + 1.0)
+_TO_LEGENDRE: Array = np.linalg.inv(legendre.legvander(2.0 * _NODES - 1.0, SIZE - 1)).T
+
+
+class Table:
+    """Functions of one length x >= 0, polynomials of degree SIZE - 1 between edges; 0 beyond the last.
+
+    Parameters
+    ----------
+    function : takes x of shape (panels, nodes), each row within one panel, and gives an array of
+        shape (functions, panels, nodes)
+    edges : array of shape (n,)
+        Sorted; the functions may jump or bend there.
+    accuracy : float
+        A panel is halved while one of its last two coefficients is larger.
+    shortest : float
+        Length of the shortest panel.
+
+    Attributes
+    ----------
+    error : float
+        Largest of the last coefficients that are left.
+    """
+
+    def __init__(
+        self, function: Callable[[Array], Array], edges: Array, accuracy: float, shortest: float
+    ) -> None:
+        low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
+        kept, self.error = [], 0.0
+        for _ in range(DEPTH):
+            nodes = low[:, None] + (high - low)[:, None] * _NODES
+            coefficients = function(nodes) @ _TO_LEGENDRE
+            tail = np.abs(coefficients[..., -2:]).max(axis=(0, 2))
+            open_ = (tail > accuracy) & (high - low > shortest)
+            kept.append((low[~open_], high[~open_], coefficients[:, ~open_]))
+            self.error = max(self.error, float(tail[~open_].max(initial=0.0)))
+            low, high = low[open_], high[open_]
+            if not low.size:
+                break
+            middle = 0.5 * (low + high)
+            low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+        begin = np.concatenate([part[0] for part in kept])
+        order = np.argsort(begin)
+        self.begin: Array = begin[order]
+        self.end: Array = np.concatenate([part[1] for part in kept])[order]
+        parts = np.concatenate([part[2] for part in kept], axis=1)[:, order]
+        self._parts = np.ascontiguousarray(np.moveaxis(parts, -1, 0))  # (SIZE, functions, panels)
+
+    @property
+    def edges(self) -> Array:
+        """Edges of the panels, shape (panels + 1,)."""
+        return np.append(self.begin, self.end[-1])
+
+    @property
+    def widths(self) -> Array:
+        return self.end - self.begin
+
+    def __call__(self, x: Array, within: Array | None = None) -> Array:
+        """Values of the functions, shape (functions, *x.shape).
+
+        within : points, broadcasting with x, whose panels are read in place of those of x: at a
+            jump it tells from which side x is meant.
+        """
+        panel = np.searchsorted(self.begin, x if within is None else within, "right") - 1
+        panel = np.clip(panel, 0, self.begin.size - 1)
+        z = (2.0 * x - self.begin[panel] - self.end[panel]) / self.widths[panel]
+        inside = (x if within is None else within) < self.end[-1]
+        found = legendre.legval(np.where(inside, z, 0.0), self._parts[:, :, panel], tensor=False)
+        return np.asarray(found * inside)
+
+    def integrals(self) -> Array:
+        """Integral of each function over all panels, shape (functions,)."""
+        return np.asarray(self._parts[0] @ self.widths)
+
+    def moments(self) -> Array:
+        """Integral of x times each function over all panels, shape (functions,)."""
+        middle = 0.5 * (self.begin + self.end)
+        return np.asarray(
+            self._parts[0] @ (self.widths * middle) + self._parts[1] @ (self.widths**2 / 6.0)
+        )
+
+    def beyond(self, x: Array) -> Array:
+        """Integral of the first function from x to the last edge, same shape as x."""
+        whole = np.append(np.cumsum((self.widths * self._parts[0, 0])[::-1])[::-1], 0.0)
+        panel = np.clip(np.searchsorted(self.begin, x, "right") - 1, 0, self.begin.size - 1)
+        z = np.clip((2.0 * x - self.begin[panel] - self.end[panel]) / self.widths[panel], -1.0, 1.0)
+        grown = legendre.legint(self._parts[:, 0], lbnd=-1.0)
+        part = legendre.legval(z, grown[:, panel], tensor=False)
+        return np.asarray(whole[panel] - 0.5 * self.widths[panel] * part)
