@@ -17,7 +17,7 @@ from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
 from master._old.effective_law import EffectiveLaw
-from master._old.outcome import WELL, judged
+from master.outcome import WELL, judged
 from master._old.piecewise import Piecewise
 from master._old.potential import Potential
 from master._old.spectral_elements import SpectralElements

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master._old.ageing_stepper import Keep, PaperStepper, check_closure, enough_cells, enough_parts
-from master._old.outcome import Progress, unheard
+from master.outcome import Progress, unheard
 from origins import Contacts, Drive
 from origins.brief import brief
 from origins.errors import positive, refuse, whole

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from master._old.cycle import Cycle
 from master._old.law import Law
-from master._old.outcome import Progress, outcome, unheard
+from master.outcome import Progress, outcome, unheard
 from master._old.powers import find_powers
 from master._old.problem import POWERS_FELT, Problem, law_of
 from master._old.renewal import RESOLVED, LaterReleased, bound

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from master._old.break_sums import law_edges, summable, summed
 from master._old.cycle import LAWS
-from master._old.outcome import WELL, judged
+from master.outcome import WELL, judged
 from master._old.points import Points, changed
 from master._old.steady import check_finite, steady_state
 from origins import Contacts

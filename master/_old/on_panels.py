@@ -12,7 +12,7 @@ from master._old.collocation import Course, TooMuch
 from master._old.forward import ROUND_OFF
 from master._old.jumps import Jump, jumps
 from master._old.make_lives import make_generations
-from master._old.outcome import Progress, unheard
+from master.outcome import Progress, unheard
 from master._old.panels import MOST_NODES, Scales, panels
 from master._old.reading import read, unread, unsure
 from master._old.timeline import Piece, pieces, times, where

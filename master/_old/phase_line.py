@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master._old.cycle import LAWS, Cycle
-from master._old.outcome import judged
+from master.outcome import judged
 from master._old.points import Points, changed
 from master._old.propensity import extremes
 from master._old.steady import check_finite

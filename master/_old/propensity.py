@@ -10,7 +10,7 @@ import numpy.typing as npt
 from master._old.cycle import LAWS, Cycle
 from master._old.decoherence import decoherence_length
 from master._old.forward import MOST_NODES, SMOOTH, estimate, first_step, round_off
-from master._old.outcome import judged
+from master.outcome import judged
 from master._old.problem import Problem
 from master._old.renewal import LaterReleased
 from master._old.steady import check_finite, steady_of

@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from master._old.distribution import StretchDistribution, distribution_at
 from master._old.forward import refined, round_off
-from master._old.outcome import Progress, outcome
+from master.outcome import Progress, outcome
 from master._old.piecewise import Piecewise, tabulate
 from master._old.problem import Problem
 from master._old.renewal import LaterReleased

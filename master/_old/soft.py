@@ -10,7 +10,7 @@ from master._old.cohort import starting
 from master._old.forward import MOST_NODES, ROUND_OFF, estimate
 from master._old.law import Law
 from master._old.leg import State
-from master._old.outcome import Progress, outcome, unheard
+from master.outcome import Progress, outcome, unheard
 from master._old.regime import Regime, regime
 from master._old.ride import Ride
 from origins import Contacts

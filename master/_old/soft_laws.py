@@ -11,7 +11,7 @@ from master._old.forward import ROUND_OFF
 from master._old.lives import Lives
 from master._old.make_lives import make_fresh, make_lives, prepare
 from master._old.marching import lagrange
-from master._old.outcome import Progress, outcome, unheard
+from master.outcome import Progress, outcome, unheard
 from master._old.pulled import COARSEST, Pull
 from master._old.regime import Course, regime
 from master._old.soft import Slips, SoftSolution

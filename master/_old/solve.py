@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from master._old.cycle import LAWS
 from master._old.forward import solve_forward
-from master._old.outcome import Progress, unheard
+from master.outcome import Progress, unheard
 from master._old.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.contacts import check_contacts

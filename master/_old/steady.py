@@ -13,7 +13,7 @@ from master._old.breaking_law import BreakingLaw
 from master._old.cycle import LAWS, Cycle
 from master._old.effective_law import EffectiveLaw
 from master._old.law import Law
-from master._old.outcome import WELL, judged
+from master.outcome import WELL, judged
 from master._old.reborn_cold import integrals
 from master._old.release import Release
 from master._old.starting import StartSum

@@ -30,22 +30,24 @@ class ColdLife:
     the contacts that break there, of the panels on which a polynomial follows it.
     """
 
+    quick = True
+
     def __init__(self, contacts: Contacts) -> None:
         law = contacts.thresholds
         self._law, self._mean = law, contacts.mean_threshold
         self._linked = contacts.stiffness == "linked"
-        self._atoms, self._weights = law.atoms
+        self.atoms: Array = law.atoms[0]
+        self._weights = law.atoms[1]
         upper = law.support()[1]
         self.reach = float(min(upper, law.isf(NONE_LEFT)))
-        if self._atoms.size:
-            self.reach = max(self.reach, float(self._atoms.max()))
-        marks = np.concatenate([law.breakpoints, self._atoms])
+        if self.atoms.size:
+            self.reach = max(self.reach, float(self.atoms.max()))
+        marks = np.concatenate([law.breakpoints, self.atoms])
         self.bends: Array = np.unique(marks[(marks > 0.0) & (marks <= self.reach)])
         edges = np.unique(np.concatenate([[0.0, self.reach], self.bends]))
         shortest = 1e-9 * self._mean
         self._table = Table(lambda x: self._smooth(x)[None], edges, 1e-12, shortest)
-        self.fine: Array = self._table.edges
-        lost = -np.diff(self._smooth(self.fine))
+        lost = -np.diff(self._smooth(self._table.edges))
         weight = lost.sum()
         self.grain = float(self._table.widths @ lost / weight) if weight > 0.0 else self.reach
         self.quiet = self._quiet()
@@ -53,29 +55,27 @@ class ColdLife:
 
     def marks(self, width: float) -> Array:
         """See Life."""
-        narrow = self._table.widths < width
-        beside = np.append(narrow, False) | np.append(False, narrow)
-        return np.union1d(self.bends, self.fine[beside])
+        return np.union1d(self.bends, self._table.fine(width))
 
     def _quiet(self) -> float:
         """The largest |x| up to which none breaks."""
         low = float(self._law.ppf(NONE_LEFT)) if self._law.support()[0] == 0.0 else 0.0
         low = max(low, float(self._law.support()[0]))
-        return min([low, *self._atoms])
+        return min([low, *self.atoms])
 
     def _smooth(self, m: Array) -> Array:
         """Survival at m without the exact thresholds."""
         out = np.asarray(self._law.sf(m), dtype=float)
-        for position, weight in zip(self._atoms, self._weights, strict=True):
+        for position, weight in zip(self.atoms, self._weights, strict=True):
             out = out - weight * (m < position)
         return np.maximum(out, 0.0)
 
     def _held(self, m: Array, side: Array) -> Array:
         """Survival at m; `side` tells which exact thresholds are met."""
-        if not self._atoms.size:
+        if not self.atoms.size:
             return np.asarray(self._law.sf(m))
         out = self._smooth(m)
-        for position, weight in zip(self._atoms, self._weights, strict=True):
+        for position, weight in zip(self.atoms, self._weights, strict=True):
             out = out + weight * (side < position * (1.0 - TIE))
         return out
 
@@ -85,19 +85,18 @@ class ColdLife:
             return held
         inside = np.minimum(m, self.reach)
         out = m * self._smooth(m) + self._table.beyond(inside)
-        for position, weight in zip(self._atoms, self._weights, strict=True):
+        for position, weight in zip(self.atoms, self._weights, strict=True):
             out = out + position * weight * (side < position * (1.0 - TIE))
         return np.asarray(out / self._mean)
 
-    def left(self, born: Start, history: History) -> Array:
+    def left(self, born: Start | Array, history: History) -> Array:
         """See Life."""
-        if not born.is_single:
+        if isinstance(born, Start) and not born.is_single:
             return self._averaged(born, history)
-        r = float(born.mean())
-        m = np.maximum(abs(r), np.maximum(r + history.high, -(r + history.low)))
+        r = np.array([[born.mean()]]) if isinstance(born, Start) else born
+        m = np.maximum(np.abs(r), np.maximum(r + history.high, -(r + history.low)))
         side = m[:, m.shape[1] // 2, None]
-        whole = np.array([abs(r)])
-        share = 1.0 / self._held(whole, whole)
+        share = 1.0 / self._held(np.abs(r), np.abs(r))
         held = share * self._held(m, side)
         borne = held if not self._linked else share * self._borne(m, side, held)
         return np.stack([held, (r + history.now) * borne])

@@ -27,27 +27,36 @@ class Life(Protocol):
     quiet : float
         Length: a contact whose |x| has never been beyond it still holds for sure (its survival is
         1 to rounding); 0 where there is no such length.
+    atoms : array of shape (n,)
+        Exact thresholds (lengths), at which finite shares of contacts break together.
     bends : array of shape (n,)
         Lengths, sorted: the largest |x| at which the survival of a contact is not smooth, such as
         jumps of P_c and exact thresholds.
+    grain : float
+        Length over which the survival has to be resolved.
+    quick : bool
+        Whether `left`, of births at one stretch, takes no longer than a look-up in a table.
     error : float
         Bound on the error of what `left` returns, however fine the panels: of the share that holds.
     """
 
     reach: float
     quiet: float
+    atoms: Array
     bends: Array
+    grain: float
+    quick: bool
     error: float
 
     def marks(self, width: float) -> Array:
         """The bends, and |x| between which the survival is smooth enough for panels of a width."""
         ...
 
-    def left(self, born: Start, history: History) -> Array:
+    def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that still hold, and their mean force per contact born.
 
-        born : the law of the stretches at birth, relative thresholds following P_c conditional on
-            x_s > |stretch|
+        born : the law of the stretches at birth, or an array of single stretches that broadcasts
+            with the history; thresholds follow P_c conditional on x_s > |stretch|
         history : of shape (rows, columns); each row lies within one smooth piece, and its middle
             column decides on which side of an exact threshold it is
 

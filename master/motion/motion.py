@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from origins.drive import Drive
+
 Array = npt.NDArray[np.float64]
 
 # Speeds that differ by less than this share are one speed: positions divided by times are known to
@@ -49,9 +51,12 @@ class Motion:
     def __init__(self, times: Array, positions: Array) -> None:
         later = np.append(True, np.diff(times) > 0.0)
         times, positions = times[later], positions[later]
-        speeds = np.diff(positions) / np.diff(times)
-        fastest = np.abs(speeds).max(initial=0.0)
-        turns = np.flatnonzero(np.abs(np.diff(speeds)) > SAME_SPEED * fastest) + 1
+        steps = np.diff(times)
+        speeds = np.diff(positions) / steps
+        # times are rounded, which short steps feel most
+        rounding = 4.0 * np.finfo(float).eps * times[-1] / np.minimum(steps[1:], steps[:-1])
+        larger = np.maximum(np.abs(speeds[1:]), np.abs(speeds[:-1]))
+        turns = np.flatnonzero(np.abs(np.diff(speeds)) > (SAME_SPEED + rounding) * larger) + 1
         kept = np.concatenate([[0], turns, [times.size - 1]])
         self.times: Array = times[kept]
         self.positions: Array = positions[kept]
@@ -62,6 +67,14 @@ class Motion:
         """The motion through these positions from the first, t being the way gone."""
         way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
         return cls(way, positions)
+
+    @classmethod
+    def of(cls, drive: Drive) -> Motion:
+        """The motion of a rigid slider from X = 0, t being the time."""
+        if drive.time is None:
+            way = np.abs(np.diff(drive.path, prepend=0.0)).cumsum()
+            return cls(np.append(0.0, way / drive.velocity), np.append(0.0, drive.path))
+        return cls(np.append(0.0, drive.time), np.append(0.0, drive.path))
 
     @property
     def one_leg(self) -> bool:

@@ -13,11 +13,11 @@ from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
-# Every break at a bend of P_c makes a bend of the breaks that follow, one order smoother each time.
-# After six, panels of 17 nodes do not feel it.
-GENERATIONS = 6
-# Edges at most: beyond, panels that do not resolve the breaks are halved.
-MOST = 400
+# Every break at a bend of P_c makes a bend of the breaks that follow, one order smoother each time:
+# on panels of 17 nodes, about two digits smaller.
+DIGITS_A_GENERATION = 2.0
+# Edges at most, those of lumps apart: beyond, panels that do not resolve the breaks are halved.
+MOST = 120
 # Edges at most where finite shares of the contacts break at one moment: each is a lump of its own.
 MOST_SHARP = 2000
 # Two edges nearer than this share of the motion are one.
@@ -40,18 +40,24 @@ class Edges(NamedTuple):
 
 
 def edges(
-    motion: Motion, life: Life, atoms: Array, start: Start, again: Start, delay: float
+    motion: Motion,
+    life: Life,
+    start: Start,
+    again: Start,
+    delay: float,
+    tolerance: float,
 ) -> Edges:
     """Where panels begin and end.
 
     motion, life : as in the march
-    atoms : exact thresholds (lengths), at which lumps break
     start, again : laws of the stretches at t = 0 and of the stretches of re-forming
     delay : time for which a broken contact is out
+    tolerance : of the number of breaks; bends that are felt less are left out
     """
+    generations = -np.log10(tolerance) / DIGITS_A_GENERATION
     end = float(motion.times[-1])
     close = CLOSE * end
-    found = [0.0, end]
+    found: list[float] = [0.0, end]
     waiting: list[_Moment] = []
 
     def meet(moments: list[_Moment]) -> None:
@@ -66,30 +72,28 @@ def edges(
     turns = [_Moment(float(t), 1, False) for t in motion.times[1:-1]]
     meet(turns)
     meet([_Moment(t.time - delay, 2, False) for t in turns if delay > 0.0])
-    meet(_after(_Moment(0.0, 0, start.is_single), 0.0, start, motion, life, atoms))
+    meet(_after(_Moment(0.0, 0, start.is_single), 0.0, start, motion, life))
     sharp = 0
     while waiting:
         moment = waiting.pop(0)
         sharp += moment.sharp
-        if moment.generation > GENERATIONS or (len(found) > MOST and not moment.sharp):
+        if moment.generation >= generations or (len(found) > MOST and not moment.sharp):
             continue
         if sharp > MOST_SHARP:
             break
         if delay > 0.0:
             meet([_Moment(moment.time + delay, moment.generation + 1, False)])
-        meet(_after(moment, delay, again, motion, life, atoms))
+        meet(_after(moment, delay, again, motion, life))
     return Edges(np.array(found), sharp > MOST_SHARP)
 
 
-def _after(
-    moment: _Moment, delay: float, law: Start, motion: Motion, life: Life, atoms: Array
-) -> list[_Moment]:
+def _after(moment: _Moment, delay: float, law: Start, motion: Motion, life: Life) -> list[_Moment]:
     """The moments at which contacts born a delay after one make a bend, or a lump."""
     stretches = [law.mean()] if law.is_single else list(law.breakpoints)
     met = []
     for stretch in stretches:
         for passing in passings(motion, moment.time + delay, float(stretch), life.bends):
-            exact = bool(np.isin(passing.mark, atoms))
+            exact = bool(np.isin(passing.mark, life.atoms))
             sharp = moment.sharp and law.is_single and exact
             met.append(_Moment(passing.time, moment.generation + (not sharp), sharp))
     return met

@@ -19,8 +19,6 @@ Array = npt.NDArray[np.float64]
 DEGREE = 16
 # Gauss nodes of an integral over one panel: exact for a product of two polynomials of degree 17.
 GAUSS = 18
-# Share of a panel, between the last two Radau nodes, at which conservation is tested.
-CHECK = 0.97
 
 
 def _radau() -> Array:
@@ -32,6 +30,8 @@ def _radau() -> Array:
 
 
 NODES: Array = _radau()
+# Shares between nodes, early, in the middle and late, at which a panel is tested.
+CHECKS: Array = 0.5 * (NODES[[0, DEGREE // 2 - 1, -2]] + NODES[[1, DEGREE // 2, -1]])
 GAUSS_NODES: Array = 0.5 * (legendre.leggauss(GAUSS)[0] + 1.0)
 GAUSS_WEIGHTS: Array = 0.5 * legendre.leggauss(GAUSS)[1]
 # Values at share 0 and at the nodes to coefficients of Legendre polynomials.
@@ -43,6 +43,10 @@ GAUSS_TO_LEGENDRE: Array = np.linalg.inv(legendre.legvander(2.0 * GAUSS_NODES - 
 def values(share: Array) -> Array:
     """The matrix from values at 0 and the nodes to values at shares, shape (..., DEGREE + 1)."""
     return legendre.legvander(2.0 * share - 1.0, DEGREE) @ TO_LEGENDRE
+
+
+# From values at 0 and the nodes to values at the checks.
+AT_CHECKS: Array = values(CHECKS)
 
 
 def legendre_slopes(share: Array) -> Array:

@@ -72,6 +72,11 @@ class Table:
     def widths(self) -> Array:
         return self.end - self.begin
 
+    def fine(self, width: float) -> Array:
+        """Edges beside panels that are narrower than a width."""
+        narrow = self.widths < width
+        return self.edges[np.append(narrow, False) | np.append(False, narrow)]
+
     def __call__(self, x: Array, within: Array | None = None) -> Array:
         """Values of the functions, shape (functions, *x.shape).
 

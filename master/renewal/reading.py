@@ -1,0 +1,98 @@
+"""Reading: force, holding share and stretches at any moment, from the panels that a march left."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from master.renewal import rule
+from master.renewal.march import NOTHING, March
+
+Array = npt.NDArray[np.float64]
+
+
+class Deltas(NamedTuple):
+    """Stretches (lengths) that a finite share of the contacts has, and these shares."""
+
+    positions: Array
+    weights: Array
+
+
+def force(march: March, t: Array) -> Array:
+    """Force at times t, shape (n,); where it jumps, after the jump."""
+    return _read(march, np.array(march.force), t)
+
+
+def holding(march: March, t: Array) -> Array:
+    """Share of the contacts that hold at times t: all but those that broke a delay ago or less."""
+    delay = march.births.delay
+    if not delay > 0.0:
+        return np.ones(t.size)
+    return 1.0 - broken(march, t) + broken(march, t - delay)
+
+
+def broken(march: March, t: Array) -> Array:
+    """Breaks per contact up to times t, those of lumps included; 0 before t = 0."""
+    breaks = np.array(march.breaks)
+    before = np.append(0.0, np.cumsum(breaks[:-1, -1]))
+    out = _read(march, before[:, None] + breaks, np.maximum(t, 0.0))
+    for lump in march.lumps[1:]:
+        out = out + lump.weight * (t >= lump.time - march.births.delay)
+    return np.where(t < 0.0, 0.0, out)
+
+
+def _read(march: March, values: Array, t: Array) -> Array:
+    begin, width = np.array(march.begin), np.array(march.width)
+    panel = np.clip(np.searchsorted(begin, t, "right") - 1, 0, begin.size - 1)
+    share = np.clip((t - begin[panel]) / width[panel], 0.0, 1.0)
+    return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))
+
+
+def density(march: March, t: float, x: Array) -> Array:
+    """Density of stretches x, shape (n,), at the time t; re-forming at one stretch r.
+
+    A contact born at s stands at x = r + X(t) - X(s), so that breaks at the rate dB/ds, born again
+    after the delay, make the density E(t, s) dB/ds / |dX/ds| there.
+    """
+    motion, life, delay = march.motion, march.life, march.births.delay
+    now, start = float(motion.at(np.array(t))), march.lumps[0].law
+    at, out = np.full((1, 1), t), np.zeros(x.size)
+    if not start.is_single:
+        origin = x - now
+        inside = np.flatnonzero(np.abs(origin) < life.reach)
+        history = motion.history(at, np.zeros((inside.size, 1)))
+        held = life.left(origin[inside, None], history)[0, :, 0]
+        out[inside] = start.pdf(origin[inside]) * held
+    law = march.births.law
+    for begin, width, breaks in zip(march.begin, march.width, march.breaks, strict=True):
+        if begin + delay >= t:
+            break
+        leg = int(motion.leg(begin + 0.5 * width + delay))
+        speed = float(motion.speeds[leg])
+        if not speed:
+            continue
+        goal = law.mean() + now - x
+        s = motion.times[leg] + (goal - motion.positions[leg]) / speed
+        share = (s - delay - begin) / width
+        here = np.flatnonzero((share > 0.0) & (share <= 1.0) & (s <= t))
+        if here.size:
+            slope = rule.legendre_sum((rule.SLOPES @ breaks)[None], 2.0 * share[None, here] - 1.0)
+            held = life.left(law, motion.history(at, s[here, None]))[0, :, 0]
+            out[here] += held * slope[0] / (width * abs(speed))
+    return out
+
+
+def deltas(march: March, t: float) -> Deltas:
+    """Stretches that a finite share of the contacts has at the time t: lumps, and births in holds."""
+    found: dict[float, float] = {}
+    at, motion = np.full((1, 1), t), march.motion
+    for lump in march.lumps:
+        if lump.time <= t and lump.law.is_single:
+            history = motion.history(at, np.full((1, 1), lump.time))
+            held = lump.weight * float(march.life.left(lump.law, history)[0, 0, 0])
+            stretch = float(lump.law.mean() + history.now[0, 0])
+            found[stretch] = found.get(stretch, 0.0) + held
+    kept = {stretch: share for stretch, share in found.items() if share > NOTHING}
+    return Deltas(np.array(list(kept)), np.array(list(kept.values())))

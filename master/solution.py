@@ -1,0 +1,153 @@
+"""What `solve` returns for a rigid slider, and Q(x;X) read from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from master.motion.motion import Motion
+from master.renewal import rule
+from master.renewal.march import March
+from origins import InputError
+from origins.brief import brief
+from origins.errors import finite, refuse
+
+Array = npt.NDArray[np.float64]
+
+# Positions on a path that differ by less than this share of it are one.
+SLACK = 1e-12
+
+
+@dataclass(frozen=True)
+class StretchDistribution:
+    """Density of stretches at one moment, and the exact single values beside it.
+
+    Attributes
+    ----------
+    delta_positions, delta_weights : arrays of shape (n,)
+        Stretches (lengths) shared by a finite fraction of the contacts, and that fraction.
+    """
+
+    delta_positions: Array
+    delta_weights: Array
+    _march: March = field(repr=False)
+    _time: float = field(repr=False)
+
+    def density(self, x: npt.ArrayLike) -> Array:
+        """Q(x;X) per length at stretches x (lengths), delta parts left out; same shape as x."""
+        at = np.asarray(x, dtype=float)
+        return self._march.density(self._time, at.ravel()).reshape(at.shape)[()]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """F along the path of a rigid slider, with the error it is good to.
+
+    Attributes
+    ----------
+    path, time : arrays of shape (n,)
+        Slider positions X (lengths), and when they are reached.
+    force : array of shape (n,)
+        F/(N_c <k>), the mean stretch of the contacts (a length).
+    force_error : float
+        Bound on the largest error of `force` over the path, in units of the mean threshold.
+    holding : array of shape (n,)
+        Fraction of contacts that hold: 1 but with a delay.
+    run_time : float
+        Seconds that the solution took.
+    nodes : int
+        Moments at which number conservation was solved.
+    success : bool
+        Whether force_error is at or below the tolerance asked for.
+    message : str
+        In words: what was reached, or why not; what was cut off from the start.
+    """
+
+    path: Array
+    time: Array
+    force: Array
+    force_error: float
+    holding: Array
+    run_time: float
+    nodes: int
+    success: bool
+    message: str
+    _march: March = field(repr=False)
+    _by_index: bool = field(repr=False)
+
+    __repr__ = brief
+
+    def distribution(self, where: float, leg: int | None = None) -> StretchDistribution:
+        """Q(x;X) somewhere on the path.
+
+        where : X (a length), between 0 and the path's end; on a path in time of contacts that have
+            laws, where X may stand still, the index of a point of the path
+        leg : which straight leg of a path that turns round, counted from 0; may be left out where
+            the path comes to X once
+
+        Raises InputError where the path does not come there, and where contacts re-form at many
+        stretches: these are not followed one by one.
+        """
+        if not self._march.births.law.is_single:
+            raise InputError(
+                "contacts.reforming: Q(x;X) is not known where contacts re-form at many stretches"
+            )
+        time = self._point(where) if self._by_index else self._passing(where, leg)
+        positions, weights = self._march.deltas(time)
+        return StretchDistribution(positions, weights, self._march, time)
+
+    def _point(self, point: float) -> float:
+        """When the path is at its point of this index."""
+        whole = isinstance(point, int | np.integer) and not isinstance(point, bool)
+        if not whole or not 0 <= point < self.path.size:
+            refuse("point", point, f"must be the index of a point, from 0 to {self.path.size - 1}")
+        return float(self.time[int(point)])
+
+    def _passing(self, position: float, leg: int | None) -> float:
+        """When the slider passes X = position, on the given leg if there are several."""
+        position, motion = finite("position", position), self._march.motion
+        slack = SLACK * (1.0 + np.abs(motion.positions).max())
+        found = {}
+        for index, (before, after) in enumerate(
+            zip(motion.positions[:-1], motion.positions[1:], strict=True)
+        ):
+            if min(before, after) - slack <= position <= max(before, after) + slack:
+                found[index] = self._when(motion, index, position)
+        if leg is not None:
+            if leg not in found:
+                legs = motion.speeds.size
+                refuse("leg", leg, f"does not pass {position:g}; {legs} legs are counted from 0")
+            return found[leg]
+        # a turning point ends one leg and begins the next
+        times = {index: t for index, t in found.items() if t > found.get(index - 1, -1.0)}
+        if not times:
+            end = f"{self.path[-1]:g}"
+            refuse("position", position, f"must lie between 0 and the end of the path, {end}")
+        if len(times) > 1:
+            several, first = ", ".join(map(str, times)), next(iter(times))
+            refuse(
+                "position", position, f"is passed on legs {several}; say which, as in leg={first}"
+            )
+        return next(iter(times.values()))
+
+    @staticmethod
+    def _when(motion: Motion, leg: int, position: float) -> float:
+        before, after = motion.times[leg], motion.times[leg + 1]
+        if not motion.speeds[leg]:
+            return float(after)
+        t = before + (position - motion.positions[leg]) / motion.speeds[leg]
+        return float(np.clip(t, before, after))
+
+
+def read(march: March, times: Array) -> tuple[Array, Array]:
+    """Force and share that holds at times, from the polynomials on the panels."""
+    begin, width = np.array(march.begin), np.array(march.width)
+    panel = np.clip(np.searchsorted(begin, times, "right") - 1, 0, begin.size - 1)
+    at = rule.values(np.clip((times - begin[panel]) / width[panel], 0.0, 1.0))
+    force = np.einsum("ij,ij->i", at, np.array(march.force)[panel])
+    holding = np.ones(times.size)
+    if march.births.delay > 0.0:
+        holding -= march.broken(times) - march.broken(times - march.births.delay)
+    return force, holding
