@@ -84,8 +84,8 @@ class AgeingSteadyState:
 
 def check_alone(contacts: Contacts) -> None:
     """Raise InputError for what (Q15) does not have."""
-    for name in ("thermal", "delay", "reforming"):
-        if getattr(contacts, name) is not None:
+    for name in contacts.laws:
+        if name != "ageing":
             raise InputError(
                 f"contacts.{name}: (Q15), the paper's closure of ageing, does not have it; leave {name} out of the "
                 'contacts, or use closure = "exact"'

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from master.cycle import LAWS, Cycle
+from master.cycle import Cycle
 from master.decoherence import BROAD, crowding_rate, known_edges, survival_error, tail_edges, tail_rate
 from master.decoherence_rest import rest_beyond
 from master.decoherence_roots import Complex, Lines, leading_roots
@@ -27,7 +27,7 @@ from master.problem import Problem
 from master.steady import steady_state
 from origins import Contacts
 from origins.brief import brief
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError, positive, refuse, whole
 
 Array = npt.NDArray[np.float64]

@@ -15,13 +15,12 @@ import numpy as np
 import numpy.typing as npt
 
 from master.break_sums import law_edges, summable, summed
-from master.cycle import LAWS
 from master.outcome import WELL, judged
 from master.points import Points, changed
 from master.steady import check_finite, steady_state
 from origins import Contacts
 from origins.brief import brief
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.cycle import LAWS, Cycle
+from master.cycle import Cycle
 from master.decoherence import decoherence_length
 from master.forward import MOST_NODES, SMOOTH, estimate, first_step, round_off
 from master.outcome import judged
@@ -15,7 +15,7 @@ from master.problem import Problem
 from master.renewal import LaterReleased
 from master.steady import check_finite, steady_of
 from origins import Contacts, InputError
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance, positive
 
 Array = npt.NDArray[np.float64]

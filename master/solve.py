@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING, overload
 
 import numpy.typing as npt
 
-from master.cycle import LAWS
 from master.forward import solve_forward
 from master.outcome import Progress, unheard
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance
 

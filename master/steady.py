@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from master.break_sums import summable, summed
 from master.breaking_law import BreakingLaw
-from master.cycle import LAWS, Cycle
+from master.cycle import Cycle
 from master.effective_law import EffectiveLaw
 from master.law import Law
 from master.outcome import WELL, judged
@@ -18,7 +18,7 @@ from master.reborn_cold import integrals
 from master.release import Release
 from master.starting import StartSum
 from origins import Contacts, InputError, Thresholds
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import positive, refuse
 from origins.quadrature import gauss, panel_edges
 

@@ -72,8 +72,8 @@ class RateLaw(Protocol):
     ) -> Array:
         """Stretch >= near up to which the integral of h from near on has this logarithm.
 
-        The threshold where it never has; near itself for -inf. To 1e-12 of the threshold, or in
-        the integral that leads there.
+        The threshold where it never has. To 1e-12 of the threshold, or in the integral that leads
+        there.
         """
         ...
 
