@@ -1,4 +1,4 @@
-"""The rate at which contacts break on any way: stretches of either sign, moves in either direction."""
+"""The rate at which contacts break on any way: either sign of stretch, either direction."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy.typing as npt
 from origins.errors import InputError, refuse
 from origins.rate_law import Array, RateLaw
 
-# A/v, no unit: of a larger one no contact is left, and the difference of two such integrals is round-off
+# A/v, no unit: beyond it no contact is left, and the difference of two such integrals is round-off
 _LARGE = 50.0
 # ln(h/ω): above it no contact holds, and its exponential times ω is still a number
 _LARGEST = 50.0

@@ -19,9 +19,10 @@ LARGEST_EXPONENT = 650.0
 class RateLaw(Protocol):
     """The rate h(x; x_s) at which a contact breaks below its threshold, and its integral.
 
-    Every method takes numbers or arrays that broadcast, and answers in their common shape. Nothing
-    is checked, and no method warns. x, near and far are stretches (lengths), 0 <= x <= threshold: the rate of a contact
-    that is stretched backward is that of |x|. `threshold` is x_s > 0 (a length). `stiffness` is
+    Every method takes numbers or arrays that broadcast, and answers in their common shape; that of
+    stiffness need not count in a law that does not depend on it. Nothing is checked, and no method
+    warns. x, near and far are stretches (lengths), 0 <= x <= threshold; the rate of a contact that
+    is stretched backward is that of |x|. `threshold` is x_s > 0 (a length). `stiffness` is
     k_i/<k> > 0, the contact's stiffness over the mean one (no unit). At a constant speed v a
     contact survives the way from near to far with the probability exp(-passed/v).
 
@@ -36,7 +37,7 @@ class RateLaw(Protocol):
 
     @property
     def scale(self) -> float:
-        """The attempt frequency ω, per time: the largest rate that a contact of k_i = <k> can have."""
+        """The attempt frequency ω, per time: the largest rate that a contact can have."""
         ...
 
     @property

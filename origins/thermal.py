@@ -18,9 +18,9 @@ class Thermal(BreakingRate):
         soft   h = ω exp[-κ (x_s² - x²) / 2T]                             (Eqs. temper5, temper8)
         stiff  h = ω s^(1/2) exp[-κ x_s² s^(3/2) / 2T], s = 1 - |x|/x_s   (Eqs. temper9, temper10)
 
-    T is the temperature and κ = k_i/<k> the contact's relative stiffness: 1 where stiffness and
-    threshold are independent, x_s/<x_s> where they are linked (origins.Contacts.relative_stiffness).
-    The barrier of a relaxed contact is κ x_s²/2T in units of k_BT, so with linked stiffness it
+    T is the temperature and κ = k_i/<k> the contact's relative stiffness, as
+    origins.Contacts.relative_stiffness tells it: 1 where stiffness and threshold are independent,
+    x_s/<x_s> where they are linked. The barrier of a relaxed contact is κ x_s²/2T in units of k_BT, so with linked stiffness it
     grows as x_s³, and T = k_BT/<k> is one number for all contacts while k_BT/k_i = T/κ is each
     contact's own.
 
@@ -104,9 +104,9 @@ class GivenRates(BreakingRate):
 
 
 def as_thermal(law: object) -> Thermal | GivenRates | None:
-    """What origins.Contacts takes as `thermal`: None, a Thermal, or any RateLaw, with closure "exact".
+    """What origins.Contacts takes as `thermal`: None, a Thermal, or any RateLaw.
 
-    Raises InputError for all else.
+    Contacts of a RateLaw break each at its own rate. Raises InputError for all else.
     """
     if law is None or isinstance(law, Thermal | GivenRates):
         return law

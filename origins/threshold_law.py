@@ -16,40 +16,41 @@ class ThresholdLaw(Protocol):
 
     A law may have a density, exact single values (`atoms`), or both. The methods take numbers or
     arrays of any shape and answer in that shape; outside the support they give the limits 0, 1 and
-    -inf. origins.Thresholds and all that the origins of thresholds return conform.
+    -inf. Accuracies are those of the law's own definition. origins.Thresholds, which all origins of
+    thresholds return, conforms.
     """
 
     def pdf(self, x: npt.ArrayLike) -> Array:
         """Density P_c(x), per length; atoms left out, at the support's ends the limit from inside.
 
-        To 1e-12 relative where it does not underflow; inf where it diverges.
+        To a relative 1e-10 where it does not underflow; inf where it diverges.
         """
         ...
 
     def logpdf(self, x: npt.ArrayLike) -> Array:
-        """ln P_c(x), to 1e-12 of max(1, |ln P_c|); finite where P_c underflows."""
+        """ln P_c(x), to 1e-10 of max(1, |ln P_c|); finite where P_c underflows."""
         ...
 
     def sf(self, x: npt.ArrayLike) -> Array:
         """Survival S(x): the probability that a threshold exceeds x, atoms counted.
 
-        To 1e-12 relative also where it is small: it is never computed as 1 - cdf there.
+        To a relative 1e-10, also where it is small: there it is never computed as 1 - cdf.
         """
         ...
 
     def logsf(self, x: npt.ArrayLike) -> Array:
-        """ln S(x), to 1e-12 of max(1, |ln S|); finite where S underflows, accurate where S ~ 1."""
+        """ln S(x), to a relative 1e-10: finite where S underflows, and accurate where S ~ 1."""
         ...
 
     def isf(self, q: npt.ArrayLike) -> Array:
         """Threshold (a length) above which a fraction q lies; InputError for q outside [0, 1].
 
-        To 1e-12 relative in x, or in S(x) where P_c is small; also for tiny q.
+        To a relative 1e-12 in x, or 1e-10 in S(x); also for tiny q.
         """
         ...
 
     def mean(self) -> float:
-        """<x_s>, a length: the unit in which tolerances are stated; to 1e-12 relative."""
+        """<x_s>, a length: the unit in which tolerances are stated; to a relative 1e-10."""
         ...
 
     def support(self) -> tuple[float, float]:

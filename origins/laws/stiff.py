@@ -1,5 +1,7 @@
-"""Stiff contacts: h = ω s^(1/2) exp[-k_i x_s² s^(3/2) / 2k_BT] with s = 1 - x/x_s (paper, Eqs. temper9
-and temper10)."""
+"""Stiff contacts: h = ω s^(1/2) exp[-k_i x_s² s^(3/2) / 2k_BT] with s = 1 - x/x_s.
+
+Paper, Eqs. temper9 and temper10.
+"""
 
 from __future__ import annotations
 
