@@ -14,12 +14,12 @@ from eq_model import layout
 from eq_model.beginning import Beginning
 from eq_model.ensemble_result import EnsembleResult
 from eq_model.forward import Forward, takes
-from eq_model.lives import LAWS, Lives
+from eq_model.lives import Lives
 from eq_model.often import check_often
 from eq_model.state import State
 from eq_model.tally import Tally
 from origins import Contacts, Drive
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError, positive, refuse, whole
 from origins.streams import MOST_REPLICAS, key_of
 

@@ -23,9 +23,7 @@ Array = npt.NDArray[np.float64]
 
 def takes(contacts: Contacts, drive: Drive) -> bool:
     """Whether contacts on a drive are such."""
-    laws = contacts.grains, contacts.delay, contacts.ageing, contacts.reforming
-    alike = all(law is None for law in laws) and contacts.stiffness == "independent"
-    return alike and drive.forward and drive.time is None
+    return set(contacts.laws) <= {"thermal"} and drive.forward and drive.time is None
 
 
 class Forward:

@@ -4,7 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from origins import Contacts, Drive, Thermal
+from origins import Contacts, Drive
+from origins.breaking_rate import BreakingRate
 
 _HALVINGS = 60
 
@@ -43,7 +44,9 @@ def life(
     return np.inf, np.inf
 
 
-def _spent(thermal: Thermal | None, x: float, y: float, lasts: float, threshold: float, stiffness: float) -> float:
+def _spent(
+    thermal: BreakingRate | None, x: float, y: float, lasts: float, threshold: float, stiffness: float
+) -> float:
     """Integral of the rate over the time that the way from x to y takes."""
     if thermal is None or lasts == 0.0:
         return 0.0

@@ -22,7 +22,6 @@ from origins.quantile import DEEPEST
 
 Array = npt.NDArray[np.float64]
 
-LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 STEP_ELSE = 0.5  # squares of the standard deviation that a law's table allows
 _TOLD = 256  # units of the lattice in which half of the contacts break again: their mean is told to 1e-5

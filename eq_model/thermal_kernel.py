@@ -1,7 +1,7 @@
 """Thermal breaking of one contact, compiled: its rate, the integral of that and the inverse, and many draws at once.
 
 Lengths are in units of the lattice. A law is (kind, a, rate): kind 0 breaks at its threshold only, 1 is soft, 2 stiff;
-a² = <k>/2k_BT per squared unit; rate = ω. origins/soft_contact.py and stiff_contact.py are the same in plain numpy.
+a² = <k>/2k_BT per squared unit; rate = ω. origins/laws/soft.py and stiff.py are the same in plain numpy.
 """
 
 import numpy as np

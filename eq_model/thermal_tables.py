@@ -8,13 +8,15 @@ import numpy.typing as npt
 from scipy.special import dawsn
 
 from eq_model.compiled_table import kernel_table
-from origins import Thermal
+from origins import SoftRates, StiffRates
 from origins.dawson import inverse_log_growth
+from origins.errors import InputError
 from origins.quantile import QuantileTable, quantile_table
+from origins.thermal import GivenRates, Thermal
 
 Array = npt.NDArray[np.float64]
 
-_KINDS = {"soft": 1, "stiff": 2}
+_KINDS = {SoftRates: 1, StiffRates: 2}  # as thermal_kernel numbers them
 _STEP = 1.0 / 128.0
 _OCTAVES = 80  # levels up to 1e24 k_BT: those of the coldest contacts there may be, at 100 times the mean threshold
 
@@ -69,14 +71,17 @@ def _soft_cells() -> Array:
     return np.stack([low, first, 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise], axis=-1)
 
 
-def law_for_kernel(thermal: Thermal | None, unit: float) -> tuple[int, float, float]:
-    """Kind, a and rate, in units of the lattice."""
+def law_for_kernel(thermal: Thermal | GivenRates | None, unit: float) -> tuple[int, float, float]:
+    """Kind, a and rate, in units of the lattice. Raises InputError for a rate law that the kernels do not know."""
     if thermal is None:
         return 0, 0.0, 0.0
-    return _KINDS[thermal.law], unit / np.sqrt(2.0 * thermal.temperature), thermal.attempt_frequency
+    kind = next((kind for law, kind in _KINDS.items() if type(thermal.rates) is law), None)
+    if kind is None:
+        raise InputError(f'thermal: the ensemble does not know the rate law "{thermal.law}" yet')
+    return kind, unit / np.sqrt(2.0 * thermal.temperature), thermal.attempt_frequency
 
 
-def steady_for_kernel(thermal: Thermal | None, velocity: float, unit: float) -> tuple[Any, ...]:
+def steady_for_kernel(thermal: Thermal | GivenRates | None, velocity: float, unit: float) -> tuple[Any, ...]:
     """Breaking in steady forward motion, for many contacts at once; as kernel.run takes it."""
     from eq_model.thermal_kernel import ABOVE, LEVEL_UNIT, SOFT
 

@@ -7,14 +7,14 @@ import time as clock
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import Life
+from master._old.lives.life import Life
+from master._old.renewal import reading
+from master._old.renewal.births import Births
+from master._old.renewal.edges import edges
+from master._old.renewal.march import March
+from master._old.solution import Solution
 from master.motion.motion import Motion
 from master.outcome import Progress, outcome
-from master.renewal import reading
-from master.renewal.births import Births
-from master.renewal.edges import edges
-from master.renewal.march import March
-from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
 from origins.start import SingleStart, Start

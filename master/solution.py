@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from master._old.renewal import rule
+from master._old.renewal.march import March
 from master.motion.motion import Motion
-from master.renewal import rule
-from master.renewal.march import March
 from origins import InputError
 from origins.brief import brief
 from origins.errors import finite, refuse

@@ -27,11 +27,13 @@ from origins.islands import (
     square_island,
     triangular_island,
 )
+from origins.laws import SoftRates, StiffRates
 from origins.lubricated import lubricated
 from origins.material import Material
 from origins.mixture import mixture
 from origins.persson import persson
 from origins.power_law import PowerLaw
+from origins.rate_law import RateLaw
 from origins.rectangular import rectangular
 from origins.reforming import boltzmann_reforming
 from origins.relaxed_barrier import RelaxedBarrier, relaxed_barrier
@@ -44,6 +46,7 @@ from origins.start import Start, gaussian_start
 from origins.structure_factors import structure_factors, triangular_structure_factors
 from origins.substrates import Substrate, fourier_substrate, hexagonal_substrate, square_substrate
 from origins.thermal import Thermal
+from origins.threshold_law import ThresholdLaw
 from origins.thresholds import Thresholds
 from origins.weibull import gw_elastic, gw_plastic
 
@@ -60,11 +63,15 @@ __all__ = [
     "Interface",
     "Material",
     "PowerLaw",
+    "RateLaw",
     "RelaxedBarrier",
+    "SoftRates",
     "SpectralMoments",
     "Start",
+    "StiffRates",
     "Substrate",
     "Thermal",
+    "ThresholdLaw",
     "Thresholds",
     "barrier",
     "boltzmann_reforming",

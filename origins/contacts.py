@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from copy import copy
-from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +15,16 @@ from origins.delay import Delay
 from origins.errors import InputError, refuse
 from origins.frozen import as_thresholds
 from origins.grain_contact import GrainContact
+from origins.laws import RATE_LAWS
+from origins.rate_law import RateLaw
 from origins.start import as_start
-from origins.thermal import Thermal
+from origins.thermal import GivenRates, Thermal, as_thermal
 from origins.thresholds import Array, Thresholds
+
+# All that a contact may have beside thresholds and a start; thresholds that grow are "grains". Each
+# is None (stiffness: "independent") where it is not there. Solvers ask this list, Contacts.laws and
+# Contacts.replace, and keep no list of their own.
+LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 
 _UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
 _COLDEST = 1e-20  # k_BT/<k> of <x_s>²: barriers are beyond all that rates could tell
@@ -35,8 +42,8 @@ class Contacts:
     start : None, float, Start or frozen scipy.stats distribution
         Stretches at X = 0, of contacts that hold; None: all relaxed, x = 0. A contact that starts at x has a
         threshold from P_c conditional on x_s > |x|.
-    thermal : Thermal, optional
-        Breaking below the threshold, at a rate.
+    thermal : Thermal or RateLaw, optional
+        Breaking below the threshold, at a rate. Of a RateLaw each contact breaks at its own rate.
     ageing : Ageing, optional
         Diffusion of the threshold while the contact holds; at rate 0 there is none (but for the paper's closure,
         which differs from no ageing then too).
@@ -64,8 +71,10 @@ class Contacts:
         Starting weight that lay beyond every threshold and was cut off; 0 unless said.
     reforming : Births or None
         None where contacts form again at x = 0.
-    ageing, delay
-        None where nothing ages and nothing waits.
+    thermal, ageing, delay
+        None where nothing breaks at a rate, nothing ages and nothing waits. `thermal.rates` is the RateLaw.
+    laws : tuple of str
+        Names of the laws that are there, of origins.contacts.LAWS.
 
     Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold: such contacts
     hold nothing; for linked stiffness with thermal closure "paper", which gives all contacts one rate, or with
@@ -79,7 +88,7 @@ class Contacts:
         self,
         thresholds: object,
         start: object = None,
-        thermal: Thermal | None = None,
+        thermal: Thermal | GivenRates | RateLaw | None = None,
         ageing: Ageing | None = None,
         delay: Delay | None = None,
         reforming: object = None,
@@ -108,13 +117,52 @@ class Contacts:
                 "a steady state"
             )
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
+        self._take(thermal, ageing, delay, reforming, stiffness)
+
+    def _take(
+        self,
+        thermal: Thermal | GivenRates | RateLaw | None,
+        ageing: Ageing | None,
+        delay: Delay | None,
+        reforming: object,
+        stiffness: Literal["independent", "linked"],
+    ) -> None:
+        """Check these laws and keep them, beside thresholds and start."""
         again = as_start(reforming, "reforming")
-        self.reforming = Births("reforming", again, self.thresholds) if again.span != (0.0, 0.0) else None
-        self.thermal, self.ageing, self.delay, self.stiffness = thermal, ageing, delay, stiffness
+        self.reforming: Births | None = None
+        if again.span != (0.0, 0.0):
+            self.reforming = Births("reforming", again, self.thresholds)
+        self.thermal = as_thermal(thermal)
+        self.ageing, self.delay, self.stiffness = ageing, delay, stiffness
         self._check_laws()
         self.waiting_time = 0.0 if self.delay is None else self.delay.time
         if self.grains is not None:
             self.waiting_time += self.grains.growth.first_pinning_time
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the laws that these contacts have, in the order of origins.contacts.LAWS."""
+        own = ((name, getattr(self, name)) for name in LAWS)
+        return tuple(name for name, law in own if law is not None and law != "independent")
+
+    def replace(self, **changes: Any) -> Contacts:
+        """These contacts with some of the constructor's arguments exchanged, by their names.
+
+        None takes a law away (stiffness: "independent"). What is not named stays. All is checked again: raises
+        InputError as the constructor does, and for a name that it does not know.
+        """
+        again = None if self.reforming is None else self.reforming.law
+        given = {name: getattr(self, name) for name in LAWS if name != "grains"} | {"reforming": again}
+        known = ("thresholds", "start", *given)
+        for name, value in changes.items():
+            if name not in known:
+                refuse(name, value, f"is not what contacts have; that is {', '.join(known)}")
+        if "thresholds" in changes or "start" in changes:
+            own = self.thresholds if self.grains is None else self.grains
+            return Contacts(**({"thresholds": own, "start": self.start} | given | changes))
+        other = copy(self)
+        other._take(**(given | changes))
+        return other
 
     def relative_stiffness(self, threshold: npt.ArrayLike) -> Array:
         """k_i/<k> of contacts with these thresholds (lengths): 1 if independent, x_si/<x_s> if linked; same shape."""
@@ -126,17 +174,15 @@ class Contacts:
         has no other."""
         if all(law is None or law.closure == "exact" for law in (self.thermal, self.ageing)):
             return self
-        own = copy(self)
-        if self.thermal is not None:
-            own.thermal = replace(self.thermal, closure="exact")
-        if self.ageing is not None:
-            own.ageing = Ageing(self.ageing.final, self.ageing.rate) if self.ageing.rate > 0.0 else None
-        return own
+        thermal, ageing = self.thermal, self.ageing
+        if isinstance(thermal, Thermal):
+            thermal = dataclasses.replace(thermal, closure="exact")
+        if ageing is not None and ageing.closure != "exact":
+            ageing = Ageing(ageing.final, ageing.rate) if ageing.rate > 0.0 else None
+        return self.replace(thermal=thermal, ageing=ageing)
 
     def _check_laws(self) -> None:
-        if self.thermal is not None and not isinstance(self.thermal, Thermal):
-            refuse("thermal", self.thermal, 'must be an origins.Thermal, such as Thermal("soft", temperature=0.1)')
-        if self.thermal is not None and (rule := too_cold(self.thermal.temperature, self.thresholds)):
+        if isinstance(self.thermal, Thermal) and (rule := too_cold(self.thermal.temperature, self.thresholds)):
             refuse("thermal.temperature", self.thermal.temperature, rule)
         if self.ageing is not None and not isinstance(self.ageing, Ageing):
             refuse("ageing", self.ageing, "must be an origins.Ageing, such as Ageing(gaussian(1.0, 0.02), rate=5e-4)")
@@ -189,18 +235,28 @@ class Contacts:
             refuse("stiffness", "linked", rule)
 
 
-def check_contacts(contacts: object, solver: str, takes: tuple[str, ...] = ()) -> None:
+def check_contacts(
+    contacts: object, solver: str, takes: tuple[str, ...] = (), own_rates: bool = False
+) -> None:
     """Raise InputError for anything but Contacts, such as thresholds alone, and for what `solver` does not take: of
-    "grains", "thermal", "ageing", "delay", "reforming" and "stiffness", all that is not in `takes`."""
+    LAWS all that is not in `takes`, and unless `own_rates` a RateLaw that is none of origins.laws."""
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts, such as origins.Contacts(origins.gaussian(mean=1.0, std=0.05))")
-    if contacts.grains is not None and "grains" not in takes:
-        raise InputError(f"contacts.thresholds: {solver} takes none that grow with age yet; use origins.grains(...)")
-    for name in ("thermal", "ageing", "delay", "reforming"):
-        if name not in takes and getattr(contacts, name) is not None:
-            raise InputError(f"contacts.{name}: {solver} does not take it yet; leave {name} out of the contacts")
-    if contacts.stiffness != "independent" and "stiffness" not in takes:
-        refuse("contacts.stiffness", contacts.stiffness, f'{solver} does not take it yet; leave it "independent"')
+    for name in contacts.laws:
+        if name in takes:
+            continue
+        if name == "grains":
+            raise InputError(
+                f"contacts.thresholds: {solver} takes none that grow with age yet; use origins.grains(...)"
+            )
+        if name == "stiffness":
+            refuse("contacts.stiffness", contacts.stiffness, f'{solver} does not take it yet; leave it "independent"')
+        raise InputError(f"contacts.{name}: {solver} does not take it yet; leave {name} out of the contacts")
+    if isinstance(contacts.thermal, GivenRates) and not own_rates:
+        known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
+        raise InputError(
+            f'contacts.thermal: {solver} does not take the rate law "{contacts.thermal.law}" yet; use {known}'
+        )
 
 
 def too_cold(temperature: float, thresholds: Thresholds) -> str:

@@ -17,10 +17,10 @@ from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
 from master._old.effective_law import EffectiveLaw
-from master.outcome import WELL, judged
 from master._old.piecewise import Piecewise
 from master._old.potential import Potential
 from master._old.spectral_elements import SpectralElements
+from master.outcome import WELL, judged
 from origins import Ageing, Contacts, InputError, Thresholds
 from origins.errors import positive
 from origins.frozen import as_thresholds
@@ -84,8 +84,8 @@ class AgeingSteadyState:
 
 def check_alone(contacts: Contacts) -> None:
     """Raise InputError for what (Q15) does not have."""
-    for name in ("thermal", "delay", "reforming"):
-        if getattr(contacts, name) is not None:
+    for name in contacts.laws:
+        if name != "ageing":
             raise InputError(
                 f"contacts.{name}: (Q15), the paper's closure of ageing, does not have it; leave {name} out of the "
                 'contacts, or use closure = "exact"'

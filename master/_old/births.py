@@ -50,7 +50,7 @@ def born(contacts: Contacts, unit: float, breaking: "Breaking | None", law: Thre
     """Breaks after births by `contacts.reforming`, over the travel since the birth in `unit`s."""
     assert contacts.reforming is not None
     law_of = contacts.reforming.law
-    again = Contacts(contacts.thresholds, law_of, contacts.thermal, contacts.ageing, stiffness=contacts.stiffness)
+    again = contacts.replace(start=law_of, delay=None, reforming=None)
     if breaking is None:
         far = Law(again, np.inf)
         end = float(np.concatenate([far.edges, far.atoms]).max()) - min(law_of.span[0] / unit, 0.0)

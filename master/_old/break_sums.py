@@ -172,7 +172,7 @@ class Breaks:
         self._log_amount = nodes.ravel()
         self._weights = weights.ravel()[:, None] * _weight(nodes.ravel()[:, None] - self.log_speeds)
         # a panel may end where that of a stiff contact's threshold is as far as it is wide
-        apart = np.diff(self._edges) if self._thermal.law == "stiff" else 0.0
+        apart = np.diff(self._edges) if self._thermal.rates.vanishes_at_threshold else 0.0
         self._usable_from = self._edges[1:] + apart
 
     def __call__(self, thresholds: Array) -> Array:
@@ -206,7 +206,7 @@ class Breaks:
         stiffness: Array,
     ) -> None:
         """What breaks between the last panel and the threshold."""
-        if self._thermal.law == "stiff":
+        if self._thermal.rates.vanishes_at_threshold:
             roots = np.cbrt(end - begin)[:, None] * _CUTS
             nodes, weights = (part.reshape(rows.size, -1) for part in gauss(roots[:, 1:], roots[:, :-1]))
             nodes, weights = end[:, None] - nodes**3, 3.0 * nodes * nodes * weights

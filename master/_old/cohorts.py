@@ -16,8 +16,8 @@ from master._old.forward import MOST_NODES, ROUND_OFF, around, estimate, first_s
 from master._old.law import Law
 from master._old.leg import Leg, State
 from master._old.moves import Move, moves
-from master.outcome import Progress, outcome, unheard
 from master._old.stretches import CohortDistribution, stretches
+from master.outcome import Progress, outcome, unheard
 from origins import Contacts
 from origins.brief import brief
 from origins.errors import finite, refuse

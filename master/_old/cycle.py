@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-LAWS = ("thermal", "ageing", "delay", "reforming", "stiffness", "grains")
-
 
 class Cycle:
     """The law of the stretches at which contacts break, and the length that the rest is stated in.

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from master._old.cycle import LAWS, Cycle
+from master._old.cycle import Cycle
 from master._old.decoherence import BROAD, crowding_rate, known_edges, survival_error, tail_edges, tail_rate
 from master._old.decoherence_rest import rest_beyond
 from master._old.decoherence_roots import Complex, Lines, leading_roots
@@ -27,7 +27,7 @@ from master._old.problem import Problem
 from master._old.steady import steady_state
 from origins import Contacts
 from origins.brief import brief
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError, positive, refuse, whole
 
 Array = npt.NDArray[np.float64]

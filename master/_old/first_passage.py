@@ -16,7 +16,8 @@ from master._old.diffusion_passage import DiffusionPassage, Hazard, diffusion_pa
 from master._old.effective_law import EffectiveLaw
 from master._old.ornstein_passage import OrnsteinPassage
 from master._old.piecewise import Piecewise
-from origins import Ageing, InputError, Thermal, Thresholds
+from origins import Ageing, InputError, Thresholds
+from origins.breaking_rate import BreakingRate
 from origins.errors import finite, positive
 from origins.frozen import as_thresholds
 
@@ -69,7 +70,7 @@ def first_passage(
     velocity: float = 1.0,
     start: float = 0.0,
     accuracy: float = 1e-8,
-    thermal: Thermal | None = None,
+    thermal: BreakingRate | None = None,
 ) -> FirstPassage:
     """First meeting of the stretch start + v t with a threshold that is fresh at t = 0 and above |start|.
 
@@ -86,7 +87,7 @@ def first_passage(
         Stretch at t = 0; from below 0 it comes to 0 first.
     accuracy : float
         Error of the survival that is aimed at; corners of either law may not allow it.
-    thermal : Thermal, optional
+    thermal : BreakingRate, optional
         Rate of breaking before they meet, of the contact's threshold as it is then; by the diffusion equation.
 
     Raises InputError for thresholds that the final law does not cover, for a start beyond every threshold, and for
@@ -128,7 +129,7 @@ def first_passage(
     return FirstPassage(effective, normal.error + _ROUND_OFF)
 
 
-def _hazard(thermal: Thermal, velocity: float) -> Hazard:
+def _hazard(thermal: BreakingRate, velocity: float) -> Hazard:
     """h/v."""
 
     def hazard(stretch: float, threshold: Array) -> Array:

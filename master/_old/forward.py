@@ -8,12 +8,12 @@ import numpy.typing as npt
 
 from master._old.cycle import Cycle
 from master._old.law import Law
-from master.outcome import Progress, outcome, unheard
 from master._old.powers import find_powers
 from master._old.problem import POWERS_FELT, Problem, law_of
 from master._old.renewal import RESOLVED, LaterReleased, bound
 from master._old.solution import Solution
 from master._old.steady import check_finite, steady_of
+from master.outcome import Progress, outcome, unheard
 from origins import Contacts
 from origins.errors import refuse
 

@@ -184,7 +184,7 @@ def warmed(contacts: Contacts, velocity: float, origin: float | None, accuracy: 
 def _march(contacts: Contacts, line: _Line, edges: Array) -> Array:
     """p at the nodes of each panel, shape (panels, 16)."""
     assert contacts.thermal is not None
-    rooted = contacts.thermal.law == "stiff"
+    rooted = contacts.thermal.rates.vanishes_at_threshold
     width = np.diff(edges)
     nodes = edges[:-1, None] + width[:, None] * _T
     steps = np.concatenate([edges[:-1, None], nodes, edges[1:, None]], axis=1)

@@ -15,13 +15,12 @@ import numpy as np
 import numpy.typing as npt
 
 from master._old.break_sums import law_edges, summable, summed
-from master._old.cycle import LAWS
-from master.outcome import WELL, judged
 from master._old.points import Points, changed
 from master._old.steady import check_finite, steady_state
+from master.outcome import WELL, judged
 from origins import Contacts
 from origins.brief import brief
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]

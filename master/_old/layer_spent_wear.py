@@ -52,7 +52,7 @@ class LayerSpentWear(Spent):
         self._least = _TINY * contacts.mean_threshold
         lasts = np.log(thermal.attempt_frequency * longest) if np.isfinite(longest) else _LONGEST
         self._deepest = max(float(lasts), 1.0) + _FELT
-        self._power = 2.0 if thermal.law == "stiff" else 1.0
+        self._power = 2.0 if thermal.rates.vanishes_at_threshold else 1.0
         self._cuts, self._depths = self._layers()
         self._even = barycentric(GAUSS_NODES)
         self._bent = bool((self._law.breakpoints > 0.0).any()) or not self._law.knows_breakpoints
@@ -122,7 +122,7 @@ class LayerSpentWear(Spent):
     def _cut_up(self, levels: float) -> None:
         """Panels of the layer, even in the barrier."""
         number = int(np.ceil(self._deepest / levels))
-        power = 3.0 if self._thermal.law == "stiff" else 1.0
+        power = 3.0 if self._thermal.rates.vanishes_at_threshold else 1.0
         self._edges = (np.arange(number + 1) / number) ** (1.0 / power)
         width = np.diff(self._edges)[:, None]
         at = (self._edges[:-1, None] + width * GAUSS_NODES).ravel()
@@ -159,7 +159,7 @@ class LayerSpentWear(Spent):
     def _barrier(self, stretch: Array, threshold: Array) -> Array:
         """In k_BT."""
         springs = np.asarray(self._stiffness(threshold)) * (0.5 / self._thermal.temperature)
-        if self._thermal.law == "soft":
+        if not self._thermal.rates.vanishes_at_threshold:
             return np.asarray(springs * (threshold - stretch) * (threshold + stretch))
         s = (threshold - stretch) / threshold
         return np.asarray(springs * threshold * threshold * s * np.sqrt(s))

@@ -116,7 +116,7 @@ def reaches(contacts: Contacts, limits: Array, course: list[Piece]) -> Array:
     in its holds."""
     thermal = contacts.thermal
     assert thermal is not None
-    springs = contacts.relative_stiffness(limits)
+    springs, rooted = contacts.relative_stiffness(limits), thermal.rates.vanishes_at_threshold
     barrier = springs * limits**2 / (2.0 * thermal.temperature)
     lasts = sorted({float(f"{one.duration:.2g}") for one in course if one.travel == 0.0})
     speeds = sorted({float(f"{abs(one.travel) / one.duration:.2g}") for one in course if one.travel != 0.0})
@@ -129,7 +129,7 @@ def reaches(contacts: Contacts, limits: Array, course: list[Piece]) -> Array:
             share = (np.log(thermal.attempt_frequency * last) - way) / barrier
             inside = (share > 0.0) & (share < 1.0)
             left = share[inside]
-            out.append(limits[inside] * (np.sqrt(1.0 - left) if thermal.law == "soft" else 1.0 - np.cbrt(left) ** 2))
+            out.append(limits[inside] * (1.0 - np.cbrt(left) ** 2 if rooted else np.sqrt(1.0 - left)))
     return np.unique(np.concatenate(out))
 
 

@@ -45,8 +45,7 @@ def make_fresh(contacts: Contacts, level: int = 0) -> Lives:
     if contacts.grains is not None:
         return _growing(contacts, (np.zeros(1), np.ones(1)), contacts.grains.growth.first_pinning_time, level)
     again = None if contacts.reforming is None else contacts.reforming.law
-    laws = contacts.thermal, contacts.ageing, contacts.delay, again, contacts.stiffness
-    return make_lives(Contacts(contacts.thresholds, again, *laws), level)
+    return make_lives(contacts.replace(start=again), level)
 
 
 def _growing(contacts: Contacts, start: Nodes, age: float, level: int) -> Lives:
@@ -135,8 +134,8 @@ def _warm(contacts: Contacts, length: float, furthest: float, longest: float) ->
     from master._old.layer_wear import LayerWear
     from master._old.thermal_wear import SoftWear, resolved
 
-    cut = CutLaw(contacts, resolved(contacts, furthest, longest), _TAIL, rooted=thermal.law == "stiff")
-    if thermal.law == "soft" and contacts.stiffness == "independent":
+    cut = CutLaw(contacts, resolved(contacts, furthest, longest), _TAIL, rooted=thermal.rates.vanishes_at_threshold)
+    if not thermal.rates.vanishes_at_threshold and contacts.stiffness == "independent":
         if cut.spread > 1.0:
             return LayerWear(contacts, length)
         return SoftWear(contacts, cut, length)
@@ -192,7 +191,7 @@ def prepare(contacts: Contacts) -> None:
         return
     if thermal is None or thermal.closure == "paper" or contacts.grains is not None:
         return
-    if thermal.law == "stiff" or contacts.stiffness == "linked":
+    if thermal.rates.vanishes_at_threshold or contacts.stiffness == "linked":
         lives = make_lives(contacts)
         lives.born()
         lives.advance(0.0, 1.0)

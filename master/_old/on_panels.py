@@ -12,10 +12,10 @@ from master._old.collocation import Course, TooMuch
 from master._old.forward import ROUND_OFF
 from master._old.jumps import Jump, jumps
 from master._old.make_lives import make_generations
-from master.outcome import Progress, unheard
 from master._old.panels import MOST_NODES, Scales, panels
 from master._old.reading import read, unread, unsure
 from master._old.timeline import Piece, pieces, times, where
+from master.outcome import Progress, unheard
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master._old.cycle import LAWS, Cycle
-from master.outcome import judged
+from master._old.cycle import Cycle
 from master._old.points import Points, changed
 from master._old.propensity import extremes
 from master._old.steady import check_finite
+from master.outcome import judged
 from origins import Contacts
 from origins.brief import brief
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance
 
 Array = npt.NDArray[np.float64]

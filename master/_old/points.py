@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from origins import Ageing, Contacts, Delay
+from origins import Ageing, Contacts, Delay, Thermal
 from origins.errors import InputError, refuse
+from origins.thermal import GivenRates
 
 Array = npt.NDArray[np.float64]
 
@@ -38,11 +39,16 @@ class Points:
         thermal, ageing, wait = contacts.thermal, contacts.ageing, contacts.delay
         if temperature is not None and thermal is None:
             raise InputError('temperature: these contacts have no law for it; give them thermal = Thermal("soft", 0.1)')
+        if temperature is not None and isinstance(thermal, GivenRates):
+            raise InputError(
+                f'temperature: the rate law "{thermal.law}" of these contacts has none to go along; give them the law '
+                "at each temperature by contacts.replace(thermal=...)"
+            )
         if rate is not None and ageing is None:
             raise InputError("rate: these contacts do not age; give them ageing = Ageing(final, rate)")
         asked: dict[str, npt.ArrayLike | None] = {
             "velocity": velocity,
-            "temperature": thermal.temperature if thermal is not None and temperature is None else temperature,
+            "temperature": thermal.temperature if isinstance(thermal, Thermal) and temperature is None else temperature,
             "rate": ageing.rate if ageing is not None and rate is None else rate,
             "delay": wait.time if wait is not None and delay is None else delay,
         }
@@ -60,15 +66,14 @@ class Points:
 
 def changed(contacts: Contacts, temperature: float, rate: float, delay: float, start: object = None) -> Contacts:
     """The same contacts at another temperature, rate of ageing and delay, 0 for none, from `start`."""
-    thermal, ageing, again = contacts.thermal, contacts.ageing, contacts.reforming
-    return Contacts(
-        contacts.thresholds if contacts.grains is None else contacts.grains,
-        start,
-        thermal=replace(thermal, temperature=temperature) if thermal is not None and temperature > 0.0 else None,
+    thermal, ageing = contacts.thermal, contacts.ageing
+    if isinstance(thermal, Thermal):  # a rate law of the user's own has no temperature: it stays as it is
+        thermal = replace(thermal, temperature=temperature) if temperature > 0.0 else None
+    return contacts.replace(
+        start=start,
+        thermal=thermal,
         ageing=None if ageing is None else Ageing(ageing.final, rate, ageing.closure),
         delay=Delay(delay) if delay > 0.0 else None,
-        reforming=None if again is None else again.law,
-        stiffness=contacts.stiffness,
     )
 
 

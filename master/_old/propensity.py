@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master._old.cycle import LAWS, Cycle
+from master._old.cycle import Cycle
 from master._old.decoherence import decoherence_length
 from master._old.forward import MOST_NODES, SMOOTH, estimate, first_step, round_off
-from master.outcome import judged
 from master._old.problem import Problem
 from master._old.renewal import LaterReleased
 from master._old.steady import check_finite, steady_of
+from master.outcome import judged
 from origins import Contacts, InputError
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance, positive
 
 Array = npt.NDArray[np.float64]

@@ -178,7 +178,7 @@ class RebornBreaks:
         levels, turn = levels[:, :-1], levels[:, -1]
         rungs = np.sqrt(2.0 * self.thermal.temperature * _RUNGS / stiffness[:, None])
         rungs = np.where(rungs > levels[:, -1:], rungs, limit)
-        stiff = self.thermal.law == "stiff"
+        stiff = self.thermal.rates.vanishes_at_threshold
         layer = np.append(_LAYER, _ROOTED) if stiff else _LAYER
         layer = layer * np.exp(speed) / (self.thermal.attempt_frequency * limit)
         layer = limit * (1.0 - (np.cbrt(1.5 * layer) ** 2 if stiff else layer))
@@ -194,7 +194,7 @@ class RebornBreaks:
     def _stretch(self, place: Array, threshold: Array) -> tuple[Array, Array]:
         """Stretches at places from -1 to 1, and their slope: in roots of the distance from the threshold where rates
         have such."""
-        if self.thermal.law == "soft":
+        if not self.thermal.rates.vanishes_at_threshold:
             return threshold * place, np.broadcast_to(threshold, place.shape).copy()
         size = np.abs(place)
         return threshold * place * (2.0 - size), 2.0 * threshold * (1.0 - size)

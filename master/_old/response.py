@@ -23,12 +23,12 @@ import numpy.typing as npt
 
 from master._old.distribution import StretchDistribution, distribution_at
 from master._old.forward import refined, round_off
-from master.outcome import Progress, outcome
 from master._old.piecewise import Piecewise, tabulate
 from master._old.problem import Problem
 from master._old.renewal import LaterReleased
 from master._old.solution import Solution
 from master._old.starting import StartSum
+from master.outcome import Progress, outcome
 from origins import Contacts
 from origins.quadrature import GAUSS_NODES, gauss
 

@@ -10,9 +10,9 @@ from master._old.cohort import starting
 from master._old.forward import MOST_NODES, ROUND_OFF, estimate
 from master._old.law import Law
 from master._old.leg import State
-from master.outcome import Progress, outcome, unheard
 from master._old.regime import Regime, regime
 from master._old.ride import Ride
+from master.outcome import Progress, outcome, unheard
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import SlipRule

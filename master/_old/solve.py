@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING, overload
 
 import numpy.typing as npt
 
-from master._old.cycle import LAWS
 from master._old.forward import solve_forward
-from master.outcome import Progress, unheard
 from master._old.solution import Solution
+from master.outcome import Progress, unheard
 from origins import Contacts, Drive, InputError
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance
 

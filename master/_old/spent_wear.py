@@ -11,8 +11,9 @@ import numpy.typing as npt
 from master._old.cut_law import SLACK, CutLaw
 from master._old.thermal_wear import error_of, fresh_rate
 from master._old.wear import Left, Standing
-from origins import Contacts, Thermal
+from origins import Contacts
 from origins.quadrature import GAUSS_NODES, NODES
+from origins.thermal import GivenRates, Thermal
 
 Array = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.intp]
@@ -29,7 +30,7 @@ class Spent:
     is kept of the past."""
 
     width: int
-    _thermal: Thermal
+    _thermal: Thermal | GivenRates
 
     def fresh(self, stretch: Array) -> Array:
         worn = np.zeros((stretch.size, self.width))
@@ -65,7 +66,7 @@ class Spent:
         legs[:, 2] = np.where(way > _TINY * (near + far), way, 0.0)
         legs[:, 3] = worn[:, _TIME] * self._thermal.attempt_frequency
         legs[:, 4] = (begin < 0.0) != (stretch < 0.0)
-        return self._thermal.law == "stiff", legs
+        return self._thermal.rates.vanishes_at_threshold, legs
 
     def _leg(self, worn: Array, row: Numbers, stretch: Array, threshold: Array, spring: Array) -> Array:
         """What the present motion has cost."""

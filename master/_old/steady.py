@@ -10,15 +10,15 @@ import numpy.typing as npt
 
 from master._old.break_sums import summable, summed
 from master._old.breaking_law import BreakingLaw
-from master._old.cycle import LAWS, Cycle
+from master._old.cycle import Cycle
 from master._old.effective_law import EffectiveLaw
 from master._old.law import Law
-from master.outcome import WELL, judged
 from master._old.reborn_cold import integrals
 from master._old.release import Release
 from master._old.starting import StartSum
+from master.outcome import WELL, judged
 from origins import Contacts, InputError, Thresholds
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import positive, refuse
 from origins.quadrature import gauss, panel_edges
 

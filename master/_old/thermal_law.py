@@ -98,12 +98,12 @@ class ThermalBreaking:
     @property
     def rooted(self) -> bool:
         """Whether the rate has a root at its threshold, beyond which it does not go on smoothly."""
-        return self._thermal.law == "stiff"
+        return self._thermal.rates.vanishes_at_threshold
 
     @property
     def bends_at_zero(self) -> bool:
         """Whether the slope of h jumps at x = 0, where the barrier's |x| does."""
-        return self._thermal.law == "stiff"
+        return self._thermal.rates.vanishes_at_threshold
 
     def grown(self, origins: Array, least: float, felt: float) -> tuple[Array, Array]:
         """A(x_0; ξ)/v for each of `origins` and the thresholds above `least` of weights above `felt`; these weights."""

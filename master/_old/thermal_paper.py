@@ -51,7 +51,7 @@ class PaperBreaking:
         self._weights = NodeWeights(self.law)
         temperature, std = contacts.thermal.temperature, self.law.std() or contacts.mean_threshold
         attempts = max(contacts.thermal.attempt_frequency / velocity * contacts.mean_threshold, 1.0)
-        stiff = contacts.thermal.law == "stiff"
+        stiff = contacts.thermal.rates.vanishes_at_threshold
         panels = ThresholdPanels(self.law, stiff, lambda x: x * x / (2.0 * temperature), _FELT / attempts)
         self._shared, self._panels, self.top = panels, panels.edges, panels.top
         spent = self._thermal.per_length(panels.nodes, panels.nodes, np.zeros(1), 1.0, 1.0)[1]
@@ -188,13 +188,13 @@ class PaperBreaking:
         with np.errstate(divide="ignore"):
             stiff = self._square ** (2.0 / 3.0) / np.cbrt(np.maximum(least, 1e-300))
         far = np.sqrt(self._square)
-        if self._thermal.law == "soft":
+        if not self._thermal.rates.vanishes_at_threshold:
             far = self._square / (np.sqrt(least**2 + self._square) + least)
         else:
             far = np.minimum(far, stiff)
         top = np.minimum(least + far, self.top)
         near = np.minimum(self._width, 0.125 * self._thermal.temperature / np.maximum(least, 1e-300))
-        if self._thermal.law == "stiff":  # beside thresholds as small as x the rate knows x/ξ alone
+        if self._thermal.rates.vanishes_at_threshold:  # beside thresholds as small as x the rate knows x/ξ alone
             near = np.minimum(near, 0.125 * np.maximum(least, 1e-9 * self._width))
         even = np.maximum(self._width, far / _ABOVE[-1])
         edges = np.concatenate([panels, least + near * _NEAR, least + even * _ABOVE, least], axis=1)

@@ -10,9 +10,8 @@ import numpy.typing as npt
 
 from master._old.cut_law import SLACK, CutLaw
 from master._old.wear import Keeper, Left
-from origins import Contacts
+from origins import Contacts, SoftRates
 from origins.quadrature import NODES, finite_density, gauss, panel_edges
-from origins.soft_contact import log_between
 
 Array = npt.NDArray[np.float64]
 
@@ -31,7 +30,7 @@ def resolved(contacts: Contacts, furthest: float, longest: float) -> tuple[Array
     thermal = contacts.thermal
     assert thermal is not None
     at = contacts.mean_threshold * 2.0 ** np.linspace(-20.0, 20.0, 400)
-    steep = 1.0 if thermal.law == "soft" else _STEEPER
+    steep = _STEEPER if thermal.rates.vanishes_at_threshold else 1.0
     springs = contacts.relative_stiffness(at)
     widths = _CHANGE / steep * thermal.temperature / (at * springs)
     if np.isfinite(furthest):
@@ -67,6 +66,7 @@ class Softly:
     def __init__(self, contacts: Contacts, length: float) -> None:
         thermal = contacts.thermal
         assert thermal is not None
+        self._growth = SoftRates(thermal.temperature)
         self._spring, self._log_frequency = 0.5 / thermal.temperature, float(np.log(thermal.attempt_frequency))
         self.length, self.time, self.rate = length, 1.0 / thermal.attempt_frequency, fresh_rate(contacts)
 
@@ -76,7 +76,7 @@ class Softly:
     def advance(self, worn: Array, begin: Array, end: Array, furthest: Array, duration: float | Array) -> None:
         if np.any(duration):
             with np.errstate(divide="ignore"):
-                spent = _log_mean(begin, end, self._spring) + (self._log_frequency + np.log(duration))
+                spent = _log_mean(begin, end, self._growth) + (self._log_frequency + np.log(duration))
             np.logaddexp(worn[:, 0], spent, out=worn[:, 0])
 
     def settle(self, worn: Array, stretch: Array, furthest: Array) -> None:
@@ -125,23 +125,21 @@ class SoftWear(Softly):
         return SpentWear(self._contacts, self._cut, self.length, plain=True)
 
 
-def _log_mean(begin: Array, end: Array, stiffness: float) -> Array:
-    """ln of the mean of e^(x²/2T) between two stretches; `stiffness` is 1/2T."""
+def _log_mean(begin: Array, end: Array, rates: SoftRates) -> Array:
+    """ln of the mean of e^(x²/2T) between two stretches, by the formulas of a soft contact of threshold 0 and ω = 1."""
     first, last = np.abs(begin), np.abs(end)
     near, far = np.minimum(first, last), np.maximum(first, last)
-    way, zero = np.abs(end - begin), np.zeros(begin.size)
-    spring = np.full(begin.size, stiffness)
-    out = stiffness * far * far
+    way = np.abs(end - begin)
+    out = np.asarray(0.5 / rates.temperature * far * far)
     moved = way > 1e-12 * far
     across = moved & ((begin < 0.0) != (end < 0.0)) & (near > 0.0)
     plain = moved & ~across
     with np.errstate(divide="ignore"):
         if plain.any():
-            both = log_between(near[plain], far[plain], zero[plain], spring[plain])
+            both = rates.log_passed(near[plain], far[plain], 0.0, 1.0)
             out[plain] = both - np.log(way[plain])
         if across.any():
-            none, springs = zero[across], spring[across]
-            parts = (log_between(none, some[across], none, springs) for some in (near, far))
+            parts = (rates.log_passed(0.0, some[across], 0.0, 1.0) for some in (near, far))
             out[across] = np.logaddexp(*parts) - np.log(way[across])
     return out
 

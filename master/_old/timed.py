@@ -15,8 +15,8 @@ from master._old.make_lives import make_lives, prepare
 from master._old.marching import March, lagrange, march
 from master._old.moment import MomentDistribution, distribution_at
 from master._old.on_panels import follow, too_long
-from master.outcome import Progress, outcome, unheard
 from master._old.timeline import Part, beside, marks, parts, pieces, times
+from master.outcome import Progress, outcome, unheard
 from origins import Contacts, Drive, InputError
 from origins.brief import brief
 from origins.errors import refuse

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from master._old.renewal.table import Table
 from master.motion.motion import History
-from master.renewal.table import Table
 from origins import Contacts
 from origins.start import Start
 

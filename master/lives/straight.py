@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import Life
+from master._old.lives.life import Life
+from master._old.renewal.table import Table
 from master.motion.motion import History, Motion
-from master.renewal.table import Table
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]

@@ -18,9 +18,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import Life
+from master._old.lives.life import Life
+from master._old.renewal import rule
 from master.motion.motion import Motion
-from master.renewal import rule
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import Life
+from master._old.lives.life import Life
 from master.motion.motion import Motion
 from origins.start import Start
 

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.straight import StraightLife, clock
+from master._old.lives.straight import StraightLife, clock
+from master._old.renewal import rule
+from master._old.renewal.births import Births
 from master.motion.motion import Motion
-from master.renewal import rule
-from master.renewal.births import Births
 from origins.start import SingleStart
 
 Array = npt.NDArray[np.float64]

@@ -21,9 +21,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.renewal import rule
-from master.renewal.births import Births
-from master.renewal.kernels import TARGETS, Kernels
+from master._old.renewal import rule
+from master._old.renewal.births import Births
+from master._old.renewal.kernels import TARGETS, Kernels
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]

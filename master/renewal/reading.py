@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.renewal import rule
-from master.renewal.march import NOTHING, March
+from master._old.renewal import rule
+from master._old.renewal.march import NOTHING, March
 
 Array = npt.NDArray[np.float64]
 

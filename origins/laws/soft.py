@@ -1,0 +1,109 @@
+"""Soft contacts: h = ω exp[-k_i (x_s² - x²) / 2k_BT] (paper, Eqs. temper5 and temper8)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import dawsn
+
+from origins.dawson import inverse_log_growth, log_growth
+from origins.errors import TEMPERATURE, positive
+from origins.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
+from origins.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
+
+Array = npt.NDArray[np.float64]
+
+_FLAT = 1.0  # logarithm: over ways on which h changes by less than e, eight Gauss nodes are exact
+
+
+@dataclass(frozen=True)
+class SoftRates(RateLaw):
+    """Rate of soft contacts, whose barrier is b (x_s² - x²) with b = k_i/2k_BT, per length squared.
+
+    With Dawson's integral D the integral of h from 0 to x is h(x) D(b^(1/2) x) / b^(1/2).
+
+    Attributes
+    ----------
+    temperature : float
+        T = k_BT/<k>, a length squared, so that b = stiffness/2T.
+    attempt_frequency : float
+        ω, per time.
+
+    Raises InputError unless both are finite and above zero. The formulas go on beyond the
+    threshold.
+    """
+
+    temperature: float
+    attempt_frequency: float = 1.0
+    name: ClassVar[str] = "soft"
+    vanishes_at_threshold: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        positive("temperature", self.temperature, TEMPERATURE)
+        positive("attempt_frequency", self.attempt_frequency)
+
+    @property
+    def scale(self) -> float:
+        """ω, the rate at the threshold."""
+        return self.attempt_frequency
+
+    def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
+        """ln h."""
+        x, threshold = np.asarray(x), np.asarray(threshold)
+        barrier = self._spring(stiffness) * (threshold - x) * (threshold + x)
+        return np.log(self.attempt_frequency) - barrier
+
+    def rate_and_passed(
+        self, x: Numbers, threshold: Numbers, stiffness: Numbers, velocity: Numbers
+    ) -> tuple[Array, Array]:
+        """h/v, and its integral from 0 to x of either sign; both underflow to 0."""
+        spring = self._spring(stiffness)
+        root, log_scale = np.sqrt(spring), np.log(self.attempt_frequency) - np.log(velocity)
+        exponent = log_scale - spring * (threshold - x) * (threshold + x)
+        rate = np.exp(np.minimum(exponent, LARGEST_EXPONENT))
+        return rate, rate * (dawsn(root * x) / root)
+
+    def log_passed(
+        self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
+    ) -> Array:
+        """ln of the integral of h from near to far; -inf where they are one."""
+        arrays = np.broadcast_arrays(near, far, threshold, self._spring(stiffness))
+        shape = arrays[0].shape
+        near, far, threshold, spring = map(np.atleast_1d, arrays)
+        rise = spring * (far - near) * (far + near)
+        length = np.empty(rise.shape)
+        # where the rate hardly changes the difference of two integrals cancels; Gauss nodes, placed
+        # from `far` back, do not
+        flat = (rise < _FLAT) & (near > 0.0)
+        across, most, least = (far - near)[flat], (2.0 * spring * far)[flat], spring[flat]
+        total = np.zeros(across.size)
+        for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS, strict=True):
+            back = node * across
+            total += weight * np.exp(back * (least * back - most))
+        length[flat] = across * total
+        steep = ~flat
+        root, far_steep, near_steep = np.sqrt(spring[steep]), far[steep], near[steep]
+        before = np.exp(-rise[steep]) * dawsn(root * near_steep)
+        length[steep] = (dawsn(root * far_steep) - before) / root
+        with np.errstate(divide="ignore", over="ignore"):
+            passed = np.log(length) - spring * (threshold - far) * (threshold + far)
+        return (np.log(self.attempt_frequency) + passed).reshape(shape)[()]
+
+    def reached(
+        self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
+    ) -> Array:
+        """Stretch up to which the integral of h from near on is e^log_amount, or the threshold."""
+        spring, threshold = self._spring(stiffness), np.asarray(threshold)
+        root = np.sqrt(spring)
+        log_share = log_amount - np.log(self.attempt_frequency)
+        level = log_share + (0.5 * np.log(spring) + spring * threshold * threshold)
+        if np.any(near):
+            level = np.logaddexp(level, log_growth(root * near))
+        return np.clip(inverse_log_growth(level) / root, near, threshold)
+
+    def _spring(self, stiffness: Numbers) -> Array:
+        """b = k_i/2k_BT, per length squared."""
+        return np.asarray(stiffness) / (2.0 * self.temperature)

@@ -1,0 +1,124 @@
+"""Stiff contacts: h = ω s^(1/2) exp[-k_i x_s² s^(3/2) / 2k_BT] with s = 1 - x/x_s.
+
+Paper, Eqs. temper9 and temper10.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import exprel
+
+from origins.errors import TEMPERATURE, positive
+from origins.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StiffRates(RateLaw):
+    """Rate of stiff contacts, whose barrier c u vanishes at the threshold as s^(3/2) = u does.
+
+    c = k_i x_s²/2k_BT is the barrier at x = 0, and u falls from 1 to 0 on the way to the threshold.
+    The integral of h is (2 ω x_s/3c) (e^(-c u_far) - e^(-c u_near)).
+
+    Attributes
+    ----------
+    temperature : float
+        T = k_BT/<k>, a length squared, so that c = stiffness x_s²/2T.
+    attempt_frequency : float
+        ω, per time.
+
+    Raises InputError unless both are finite and above zero.
+    """
+
+    temperature: float
+    attempt_frequency: float = 1.0
+    name: ClassVar[str] = "stiff"
+    vanishes_at_threshold: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        positive("temperature", self.temperature, TEMPERATURE)
+        positive("attempt_frequency", self.attempt_frequency)
+
+    @property
+    def scale(self) -> float:
+        """ω, which no rate exceeds."""
+        return self.attempt_frequency
+
+    def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
+        """ln h; -inf at the threshold."""
+        x, threshold = np.asarray(x), np.asarray(threshold)
+        s = (threshold - x) / threshold
+        barrier = self._spring(stiffness) * threshold * threshold * (s * np.sqrt(s))
+        with np.errstate(divide="ignore", over="ignore"):
+            return np.log(self.attempt_frequency) + (0.5 * np.log(s) - barrier)
+
+    def rate_and_passed(
+        self, x: Numbers, threshold: Numbers, stiffness: Numbers, velocity: Numbers
+    ) -> tuple[Array, Array]:
+        """h/v, and its integral from 0 to x of either sign; both underflow to 0."""
+        threshold = np.asarray(threshold)
+        log_scale = np.log(self.attempt_frequency) - np.log(velocity)
+        far = np.abs(x)
+        share, s = far / threshold, np.maximum(threshold - far, 0.0) / threshold
+        root, c = np.sqrt(s), self._spring(stiffness) * threshold * threshold
+        whole = np.exp(np.minimum(log_scale - c * (s * root), LARGEST_EXPONENT))
+        # 1 - s^(3/2), without cancellation
+        fall = share * (1.0 + root + s) / (1.0 + root)
+        return root * whole, np.sign(x) * (threshold / (-1.5 * c) * np.expm1(-c * fall) * whole)
+
+    def log_passed(
+        self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
+    ) -> Array:
+        """ln of the integral of h from near to far; -inf where they are one."""
+        near, far, threshold = np.asarray(near), np.asarray(far), np.asarray(threshold)
+        c, fall = self._spring(stiffness) * threshold * threshold, _fall(near, far, threshold)
+        with np.errstate(divide="ignore", over="ignore"):
+            log_length = np.log(2.0 / 3.0 * threshold * fall * exprel(-c * fall))
+        return np.log(self.attempt_frequency) + (log_length - c * _u(far, threshold))
+
+    def reached(
+        self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
+    ) -> Array:
+        """Stretch up to which the integral of h from near on is e^log_amount, or the threshold."""
+        near, threshold = np.asarray(near), np.asarray(threshold)
+        c = self._spring(stiffness) * threshold * threshold
+        log_part = log_amount - np.log(self.attempt_frequency) + np.log(1.5 * c / threshold)
+        if not np.any(near):
+            more = np.log1p(np.exp(-np.abs(log_part + c)))
+            left, gone = -np.maximum(log_part, -c) - more, np.maximum(log_part + c, 0.0) + more
+            return np.clip(
+                _stretch(np.maximum(left, 0.0) / c, gone / c, threshold), near, threshold
+            )
+        start = c * _u(near, threshold)
+        gone = np.logaddexp(0.0, log_part + start)
+        left = np.where(log_part + start > 0.0, -np.logaddexp(log_part, -start), start - gone)
+        gone = _fall(np.zeros_like(near), near, threshold) + gone / c
+        return np.clip(_stretch(np.maximum(left, 0.0) / c, gone, threshold), near, threshold)
+
+    def _spring(self, stiffness: Numbers) -> Array:
+        """k_i/2k_BT, per length squared."""
+        return np.asarray(stiffness) / (2.0 * self.temperature)
+
+
+def _u(x: Array, threshold: Array) -> Array:
+    """u = (1 - x/x_s)^(3/2)."""
+    s = (threshold - x) / threshold
+    return s * np.sqrt(s)
+
+
+def _fall(near: Array, far: Array, threshold: Array) -> Array:
+    """u(near) - u(far), without cancellation."""
+    first, last = np.sqrt((threshold - near) / threshold), np.sqrt((threshold - far) / threshold)
+    part = (far - near) / threshold * (first * first + first * last + last * last)
+    return np.divide(part, first + last, out=np.zeros(np.shape(part)), where=first > 0.0)
+
+
+def _stretch(u: Array, gone: Array, threshold: Array) -> Array:
+    """x from u and from gone = 1 - u, whichever is the smaller."""
+    near_zero = -np.expm1(2.0 / 3.0 * np.log1p(-np.minimum(gone, 0.75)))
+    return threshold * np.where(u < 0.5, 1.0 - np.square(np.cbrt(u)), near_zero)

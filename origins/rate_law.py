@@ -1,0 +1,100 @@
+"""The seam for rates: all that a solver may ask of the law by which contacts break early."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Numbers = float | Array
+
+# logarithm of h/v times a length: its exponential is still a number, and no contact holds there
+LARGEST_EXPONENT = 650.0
+
+
+@runtime_checkable
+class RateLaw(Protocol):
+    """The rate h(x; x_s) at which a contact breaks below its threshold, and its integral.
+
+    Every method takes numbers or arrays that broadcast, and answers in their common shape; that of
+    stiffness need not count in a law that does not depend on it. Nothing is checked, and no method
+    warns. x, near and far are stretches (lengths), 0 <= x <= threshold; the rate of a contact that
+    is stretched backward is that of |x|. `threshold` is x_s > 0 (a length). `stiffness` is
+    k_i/<k> > 0, the contact's stiffness over the mean one (no unit). At a constant speed v a
+    contact survives the way from near to far with the probability exp(-passed/v).
+
+    A law of one's own defines `name`, `scale`, `log_rate`, `log_passed` and `reached`; where it
+    names RateLaw as its base, it inherits the rest. Give it to origins.Contacts as `thermal`.
+    """
+
+    @property
+    def name(self) -> str:
+        """What messages call the law, such as "soft"."""
+        ...
+
+    @property
+    def scale(self) -> float:
+        """The attempt frequency ω, per time: the largest rate that a contact can have."""
+        ...
+
+    @property
+    def vanishes_at_threshold(self) -> bool:
+        """Whether h falls to 0 at the threshold as a root of x_s - x does (stiff contacts).
+
+        Such a rate is not smooth at x = x_s, and at fixed x it does not always fall as x_s grows.
+        """
+        return False
+
+    @abstractmethod
+    def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
+        """ln h, h per time: finite where h underflows, -inf where h = 0.
+
+        To 1e-13 of max(1, |ln h|).
+        """
+        ...
+
+    @abstractmethod
+    def log_passed(
+        self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
+    ) -> Array:
+        """ln of the integral of h over the stretches from near to far (a length per time).
+
+        0 <= near <= far <= threshold; -inf where near = far. To 1e-13 of max(1, |ln|), also where
+        near ~ far: no difference of two large integrals.
+        """
+        ...
+
+    @abstractmethod
+    def reached(
+        self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
+    ) -> Array:
+        """Stretch >= near up to which the integral of h from near on has this logarithm.
+
+        The threshold where it never has. To 1e-12 of the threshold, or in the integral that leads
+        there.
+        """
+        ...
+
+    def rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
+        """h, per time; 0 where it underflows."""
+        return np.exp(self.log_rate(x, threshold, stiffness))
+
+    def rate_and_passed(
+        self, x: Numbers, threshold: Numbers, stiffness: Numbers, velocity: Numbers
+    ) -> tuple[Array, Array]:
+        """h/v (per length) at x, and its integral from 0 to x (no unit): for sums over contacts.
+
+        x of either sign, the integral having the sign of x. `velocity` is v > 0, length per time.
+        Not in logarithms: both underflow to 0. To 1e-12 relative where they neither underflow
+        nor exceed e^LARGEST_EXPONENT, where they may stop growing.
+        """
+        far, log_velocity = np.abs(x), np.log(velocity)
+        rate = self.log_rate(far, threshold, stiffness) - log_velocity
+        passed = self.log_passed(0.0, far, threshold, stiffness) - log_velocity
+        return (
+            np.exp(np.minimum(rate, LARGEST_EXPONENT)),
+            np.sign(x) * np.exp(np.minimum(passed, LARGEST_EXPONENT)),
+        )

@@ -1,0 +1,297 @@
+"""The seam between the rooms: laws of thresholds and of rates, and the list of a contact's laws."""
+
+import importlib
+import pkgutil
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+import pytest
+from rate_laws import Careless, Endless, Even, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
+from scipy import stats
+
+import eq_model
+import master
+import origins
+from eq_model.closest import closest
+from master._old.explicit import explicit
+from origins import Contacts, Delay, InputError, SoftRates, StiffRates, Thermal, ThresholdLaw
+from origins.contacts import LAWS
+from origins.laws import RATE_LAWS
+from origins.lifshitz_slyozov import LifshitzSlyozov
+from origins.quadrature import gauss, panel_edges
+
+GAUSSIAN = origins.gaussian(1.0, 0.2)
+SURFACE = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
+GLASS = origins.Material(
+    contact_modulus=3e9, local_friction=0.3, hardness=3e8, shear_strength=2e7, shear_modulus=1e9
+)
+GRAINS = origins.growing_grains(1.0, 1.0, age=4.0)
+
+FAMILIES = {
+    "gaussian": lambda: origins.gaussian(1.0, 0.05),
+    "chord": lambda: origins.gaussian(1.0, 0.3, form="paper", upper=2.0),
+    "identical": lambda: origins.identical(0.7),
+    "rectangular": lambda: origins.rectangular(0.5, 1.5),
+    "weibull": lambda: origins.gw_elastic(1.0),
+    "summits": lambda: origins.gw_gaussian(1.5, 1.0, "paper", "elastic"),
+    "persson": lambda: origins.persson(1.0, 0.5),
+    "lubricated": lambda: origins.lubricated(1.0),
+    "gamma": lambda: origins.lubricated(1.3, power=5.0, decay=4.0),
+    "sizes of grains": LifshitzSlyozov,
+    "grains": lambda: origins.grains(2.0, B=1.0),
+    "grains, printed": lambda: origins.grains(1.0, B=1.0, jacobian="paper"),
+    "grains, pinning": lambda: GRAINS.at_start,
+    "grains, sliding": lambda: GRAINS.breaking(0.1, rest=1.0),
+    "mixture": lambda: origins.mixture([origins.identical(0.9), GAUSSIAN], [0.25, 0.75]),
+    "continuous mixture": lambda: origins.continuous_mixture(origins.gw_plastic, 1.0, 3.0),
+    "samples": lambda: origins.from_samples(np.random.default_rng(0).gamma(3.0, size=400)),
+    "scipy": lambda: Contacts(stats.gamma(2.5)).thresholds,
+    "rough, powered": lambda: origins.from_moments(
+        SURFACE, model="persson", law="amontons", material=GLASS, pressure=3e5, patch_area=1e-12
+    ),
+}
+
+
+@cache
+def family(name: str) -> origins.Thresholds:
+    return FAMILIES[name]()
+
+
+def subclasses(kind: type) -> Iterator[type]:
+    for own in kind.__subclasses__():
+        yield own
+        yield from subclasses(own)
+
+
+def parts(law: origins.Thresholds) -> Iterator[origins.Thresholds]:
+    """A law and what it is a mixture or a power of."""
+    yield law
+    for own in vars(law).values():
+        for one in own if isinstance(own, list | tuple) else [own]:
+            if isinstance(one, origins.Thresholds):
+                yield from parts(one)
+
+
+def test_every_family_is_here() -> None:
+    for module in pkgutil.walk_packages(origins.__path__, "origins."):
+        importlib.import_module(module.name)
+    here = {kind for name in FAMILIES for law in parts(family(name)) for kind in type(law).__mro__}
+    all_of_them = {
+        kind for kind in subclasses(origins.Thresholds) if kind.__module__.startswith("origins.")
+    }
+    assert not all_of_them - here
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_threshold_laws_conform(name: str) -> None:
+    law = family(name)
+    assert isinstance(law, ThresholdLaw)
+    lower, upper = law.support()
+    assert 0.0 <= lower <= upper
+    positions, weights = law.atoms
+    assert (weights > 0.0).all() and weights.sum() <= 1.0 + 1e-14
+    assert (np.diff(law.breakpoints) > 0.0).all()
+    assert lower in law.breakpoints and (upper in law.breakpoints or np.isinf(upper))
+    assert isinstance(law.onset_power, float) and law.onset_power > -1.0
+    q = np.array([1e-30, 1e-9, 1e-3, 0.2, 0.5, 0.9, 0.999])
+    x = law.isf(q)
+    assert (law.sf(x * (1.0 + 1e-12)) <= q * (1.0 + 1e-9)).all()
+    assert (law.sf(x * (1.0 - 1e-12)) >= q * (1.0 - 1e-9)).all()
+    # what takes logarithms is what does not; and the limits outside
+    np.testing.assert_allclose(np.exp(law.logsf(x)), law.sf(x), rtol=1e-12)
+    np.testing.assert_allclose(np.exp(law.logpdf(x)), law.pdf(x), rtol=1e-12)
+    assert (law.sf(-1.0), law.logsf(-1.0), law.pdf(-1.0), law.logpdf(-1.0)) == (
+        1.0,
+        0.0,
+        0.0,
+        -np.inf,
+    )
+    if np.isfinite(upper):
+        assert (law.sf(2.0 * upper), law.logsf(2.0 * upper), law.pdf(2.0 * upper)) == (
+            0.0,
+            -np.inf,
+            0.0,
+        )
+    for method in (law.sf, law.logsf, law.pdf, law.logpdf):
+        assert np.ndim(method(1.0)) == 0 and method(np.ones((2, 3))).shape == (2, 3)
+    # the density and the atoms make up the survival, and both the mean
+    edges = panel_edges(law)
+    nodes, node_weights = gauss(edges[:-1], edges[1:])
+    mass = node_weights * law.pdf(nodes)
+    beyond = mass.sum(axis=1)[::-1].cumsum()[::-1] + np.array(
+        [weights[positions > at].sum() for at in edges[:-1]]
+    )
+    np.testing.assert_allclose(beyond, law.sf(edges[:-1]), rtol=1e-7, atol=1e-11)
+    assert law.mean() == pytest.approx(float((mass * nodes).sum() + weights @ positions), rel=1e-9)
+
+
+RATES = {
+    "soft": SoftRates(0.05, 2.0),
+    "soft, cold": SoftRates(1e-3, 1e12),
+    "soft, hot": SoftRates(50.0, 1e-3),
+    "stiff": StiffRates(0.05, 2.0),
+    "stiff, cold": StiffRates(1e-3, 1e12),
+    "stiff, hot": StiffRates(50.0, 1e-3),
+    "of this test": Tilted(),
+    "of this test, steep": Tilted(0.01, 3.0),
+    "of this test, no subclass": Loose(),
+}
+
+
+@pytest.mark.parametrize("name", RATES)
+def test_rate_laws_conform(name: str) -> None:
+    assert list(faults(RATES[name])) == []
+
+
+@pytest.mark.parametrize(
+    ("law", "fault"),
+    [
+        (Rounded(), "log_passed from"),
+        (Careless(), "reached from"),
+        (Endless(), "reached is not the threshold"),
+        (Even(), "rate_and_passed: not odd in x"),
+        (Rooted(), "vanishes_at_threshold"),
+        (Weak(), "a rate exceeds scale"),
+        (Half(), "is no RateLaw"),
+        (Thermal("soft", 0.1), "is no RateLaw"),
+    ],
+)
+def test_broken_rate_laws_do_not(law: object, fault: str) -> None:
+    assert any(told.startswith(fault) for told in faults(law))
+
+
+def test_the_laws_with_a_name() -> None:
+    for name, kind in RATE_LAWS.items():
+        assert kind.name == name and Contacts(GAUSSIAN, thermal=kind(0.1, 3.0)).thermal == Thermal(
+            name, 0.1, 3.0
+        )
+        assert Thermal(name, 0.1, 3.0).rates == kind(0.1, 3.0)
+
+
+def test_contacts_take_a_rate_law_of_ones_own() -> None:
+    law = Tilted(0.2, 3.0)
+    contacts = Contacts(GAUSSIAN, thermal=law)
+    thermal = contacts.thermal
+    assert thermal is not None and thermal.rates is law and contacts.laws == ("thermal",)
+    assert (thermal.law, thermal.attempt_frequency, thermal.closure) == ("tilted", 3.0, "exact")
+    assert (
+        contacts.each_by_itself() is contacts
+        and contacts.replace(delay=Delay(0.1)).thermal is thermal
+    )
+    x = np.array([-0.8, 0.3, 0.8])
+    np.testing.assert_allclose(
+        thermal.rate(x, 0.9), 3.0 * np.exp(-(1.0 - np.abs(x) / 0.9) / 0.2), rtol=1e-14
+    )
+    # there and back, across 0, and on one side
+    for start, end in [(-0.9, 0.9), (-0.5, -0.2), (-0.899999, -0.1), (-0.1, 0.2), (0.3, 0.7)]:
+        amount = thermal.cumulative(end, 0.9, start)
+        assert (
+            amount == thermal.cumulative(start, 0.9, end) == thermal.cumulative(-end, 0.9, -start)
+        )
+        assert thermal.inverse(amount, 0.9, start) == pytest.approx(end, abs=1e-13)
+
+
+def test_a_short_way_back_from_the_threshold() -> None:
+    """The inverse is told to 1e-12 of the threshold where the rate vanishes as a root too."""
+    thermal = Thermal("stiff", temperature=400.0)
+    for way in (1e-14, 1e-11, 1e-7, 1e-3, 0.4):
+        end = -1.0 + way
+        amount = thermal.cumulative(end, 1.0, -1.0)
+        assert thermal.inverse(amount, 1.0, -1.0) == pytest.approx(end, abs=1e-13)
+
+
+PATH = np.linspace(0.0, 1.0, 5)
+SOLVERS = {
+    "master.solve": lambda contacts: master.solve(contacts, PATH),
+    "master.steady_state": master.steady_state,
+    "master.propensity": master.propensity,
+    "master.phase_line": lambda contacts: master.phase_line(contacts, velocity=[1.0, 2.0]),
+    "master.kinetic_curve": lambda contacts: master.kinetic_curve(contacts, velocity=[1.0, 2.0]),
+    "master.decoherence_spectrum": master.decoherence_spectrum,
+    "master.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
+    "eq_model.simulate": lambda contacts: eq_model.simulate(contacts, PATH, n_contacts=10),
+    "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
+}
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_solver_that_does_not_know_a_rate_law_refuses_it(solver: str) -> None:
+    with pytest.raises(InputError, match=rf"^contacts.thermal: {solver} does not take .*$"):
+        SOLVERS[solver](Contacts(GAUSSIAN, thermal=Tilted()))
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (
+            lambda: Contacts(GAUSSIAN, thermal=Half()),
+            "thermal = .*: must be an origins.Thermal, .* or a RateLaw",
+        ),
+        (
+            lambda: Contacts(GAUSSIAN, thermal=Tilted),
+            "thermal = .*: must be an origins.Thermal, .* or a RateLaw",
+        ),
+        (
+            lambda: Contacts(GAUSSIAN, thermal=Tilted(omega=0.0)),
+            "thermal.scale = 0.0: must be above zero",
+        ),
+        (
+            lambda: Contacts(GAUSSIAN, thermal=Tilted()).thermal.temperature,
+            'temperature: the law "tilted" of these',
+        ),
+        (
+            lambda: Contacts(GAUSSIAN).replace(heat=0.1),
+            "heat = 0.1: is not what contacts have; that is thresholds, ",
+        ),
+        (
+            lambda: Contacts(GAUSSIAN).replace(grains=None),
+            "grains = None: is not what contacts have",
+        ),
+        (lambda: Contacts(GAUSSIAN).replace(delay=0.1), "delay = 0.1: must be an origins.Delay"),
+        (lambda: StiffRates(-1.0), "temperature = -1.0: must be above zero"),
+        (lambda: SoftRates(1.0, 0.0), "attempt_frequency = 0.0: must be above zero"),
+    ],
+)
+def test_refusals(call, told: str) -> None:
+    with pytest.raises(InputError, match=rf"^{told}") as refusal:
+        call()
+    assert "\n" not in str(refusal.value)
+
+
+def test_laws_of_contacts_and_their_exchange() -> None:
+    aged = origins.Ageing(origins.gaussian(1.2, 0.1), rate=1e-3)
+    given = {"thermal": Thermal("soft", 0.1), "ageing": aged, "delay": Delay(0.2), "reforming": 0.1}
+    assert Contacts(GAUSSIAN).laws == () and Contacts(GRAINS, delay=Delay(0.2)).laws == (
+        "grains",
+        "delay",
+    )
+    contacts = Contacts(GAUSSIAN, 0.05, **given)
+    assert contacts.laws == tuple(name for name in LAWS if name in given)
+    bare = contacts
+    for name in given:
+        bare = bare.replace(**{name: None})
+    assert (
+        bare.laws == ()
+        and bare.waiting_time == 0.0
+        and contacts.laws != ()
+        and bare.start is contacts.start
+    )
+    again = bare.replace(**given)
+    assert (
+        again.laws == contacts.laws
+        and again.waiting_time == 0.2
+        and again.reforming.law.mean() == 0.1
+    )
+    # all is checked again, also against what stays
+    with pytest.raises(InputError, match="stiffness = 'linked': not defined with ageing"):
+        contacts.replace(stiffness="linked")
+    linked = contacts.replace(stiffness="linked", ageing=None, start=0.3)
+    assert (
+        linked.laws == ("thermal", "delay", "reforming", "stiffness") and linked.start.mean() == 0.3
+    )
+    other = contacts.replace(thresholds=origins.gaussian(1.1, 0.1))
+    assert other.mean_threshold == pytest.approx(1.1) and other.laws == contacts.laws
+    moving = Contacts(GRAINS, delay=Delay(0.2))
+    assert moving.replace(start=0.0).grains is GRAINS
+    assert moving.replace(delay=None).waiting_time == GRAINS.growth.first_pinning_time
