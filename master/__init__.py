@@ -1,8 +1,8 @@
 """What the distribution of contacts does: the master equation, solved as a renewal equation."""
 
-from master.ageing_slip import CriticalVelocity, critical_velocity
 from master.decoherence_spectrum import DecoherenceSpectrum, decoherence_spectrum
 from master.kinetic import KineticCurve, kinetic_curve
+from master.paper.critical_velocity import CriticalVelocity, critical_velocity
 from master.phase_line import PhaseLine, phase_line
 from master.propensity import Propensity, propensity
 from master.solution import Solution

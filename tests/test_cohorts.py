@@ -14,11 +14,11 @@ import origins
 from master.bunches import bunched
 from master.cohort import starting
 from master.cohorts import Course, solve_cohorts
-from master.explicit import explicit
-from master.explicit_loop import explicit_loop
 from master.law import Law
 from master.leg import State
 from master.moves import moves
+from master.paper.explicit import explicit
+from master.paper.explicit_loop import explicit_loop
 from origins.quadrature import gauss
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]

@@ -13,9 +13,9 @@ from scipy.integrate import quad
 import eq_model
 import master
 from master.cut_law import CutLaw
-from master.explicit_loop import explicit_loop
 from master.make_lives import make_lives
 from master.marching import march
+from master.paper.explicit_loop import explicit_loop
 from master.spent_wear import SpentWear
 from master.thermal_wear import resolved
 from master.timed import at, solve_timed

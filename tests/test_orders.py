@@ -1,7 +1,7 @@
 """Order of convergence, fitted for every method that steps forward on a lattice or a grid: one table.
 
 Other places where an order is fitted: diffusion on cells and its propagator in tests/test_ageing.py and
-test_ageing_transient.py, first passage in test_first_passage.py.
+test_q15_transient.py, first passage in test_first_passage.py.
 """
 
 from collections.abc import Callable
@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 import master
-from master.ageing_transient import paper_transient
 from master.cohort import starting
 from master.cohorts import Course, solve_cohorts
 from master.cycle import Cycle
-from master.explicit import explicit
-from master.explicit_loop import explicit_loop
 from master.law import Law
 from master.leg import State
 from master.moves import moves
+from master.paper.explicit import explicit
+from master.paper.explicit_loop import explicit_loop
+from master.paper.q15_transient import paper_transient
 from master.problem import Problem
 from master.renewal import LaterReleased
 from origins import Ageing, Contacts, Delay, Thermal, gaussian, gaussian_start, rectangular

@@ -20,7 +20,7 @@ from toolkit.sweeping import SweepRecord
 
 if TYPE_CHECKING:
     from eq_model.histogram import Histogram
-    from master.ageing_transient import AgeingTransient
+    from master.paper.q15_transient import AgeingTransient
     from master.regime import Regime, Verdict
     from master.soft import Slips, SoftSolution
 

@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 import master
-from master.explicit import explicit
-from master.explicit_loop import explicit_loop
+from master.paper.explicit import explicit
+from master.paper.explicit_loop import explicit_loop
 from origins import Ageing, Contacts, Delay, Thermal, boltzmann_reforming, gaussian, gaussian_start
 
 Array = npt.NDArray[np.float64]
