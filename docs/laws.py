@@ -7,7 +7,7 @@ import numpy as np
 
 import master
 import origins
-from master._old.ageing_transient import AgeingTransient, paper_transient
+from master.paper.q15_transient import AgeingTransient, paper_transient
 
 PICTURES = Path(__file__).parent / "pictures"
 BLUE, RED, GREEN, GREY = "#1f4e79", "#c0392b", "#2e7d32", "0.55"

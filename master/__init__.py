@@ -1,6 +1,5 @@
 """What the distribution of contacts does: the master equation, solved as a renewal equation."""
 
-from master._old.ageing_slip import CriticalVelocity, critical_velocity
 from master._old.decoherence_spectrum import DecoherenceSpectrum, decoherence_spectrum
 from master._old.kinetic import KineticCurve, kinetic_curve
 from master._old.phase_line import PhaseLine, phase_line
@@ -8,6 +7,7 @@ from master._old.propensity import Propensity, propensity
 from master._old.solution import Solution
 from master._old.solve import solve
 from master._old.steady import SteadyState, steady_state
+from master.paper.critical_velocity import CriticalVelocity, critical_velocity
 
 __all__ = [
     "CriticalVelocity",

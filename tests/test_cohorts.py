@@ -14,11 +14,11 @@ import origins
 from master._old.bunches import bunched
 from master._old.cohort import starting
 from master._old.cohorts import Course, solve_cohorts
-from master._old.explicit import explicit
-from master._old.explicit_loop import explicit_loop
 from master._old.law import Law
 from master._old.leg import State
 from master._old.moves import moves
+from master.paper.explicit import explicit
+from master.paper.explicit_loop import explicit_loop
 from origins.quadrature import gauss
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]

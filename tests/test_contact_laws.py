@@ -8,7 +8,7 @@ import eq_model
 import master
 import origins
 from eq_model.closest import closest
-from master._old.explicit import explicit
+from master.paper.explicit import explicit
 from origins import Ageing, Contacts, Delay, InputError, Thermal, boltzmann_reforming, gaussian_start
 from origins.births import Births
 
@@ -27,12 +27,12 @@ SOLVERS = {
     "master.solve": lambda contacts: master.solve(contacts, PATH),
     "master.steady_state": master.steady_state,
     "master.propensity": master.propensity,
-    "master.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
+    "master.paper.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
     "eq_model.simulate": lambda contacts: eq_model.simulate(contacts, PATH, n_contacts=10),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }
 TAKEN = dict.fromkeys(("master.solve", "master.steady_state", "master.propensity", "eq_model.simulate"), tuple(LAWS))
-TAKEN["master.explicit"] = ("delay",)
+TAKEN["master.paper.explicit"] = ("delay",)
 
 
 def refused(call, begins: str) -> None:
@@ -71,7 +71,7 @@ def test_no_law_is_silently_ignored(solver: str, name: str) -> None:
         return
     shown = " = 'linked'" if name == "stiffness" else ""
     told = f"contacts.{name}{shown}: {solver} does not take it yet; leave "
-    if (solver, name) == ("master.explicit", "thermal"):
+    if (solver, name) == ("master.paper.explicit", "thermal"):
         told = "contacts.thermal.closure = 'exact': the explicit scheme knows x alone"
     refused(lambda: SOLVERS[solver](Contacts(GAUSSIAN, **{name: LAWS[name]})), told)
     refused(lambda: SOLVERS[solver](GAUSSIAN), "contacts = ")

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.special import ndtr
+from scipy.stats import expon
 
 import master
 import origins
-from master._old.explicit import MOST_NODES, explicit
+from master.paper.explicit import MOST_NODES, explicit, mean_rate
+from origins.frozen import as_thresholds
 
 PATH = np.linspace(0.0, 5.0, 501)
 STEPS = (0.01, 0.005, 0.0025)
@@ -60,6 +63,31 @@ def test_contacts_are_kept_to_round_off(breaking):
     for thresholds in (origins.rectangular(0.0, 1.0), origins.lubricated(1.0), origins.gw_plastic(1.0)):
         contacts = origins.Contacts(thresholds, origins.gaussian_start(0.0, 0.1))
         assert np.abs(explicit(contacts, path, 0.01, breaking).holding - 1.0).max() < 1e-13
+
+
+def test_constant_hazard_slides_as_in_q14c():
+    """P(x) = p beyond x_s: F_k = [x_s + 1/p + 1/p/(1 + p x_s)]/2, Eq. Q14c."""
+    contacts = origins.Contacts(as_thresholds(expon(0.5, 0.25)))
+    coarse, fine = (explicit(contacts, [30.0], step, "printed").force[0] for step in (0.01, 0.005))
+    assert 2.0 * fine - coarse == pytest.approx(0.5 * (0.5 + 0.25 + 0.25 / 3.0), abs=1e-4)
+    assert abs(fine - coarse) > 1e-3
+
+
+def mean_rate_by_quadrature(thresholds, thermal, x):
+    """Integral of h(x; x_s) P_c(x_s) over x_s = x + s² > x, which takes the root of stiff contacts away."""
+    top = np.sqrt(float(thresholds.isf(1e-18)) - x)
+    corners = np.sqrt(np.clip([0.02, 0.5 - x, 1.0 - x], 1e-3, top**2))
+    options = {"points": corners, "epsabs": 1e-14, "epsrel": 1e-10, "limit": 400}
+    return quad(lambda s: 2.0 * s * thresholds.pdf(x + s * s) * thermal.rate(x, x + s * s), 0.0, top, **options)[0]
+
+
+@pytest.mark.parametrize(("law", "temperature"), [("soft", 0.3), ("soft", 2e-3), ("stiff", 0.3), ("stiff", 2e-3)])
+def test_mean_rate_is_the_integral_of_temper3(law, temperature):
+    thermal = origins.Thermal(law, temperature, closure="paper")
+    x = np.array([0.0, 0.4, 0.83, 1.0, 1.3])
+    for thresholds in (origins.gaussian(1.0, 0.1), origins.rectangular(0.5, 1.5)):
+        known = [mean_rate_by_quadrature(thresholds, thermal, at) for at in x.tolist()]
+        np.testing.assert_allclose(mean_rate(thresholds, thermal, x), known, rtol=1e-8, atol=1e-13)
 
 
 def test_identical_thresholds_on_the_grid_stay_an_exact_sawtooth():

@@ -5,10 +5,10 @@ from typing import Literal
 
 import numpy as np
 import pytest
+from q15_references import gaussian_force
 from scipy.stats import weibull_min
 
 import master
-from master._old.ageing_paper import gaussian_force
 from origins import (
     Ageing,
     Contacts,

@@ -13,13 +13,13 @@ from scipy.integrate import quad
 import eq_model
 import master
 from master._old.cut_law import CutLaw
-from master._old.explicit_loop import explicit_loop
 from master._old.make_lives import make_lives
 from master._old.marching import march
 from master._old.spent_wear import SpentWear
 from master._old.thermal_wear import resolved
 from master._old.timed import at, solve_timed
 from master._old.timeline import marks, parts, pieces, times
+from master.paper.explicit_loop import explicit_loop
 from origins import (
     Ageing,
     Contacts,

@@ -1,7 +1,7 @@
 """Order of convergence, fitted for every method that steps forward on a lattice or a grid: one table.
 
 Other places where an order is fitted: diffusion on cells and its propagator in tests/test_ageing.py and
-test_ageing_transient.py, first passage in test_first_passage.py.
+test_q15_transient.py, first passage in test_first_passage.py.
 """
 
 from collections.abc import Callable
@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 import master
-from master._old.ageing_transient import paper_transient
 from master._old.cohort import starting
 from master._old.cohorts import Course, solve_cohorts
 from master._old.cycle import Cycle
-from master._old.explicit import explicit
-from master._old.explicit_loop import explicit_loop
 from master._old.law import Law
 from master._old.leg import State
 from master._old.moves import moves
 from master._old.problem import Problem
 from master._old.renewal import LaterReleased
+from master.paper.explicit import explicit
+from master.paper.explicit_loop import explicit_loop
+from master.paper.q15_transient import paper_transient
 from origins import Ageing, Contacts, Delay, Thermal, gaussian, gaussian_start, rectangular
 
 Run = Callable[[float], np.ndarray]

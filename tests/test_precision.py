@@ -112,7 +112,7 @@ def test_what_is_as_good_as_the_reference_is_marked(rectangular: Precision) -> N
 
 @pytest.mark.parametrize(
     ("solver", "methods", "modules"),
-    [("master", {"master", "explicit"}, "eq_model numba"), ("eq", {"ensemble", "closest"}, "master._old.explicit")],
+    [("master", {"master", "explicit"}, "eq_model numba"), ("eq", {"ensemble", "closest"}, "master.paper.explicit")],
 )
 def test_only_what_the_scene_names(solver: str, methods: set[str], modules: str, python) -> None:
     tables = {key: SCENE[key] for key in ("contacts", "drive", solver)}

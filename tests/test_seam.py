@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from master._old.explicit import explicit
 from rate_laws import Careless, Endless, Even, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
 from scipy import stats
 
@@ -14,7 +15,6 @@ import eq_model
 import master
 import origins
 from eq_model.closest import closest
-from master._old.explicit import explicit
 from origins import Contacts, Delay, InputError, SoftRates, StiffRates, Thermal, ThresholdLaw
 from origins.contacts import LAWS
 from origins.laws import RATE_LAWS

@@ -124,7 +124,7 @@ def _master(scene: Scene, tolerance: float) -> tuple[Array, float]:
 
 
 def _explicit(scene: Scene, steps: float) -> tuple[Array, None]:
-    from master._old.explicit import explicit
+    from master.paper.explicit import explicit
 
     return explicit(scene.contacts, scene.path, step=scene.contacts.mean_threshold / steps).force, None
 

@@ -20,9 +20,9 @@ from toolkit.sweeping import SweepRecord
 
 if TYPE_CHECKING:
     from eq_model.histogram import Histogram
-    from master._old.ageing_transient import AgeingTransient
     from master._old.regime import Regime, Verdict
     from master._old.soft import Slips, SoftSolution
+    from master.paper.q15_transient import AgeingTransient
 
 Array = npt.NDArray[np.float64]
 

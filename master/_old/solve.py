@@ -15,10 +15,10 @@ from origins.drive import SlipRule
 from origins.errors import check_tolerance
 
 if TYPE_CHECKING:
-    from master._old.ageing_transient import AgeingTransient
     from master._old.cohorts import PathSolution
     from master._old.soft import SoftSolution
     from master._old.timed import TimedSolution
+    from master.paper.q15_transient import AgeingTransient
 
 
 @overload
@@ -104,12 +104,12 @@ def solve(
     tolerance = check_tolerance("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip)
     if isinstance(contacts, Contacts) and contacts.ageing is not None and contacts.ageing.closure == "paper":
-        from master._old.ageing_transient import solve_paper
+        from master.paper.q15_transient import solve_q15
 
         drive.only_forward("the paper's closure of ageing")
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed all along; write velocity= instead")
-        return solve_paper(contacts, drive, tolerance, progress)
+        return solve_q15(contacts, drive, tolerance, progress)
     check_contacts(contacts, "master.solve", LAWS)
     laws = (contacts.grains, contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
     plain = all(law is None for law in laws) and contacts.stiffness == "independent"

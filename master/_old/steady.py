@@ -23,7 +23,7 @@ from origins.errors import positive, refuse
 from origins.quadrature import gauss, panel_edges
 
 if TYPE_CHECKING:
-    from master._old.ageing_paper import AgeingSteadyState
+    from master.paper.q15_steady import AgeingSteadyState
 
 Array = npt.NDArray[np.float64]
 
@@ -105,7 +105,7 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | 
     """
     check_contacts(contacts, "master.steady_state", LAWS)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        from master._old.ageing_paper import check_alone, paper_steady_state
+        from master.paper.q15_steady import check_alone, paper_steady_state
 
         check_alone(contacts)
         return paper_steady_state(contacts.thresholds, contacts.ageing, positive("velocity", velocity))

@@ -21,7 +21,7 @@ from scipy.special import ndtr
 
 import master
 import origins
-from master._old.explicit import explicit
+from master.paper.explicit import explicit
 
 Array = npt.NDArray[np.float64]
 

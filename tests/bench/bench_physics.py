@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 import master
-from master._old.explicit import explicit
-from master._old.explicit_loop import explicit_loop
+from master.paper.explicit import explicit
+from master.paper.explicit_loop import explicit_loop
 from origins import Ageing, Contacts, Delay, Thermal, boltzmann_reforming, gaussian, gaussian_start
 
 Array = npt.NDArray[np.float64]

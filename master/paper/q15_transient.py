@@ -1,11 +1,10 @@
-"""Transients of contacts that age, in the paper's closure as printed (Eq. Q15), and what it does not keep.
+"""(Q15): the paper's transients of contacts that age, as printed, and what they do not keep.
 
-    ∂Q/∂X + ∂Q/∂x + P Q = δ(x) b,    ∂P_c/∂X = D_X L P_c - P Q + P_ci b,    P = P_c/∫_x^∞ P_c,    b = ∫ P Q.
-
-One P_c is both the law new contacts draw their thresholds from and the histogram of those that hold. Only in the steady
-state is it both. From a peaked start the contacts outrun it: they stand where the thresholds that would break them are
-used up already, and no P_c that is nowhere negative can lose as many thresholds as contacts break. From there on either
-its mass is not kept or its sign, and the answer depends on which; both defects are told at every X.
+One P_c is both the law of new thresholds and the histogram of those that hold. Only in the steady
+state is it both. From a peaked start the contacts outrun it: they stand where the thresholds that
+would break them are used up already, and no P_c that is nowhere negative can lose as many
+thresholds as contacts break. From there on either its mass or its sign is lost, and the answer
+depends on which; both defects are told at every X. The steps are those of q15_step.
 """
 
 import time
@@ -15,17 +14,21 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
-from master._old.ageing_stepper import Keep, PaperStepper, check_closure, enough_cells, enough_parts
 from master.outcome import Progress, unheard
+from master.paper.q15_step import Defects, Keep, Q15Stepper, ages, enough_cells, enough_parts
 from origins import Contacts, Drive
 from origins.brief import brief
 from origins.errors import positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
 
-_COARSEST = 0.5  # of the narrowest width
-_MOST_WORK = 1e8  # cells times steps
+# First step of `solve_q15`, of the narrowest width: coarser ones see nothing of the laws.
+_COARSEST = 0.5
+# Cells times steps times parts after which no finer step is tried: about ten seconds.
+_MOST_WORK = 1e8
+# Degree of the polynomials by which the force is read between steps: above the order of the steps.
 _SPLINE = 5
+# Defect of mass or sign from which on contacts are said to have outrun P_c.
 _NOTICED = 1e-6
 
 
@@ -40,7 +43,7 @@ class AgeingTransient:
     force : array
         F/(N_c <k>), a length.
     force_error : float
-        Estimate of its largest error in units of the mean fresh threshold; inf where one step alone was tried.
+        Estimate of its largest error in units of the mean fresh threshold; inf for a single step.
     holding : array
         Fraction of contacts that hold: 1.
     mass_defect : array
@@ -58,12 +61,13 @@ class AgeingTransient:
     step : float
         h, a length.
     outrun : float
-        X from which contacts stand where no thresholds are left (a length); inf where that never happens. From there
-        on the answer is one of many: what (Q15) does not say has been decided by `keep`, and by where the table of P_c
-        ends, at a survival of 1e-13 of P_ci or P_cf, where all break.
+        X from which contacts stand where no thresholds are left (a length); inf if they never do.
+        From there on the answer is one of many: what (Q15) does not say has been decided by `keep`,
+        and by where the table of P_c ends, at a survival of 1e-13, where all break.
     success : bool
         Whether the path was followed to its end, and the force is as good as asked for.
     message : str
+        In words: what was reached, and what P_c did not keep.
     run_time : float
         Seconds.
     """
@@ -96,7 +100,7 @@ def paper_transient(
     cells: int | None = None,
     parts: int | None = None,
 ) -> AgeingTransient:
-    """(Q15) as printed, along a rigid slider's path.
+    """(Q15) as printed, along a rigid slider's path, with steps of one length.
 
     Parameters
     ----------
@@ -109,88 +113,93 @@ def paper_transient(
     velocity : float
         v > 0; D_X = D/v.
     keep : "positivity" or "mass"
-        What is kept where both cannot be. "positivity": thresholds that are not there cannot be lost, and the mass
-        grows. "mass": P_c goes below 0; the solution ends where contacts stand at a survival that is not above 0.
-    cells : int, optional
-        Of P_c, to each step; None: at least four, and enough for thresholds to fall apart by diffusion as they should.
-    parts : int, optional
-        In which each step ages; None: enough for what is fast.
+        What is kept where both cannot be. "positivity": thresholds that are not there cannot be
+        lost, and the mass grows. "mass": P_c goes below 0; the solution ends where contacts stand
+        at a survival that is not above 0.
+    cells, parts : int, optional
+        Cells of P_c to each step, and parts in which each step ages; None: enough.
 
-    Raises InputError for contacts without ageing, with thermal breaking, delay, re-forming away from 0 or linked
-    stiffness, and for a start from a single value: there P Q is a product of what is infinite and what it empties,
-    and (Q15) has no meaning.
+    Raises InputError for contacts without ageing, with thermal breaking, delay or re-forming away
+    from 0, and for a start from a single value: there P Q is a product of what is infinite and what
+    it empties, and (Q15) has no meaning.
     """
     began = time.perf_counter()
-    check_closure(contacts)
+    ages(contacts)
     positions = Drive(path).only_forward("the paper's closure of ageing").path
     if keep not in ("positivity", "mass"):
         refuse("keep", keep, 'must be "positivity" or "mass"')
-    positive("step", step)
-    cells = enough_cells(contacts, step) if cells is None else whole("cells", cells, 1)
-    velocity = positive("velocity", velocity)
-    parts = enough_parts(contacts, step, velocity) if parts is None else whole("parts", parts, 1)
-    stepper = PaperStepper(contacts, step, velocity, keep, cells, parts)
-    steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))
-    told = [stepper.state()]
-    reached = np.searchsorted(positions, step * np.arange(steps + 1) * (1.0 + 1e-12), side="right")
-    snapshots: list[tuple[Array, Array]] = []
+    step, velocity = positive("step", step), positive("velocity", velocity)
+    cells = None if cells is None else whole("cells", cells, 1)
+    parts = None if parts is None else whole("parts", parts, 1)
+    stepper = Q15Stepper(contacts, step, velocity, keep, cells, parts)
+
+    steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))  # a path of whole steps ends on one
+    # at each position a snapshot of the last step before it is taken
+    last_step = np.minimum(np.floor(positions / step * (1.0 + 1e-12)).astype(int), steps)
+    wanted = set(last_step.tolist())
+    snapshots: dict[int, tuple[Array, Array]] = {}
+    told: list[Defects] = []
     message = ""
     for n in range(steps + 1):
-        if n > 0:
-            if not stepper.advance():
-                message = f"from X = {n * step:g} on contacts stand where no thresholds are left to break them"
-                break
-            told.append(stepper.state())
-        # snapshots are those of the last step before each position
-        before = int(reached[n - 1]) if n else 0
-        upto = int(reached[n]) if n < steps else positions.size
-        if upto > before:
-            snapshot = stepper.histogram(), stepper.cohorts.copy()
-            snapshots += [snapshot] * (upto - before)
+        if n > 0 and not stepper.advance():
+            message = f"from X = {n * step:g} on contacts stand where no thresholds are left"
+            break
+        told.append(stepper.state())
+        if n in wanted:
+            snapshots[n] = stepper.histogram(), stepper.cohorts.copy()
+
     at: Array = step * np.arange(len(told), dtype=float)
-    kept = positions if len(told) > steps else positions[positions <= at[-1] * (1.0 + 1e-12)]
+    finished = len(told) > steps
+    kept = positions if finished else positions[positions <= at[-1] * (1.0 + 1e-12)]
+    seen = [snapshots[n] for n in last_step[: kept.size].tolist()]
     force, mass, below = np.array(told).T
     lost = np.flatnonzero(np.maximum(np.abs(mass), below) > _NOTICED)
-    outrun = float(at[lost[0]]) if lost.size else float(at[-1]) if message else np.inf
-    if not message and lost.size:
-        message = f"from X = {outrun:g} on contacts outrun P_c; its mass is off by up to {np.abs(mass).max():.2g}"
+    outrun = float(at[lost[0]]) if lost.size else np.inf if finished else float(at[-1])
+    if finished and lost.size:
+        off = np.abs(mass).max()
+        message = f"from X = {outrun:g} on contacts outrun P_c; its mass is off by up to {off:.2g}"
     return AgeingTransient(
         path=kept,
-        force=_between(kept, at, force),
+        force=_between_steps(kept, at, force),
         force_error=np.inf,
         holding=np.ones(kept.size),
         mass_defect=np.interp(kept, at, mass),
         positivity_defect=np.interp(kept, at, below),
         edges=stepper.walls,
-        weights=np.array([w for w, _ in snapshots[: kept.size]]),
+        weights=np.array([weights for weights, _ in seen]),
         stretches=stepper.stretches,
-        cohorts=np.array([q for _, q in snapshots[: kept.size]]),
+        cohorts=np.array([cohorts for _, cohorts in seen]),
         step=step,
         outrun=outrun,
-        success=len(told) > steps,
+        success=finished,
         message=message or "P_c kept its mass and its sign",
         run_time=time.perf_counter() - began,
     )
 
 
-def solve_paper(
+def solve_q15(
     contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
 ) -> AgeingTransient:
-    """(Q15) along drive.path with steps halved until the force, extrapolated in h², changes little enough."""
+    """(Q15) along drive.path: steps are halved until the force, extrapolated in h², changes by less
+    than `tolerance` (in mean fresh thresholds), or the work is too much; the error says which."""
     began = time.perf_counter()
-    check_closure(contacts)
     step = _COARSEST * _narrowest(contacts)
+    # the same at all steps: errors of both then fall as h²
     cells, parts = enough_cells(contacts, step), enough_parts(contacts, step, drive.velocity)
     end, unit = float(drive.path[-1]), contacts.mean_threshold
-    finest = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells, parts=parts)
+
+    def follow(step: float) -> AgeingTransient:
+        return paper_transient(contacts, drive.path, step, drive.velocity, cells=cells, parts=parts)
+
+    finest = follow(step)
+    force, error = finest.force, np.inf
     before: Array | None = None
-    error, force = np.inf, finest.force
-    # halving makes twice the steps, each over twice the cells; at least three lengths of step
+    # half the step makes twice the steps, each over twice the cells
     work = 4.0 * finest.edges.size * cells * parts * (end / step + 1.0)
     stuck = False
     while error > tolerance and not stuck and (work <= _MOST_WORK or not np.isfinite(error)):
         coarser, step = finest, 0.5 * step
-        finest = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells, parts=parts)
+        finest = follow(step)
         force = (4.0 * finest.force - coarser.force) / 3.0
         if before is not None:
             change = 2.0 * float(np.abs(force - before).max()) / unit
@@ -201,7 +210,7 @@ def solve_paper(
         before, work = force, 4.0 * work
     message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
     if error > tolerance:
-        message = f"error estimate {error:.1e} at the step {step:.2g} is above the tolerance {tolerance:.1e}"
+        message = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}"
     return replace(
         finest,
         force=force,
@@ -213,16 +222,16 @@ def solve_paper(
 
 
 def _narrowest(contacts: Contacts) -> float:
-    """Half of the width that holds the middle two thirds of start, fresh or final thresholds, whichever is least;
-    single values have none."""
-    assert contacts.ageing is not None
-    laws = contacts.thresholds, contacts.start, contacts.ageing.final
+    """The least width (a length) of start, fresh and final thresholds: half of what holds their
+    middle two thirds; single values have none."""
+    laws = contacts.thresholds, contacts.start, ages(contacts).final
     widths = [0.5 * float(law.isf(0.16) - law.ppf(0.16)) for law in laws]
     return min(width for width in widths if width > 0.0)
 
 
-def _between(x: Array, at: Array, values: npt.ArrayLike) -> Array:
+def _between_steps(x: Array, at: Array, values: Array) -> Array:
     """Values read between steps."""
     if at.size < 2:
-        return np.full(x.size, np.asarray(values)[0])
-    return np.asarray(make_interp_spline(at, values, k=_SPLINE if at.size > _SPLINE else 1)(x))
+        return np.full(x.size, values[0])
+    degree = _SPLINE if at.size > _SPLINE else 1
+    return np.asarray(make_interp_spline(at, values, k=degree)(x))

@@ -6,7 +6,7 @@ import pytest
 import master
 import origins
 from master import critical_velocity
-from master._old.ageing_transient import paper_transient
+from master.paper.q15_transient import paper_transient
 from origins import Ageing, Contacts, InputError
 
 NARROW = origins.gaussian(0.5, 0.05)

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from q15_references import gaussian_force
 from scipy import stats
 
 import master
 import origins
-from master._old.ageing_paper import gaussian_force, paper_steady_state
-from master._old.ageing_propagator import AgeingPropagator
-from master._old.ageing_stepper import PaperStepper, enough_parts
-from master._old.ageing_transient import paper_transient
+from master.paper.q15_steady import paper_steady_state
+from master.paper.q15_step import Q15Stepper, enough_parts, make_ageing
+from master.paper.q15_transient import paper_transient
 from origins import Ageing, Contacts, InputError
 from origins.diffusion import Diffusion
 
@@ -28,11 +28,11 @@ def test_propagator() -> None:
     born = hops.weights(FRESH)
     exact = hops.evolve(born, 1e-4)
     parts = np.array([32, 64, 128])
-    errors = [np.abs(AgeingPropagator(hops, 1e-4, n)(born) - exact).sum() for n in parts]
+    errors = [np.abs(make_ageing(hops, 1e-4, n)(born) - exact).sum() for n in parts]
     order = -np.polyfit(np.log(parts), np.log(errors), 1)[0]
     assert abs(order - 2.0) < 0.2 and errors[-1] < 2e-3
     for amount in (1e-9, 1e-4, 1.0, 1e6):
-        step = AgeingPropagator(hops, amount)
+        step = make_ageing(hops, amount)
         assert step(born).sum() == pytest.approx(1.0, abs=1e-13)
         np.testing.assert_allclose(step(hops.stationary), hops.stationary, atol=1e-12)
 
@@ -55,7 +55,7 @@ def follow(stepper, length):  # type: ignore[no-untyped-def]
 
 def settled(diffusion, step, length, parts):  # type: ignore[no-untyped-def]
     """The same from the direct solution's steady state on."""
-    stepper = PaperStepper(figure_a05(diffusion), step, 1.0, "positivity", 16, parts)
+    stepper = Q15Stepper(figure_a05(diffusion), step, 1.0, "positivity", 16, parts)
     stepper.settle(paper_steady_state(FRESH, Ageing(FINAL, diffusion)))
     return follow(stepper, length)
 
@@ -83,7 +83,7 @@ def test_runs_to_the_steady_state(diffusion: float) -> None:
     start = stats.uniform(0.0, 0.4)
     runs = []
     for step in (0.005, 0.0025):
-        stepper = PaperStepper(figure_a05(diffusion, start), step, 1.0, "positivity", 16)
+        stepper = Q15Stepper(figure_a05(diffusion, start), step, 1.0, "positivity", 16)
         runs.append(smooth_mean(follow(stepper, 13.0)[-round(4.0 / step) :]))
     force, mean = (4.0 * runs[1] - runs[0]) / 3.0
     c, known = gaussian_force(FRESH.mean(), FRESH.moment(2), 1.0, 0.01, diffusion)
@@ -140,6 +140,16 @@ def test_single_fresh_value() -> None:
     told = master.solve(Contacts(origins.identical(0.6), origins.gaussian_start(0.1, 0.05), ageing=ageing), [0.3], 1e-3)
     # thresholds have hardly moved by then, nor have contacts come so far
     assert told.success and told.force[0] == pytest.approx(0.4, abs=1e-3)
+
+
+def test_a_final_law_that_ends() -> None:
+    """Thresholds are reflected at the wall: they come to lie evenly, while contacts stand far below."""
+    ageing = Ageing(origins.rectangular(0.4, 0.8), 1.0, closure="paper")
+    contacts = Contacts(origins.gaussian(0.6, 0.02), origins.gaussian_start(0.1, 0.02), ageing=ageing)
+    told = master.solve(contacts, [0.2], 1e-4)
+    assert told.success and told.force[0] == pytest.approx(0.3, abs=1e-6) and told.edges[-1] == 0.8
+    even = np.diff(np.clip(told.edges, 0.4, 0.8)) / 0.4
+    np.testing.assert_allclose(told.weights[0], even, atol=1e-4)
 
 
 def test_refusals() -> None:

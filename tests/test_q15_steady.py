@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from q15_references import gaussian_force
 from scipy import stats
 from scipy.linalg import solve_banded
 from scipy.optimize import brentq
@@ -9,7 +10,7 @@ from scipy.special import ive
 
 import master
 import origins
-from master._old.ageing_paper import gaussian_force, paper_steady_state
+from master.paper.q15_steady import paper_steady_state
 from origins import Ageing, Contacts
 from origins.diffusion import Diffusion
 from origins.frozen import as_thresholds
@@ -38,11 +39,11 @@ def test_direct_solution_and_closed_forms(diffusion: float) -> None:
     # moments of the law as it is cut leave round-off
     c, cut = gaussian_force(FRESH.mean(), FRESH.moment(2), 1.0, 0.01, diffusion)
     assert abs(steady.mean_threshold - c) < 1e-12 and abs(steady.force - cut) < 1e-12
-    assert steady.force_error < 1e-12 and steady.positivity_defect < 1e-15
+    assert abs(steady.force - cut) < 0.5 * steady.force_error < 5e-10 and steady.positivity_defect < 1e-15
     # C is both the mean of P_c and the integral of its survival
     x = np.linspace(0.0, 1.5, 30_001)
     assert np.trapezoid(steady.distribution(x), x) == pytest.approx(1.0, abs=1e-7)
-    assert steady.thresholds.mean() == pytest.approx(steady.mean_threshold, rel=1e-10)
+    assert steady.thresholds.mean() == pytest.approx(steady.mean_threshold, rel=3e-9)
 
 
 def test_crossover_and_limits() -> None:
@@ -135,3 +136,18 @@ def test_single_fresh_value_and_any_speed() -> None:
         forces = [master.steady_state(contacts, velocity=v).force for v in np.geomspace(1e-6, 1e9, 16)]
         known = gaussian_force(fresh.mean(), fresh.moment(2), 1.0, 0.01, 1.0 / np.geomspace(1e-6, 1e9, 16))[1]
         np.testing.assert_allclose(forces, known, rtol=1e-10)
+
+
+def test_a_far_tail_is_told() -> None:
+    """A final law whose <x²> lies far out: by finite volumes on a grid of its own, and an error that says so."""
+    final = as_thresholds(stats.lomax(4.0, scale=3.0))
+    steady = paper_steady_state(FRESH, Ageing(final, 0.1))
+    c, edges = steady.mean_threshold, np.sinh(np.linspace(0.0, np.arcsinh(1e6), 40_001))
+    hops = Diffusion(final, edges)
+    up, down = 0.1 * c * hops.up, 0.1 * c * hops.down
+    diagonal = 1.0 + np.append(up, 0.0) + np.append(0.0, down)
+    p = solve_banded((1, 1), np.stack([np.append(0.0, -down), diagonal, np.append(-up, 0.0)]), hops.weights(FRESH))
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    np.testing.assert_allclose([middle @ p, 0.5 * (middle**2 @ p) / c], [c, steady.force], rtol=2e-7)
+    heavy = paper_steady_state(FRESH, Ageing(as_thresholds(stats.lomax(2.1, scale=3.0)), 1e6))
+    assert not heavy.success and heavy.message.startswith("F_k known to")

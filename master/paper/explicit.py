@@ -1,0 +1,216 @@
+"""(Q2), (Q3), (Q4): the paper's explicit step of Q(x;X) on a grid. First order in the step.
+
+It is kept as the plain twin of `master.solve`. All stretches are multiples of the step dX. In one
+step
+
+    all contacts move on by dX,
+    a fraction a(x) of those now at x breaks,
+    the broken contacts re-form at x = 0.
+
+The fraction is taken from Q after the shift. Taken before it, as (Q2) and (Q3) read to the letter,
+cells fall below zero and the answer explodes. A contact that breaks within a step would have
+stretched again by up to dX before the step ends; here it does not. So where breaks are spread
+smoothly, every generation comes dX/2 late.
+"""
+
+import time
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from origins import Contacts, Drive, Thermal
+from origins.contacts import check_contacts
+from origins.errors import positive, refuse
+from origins.quadrature import gauss, panel_edges
+from origins.thresholds import Thresholds
+
+Array = npt.NDArray[np.float64]
+Breaking = Literal["survival", "printed"]
+
+# Nodes of the grid, and steps: more would take hours and gigabytes.
+MOST_NODES = 2**22
+# Share of the contacts that may stretch beyond the grid's end: below the round-off of their sum.
+TAIL = 1e-18
+# The mean rate is integrated over panels that halve towards x_s = x, where barriers vanish and the
+# rate of stiff contacts has a root: 2^-40 = 1e-12 of the whole range is left beside it.
+_HALVINGS = 0.5 ** np.arange(41.0)
+
+
+@dataclass(frozen=True)
+class ExplicitSolution:
+    """What the explicit scheme gives; it knows nothing of its own error.
+
+    Attributes
+    ----------
+    path : array of shape (n,)
+        Slider positions X (lengths).
+    force : array of shape (n,)
+        F/(N_c <k>) of (Q6), a length; straight between the steps.
+    holding : array of shape (n,)
+        Share of the contacts that hold, the sum of Q over the grid: 1 without a delay.
+    run_time : float
+        Seconds.
+    """
+
+    path: Array
+    force: Array
+    holding: Array
+    run_time: float
+
+
+def explicit(
+    contacts: Contacts,
+    path: npt.ArrayLike,
+    step: float,
+    breaking: Breaking = "survival",
+    *,
+    velocity: float = 1.0,
+) -> ExplicitSolution:
+    """(Q2)-(Q6), (Q5adelay), (temper4): F(X) on a rigid slider that moves forward, dx = dX = step.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to
+        P(x); a delay, rounded to whole steps. As in the paper, a contact that starts at x < 0 is
+        under P(x) from x = 0 on, though its threshold is known to exceed |x|: with weight there the
+        scheme is not the discrete model.
+    path : array of shape (n,)
+        Slider positions X >= 0 that never turn back (lengths); any spacing.
+    step : float
+        dx = dX (a length).
+    breaking : "survival" or "printed"
+        The fraction a(x) that breaks in a step. "survival": 1 - S(x)/S(x - dX), what the hazard P
+        takes over the whole step. "printed": P(x) dX of (Q3), with P = 0 at x <= 0; it is cut at 1,
+        as P grows without bound towards the upper end of a bounded law.
+    velocity : float
+        v (length per time), which only temperature and delay ask for.
+
+    Raises
+    ------
+    InputError
+        For a path as in `master.solve`; for a step that is not above zero or needs more than
+        4,194,304 nodes or steps; for an unknown `breaking`; for temperature with closure "exact",
+        where one rate at x is not enough; for other laws of a contact; and for "printed" with
+        thresholds of exact single values, which have no P(x).
+    """
+    began = time.perf_counter()
+    check_contacts(contacts, "master.paper.explicit", ("thermal", "delay"))
+    thermal, delay = contacts.thermal, contacts.delay
+    if thermal is not None and thermal.closure != "paper":
+        rule = 'the explicit scheme knows x alone; use closure = "paper"'
+        refuse("contacts.thermal.closure", thermal.closure, rule)
+    drive = Drive(path, velocity).only_forward("the explicit scheme")
+    end = float(drive.path[-1])
+    lowest, highest = _reach(contacts, end)
+    step = check_step(step, max(end, highest - lowest), breaking)
+
+    zero = -int(np.floor(lowest / step))  # index of x = 0
+    x: Array = step * np.arange(-zero, int(np.ceil(highest / step)) + 2, dtype=float)
+    shares = starting_shares(contacts, x, step)
+    fraction = broken_fraction(contacts.thresholds, x, step, breaking)
+    if thermal is not None:
+        heat = mean_rate(contacts.thresholds, thermal, np.abs(x)) / drive.velocity * step
+        if breaking == "survival":
+            fraction = 1.0 - (1.0 - fraction) * np.exp(-heat)
+        else:
+            fraction = np.minimum(fraction + heat, 1.0)
+    fraction[-1] = 1.0  # what would leave the grid breaks at its end
+
+    steps = int(np.ceil(end / step * (1.0 - 1e-12)))  # a path of whole steps ends on one
+    late = 0 if delay is None else round(delay.time * drive.velocity / step)
+    waiting = np.zeros(1 + late)  # a ring: what breaks now comes back `late` steps later
+    force, holding = np.empty(steps + 1), np.empty(steps + 1)
+    force[0], holding[0] = x @ shares, shares.sum()
+    for n in range(1, steps + 1):
+        waiting[n % waiting.size] = shift_and_break(shares, fraction)
+        shares[zero] += waiting[(n + 1) % waiting.size]
+        force[n], holding[n] = x @ shares, shares.sum()
+    at = step * np.arange(steps + 1)
+    return ExplicitSolution(
+        path=drive.path,
+        force=np.interp(drive.path, at, force),
+        holding=np.interp(drive.path, at, holding),
+        run_time=time.perf_counter() - began,
+    )
+
+
+def shift_and_break(shares: Array, fraction: Array) -> float:
+    """(Q2), (Q3): move all contacts on by one node, break some, in place; the share that broke."""
+    shares[1:] = shares[:-1].copy()
+    shares[0] = 0.0
+    broken = fraction * shares
+    shares -= broken
+    return float(broken.sum())
+
+
+def check_step(step: float, longest: float, breaking: str) -> float:
+    """The step, if it is above zero and cuts `longest` (a length) into few enough nodes."""
+    step = positive("step", step)
+    if breaking not in ("survival", "printed"):
+        refuse("breaking", breaking, 'must be "survival" or "printed"')
+    if longest / step > MOST_NODES:
+        rule = (
+            f"needs more than {MOST_NODES:,} steps or nodes; write step={longest / 1e4:.3g} or so"
+        )
+        refuse("step", step, rule)
+    return step
+
+
+def _reach(contacts: Contacts, end: float) -> tuple[float, float]:
+    """The lowest and the highest stretch of all but 1e-18 of the contacts on the way to X = end."""
+    low, high = contacts.start.span
+    upper = contacts.thresholds.support()[1]
+    low, high = max(low, -upper), min(max(high, 0.0), upper)
+    tail = TAIL * float(contacts.thresholds.sf(high))
+    return min(low, 0.0), min(high + end, float(contacts.thresholds.isf(tail)))
+
+
+def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
+    """(Q5b): the share of the contacts at each node at X = 0; they add up to 1."""
+    start = contacts.start
+    if start.is_single:  # two nodes share it, so that its mean stays
+        share = np.maximum(1.0 - np.abs(x - start.mean()) / step, 0.0)
+    else:
+        share = np.diff(start.cdf(np.append(x - 0.5 * step, x[-1] + 0.5 * step)))
+        share[contacts.thresholds.sf(np.abs(x)) <= 0.0] = 0.0
+    return share / share.sum()
+
+
+def broken_fraction(thresholds: Thresholds, x: Array, step: float, breaking: Breaking) -> Array:
+    """(Q3), (PcP): the fraction of the contacts now at each node that breaks in this step."""
+    fraction = np.ones(x.size)
+    if breaking == "survival":
+        before = thresholds.logsf(x - step)
+        some = before > -np.inf
+        fraction[some] = -np.expm1(thresholds.logsf(x[some]) - before[some])
+        return fraction
+    if thresholds.atoms[0].size:
+        rule = 'P(x) does not exist at exact single thresholds; write "survival"'
+        refuse("breaking", breaking, rule)
+    survival = thresholds.logsf(x)
+    some = survival > -np.inf
+    hazard = np.exp(thresholds.logpdf(x[some]) - survival[some])
+    fraction[some] = np.minimum(hazard * step, 1.0)
+    fraction[x <= 0.0] = 0.0
+    return fraction
+
+
+def mean_rate(thresholds: Thresholds, thermal: Thermal, x: Array) -> Array:
+    """(temper3): H(x), the integral of h(x; x_s) P_c(x_s) over all x_s > x; per time, x >= 0."""
+    law_edges = panel_edges(thresholds)
+    atoms, weights = thresholds.atoms
+    rate = np.zeros(x.size)
+    for i, stretch in enumerate(x):
+        edges = law_edges[law_edges > stretch]
+        if edges.size:
+            beside = stretch + (edges[-1] - stretch) * _HALVINGS
+            edges = np.unique(np.concatenate([[max(stretch, law_edges[0])], edges, beside]))
+            edges = edges[edges >= law_edges[0]]
+            nodes, width = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
+            rate[i] = (width * thresholds.pdf(nodes)) @ thermal.rate(stretch, nodes)
+        above = atoms > stretch
+        rate[i] += weights[above] @ thermal.rate(stretch, atoms[above])
+    return rate

@@ -1,0 +1,100 @@
+"""(Q3back), (Q4back), (Q5aback): the paper's friction loop (App. C), stepped forward and back.
+
+It is kept as the plain twin of `master.solve` on a path that turns round. Backward motion is
+forward motion with P_b(x) = P(-x): what breaks depends on x alone, and a survivor's past is
+forgotten. A contact that was pulled to 0.9 and let back to -0.5 counts as if its threshold might be
+0.6, which it would not have survived. So after a turn this is not the discrete model: with
+P_c(1, 0.2) it is off by 0.04 where turns are at +-3 and by 0.18 where they are at +-0.9.
+"""
+
+import time
+
+import numpy as np
+import numpy.typing as npt
+
+from master.paper.explicit import (
+    TAIL,
+    Breaking,
+    ExplicitSolution,
+    broken_fraction,
+    check_step,
+    shift_and_break,
+    starting_shares,
+)
+from origins import Contacts
+from origins.contacts import check_contacts
+from origins.errors import finite_array
+
+Array = npt.NDArray[np.float64]
+
+
+def explicit_loop(
+    contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Breaking = "survival"
+) -> ExplicitSolution:
+    """(Q2)-(Q6), (Q3back)-(Q5aback): F along a path that may turn round, T = 0, dx = dX = step.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Thresholds and starting stretches.
+    path : array of shape (n,)
+        Slider positions X (lengths) from X = 0 on, straight between points, of either sign. Turning
+        points are moved to the nearest multiple of `step`.
+    step : float
+        dx = dX (a length).
+    breaking : "survival" or "printed"
+        As in `explicit`.
+
+    Raises InputError for a path that is not finite, for `step` and `breaking` as `explicit` does.
+    """
+    began = time.perf_counter()
+    check_contacts(contacts, "master.paper.explicit_loop")
+    positions = finite_array("path", path)
+    travel = np.cumsum(np.abs(np.diff(positions, prepend=0.0)))
+    reach = _reach(contacts, positions)
+    step = check_step(step, max(float(travel[-1]), 2.0 * reach), breaking)
+
+    zero = int(np.ceil(reach / step)) + 1  # index of x = 0
+    x: Array = step * np.arange(-zero, zero + 1, dtype=float)
+    shares = starting_shares(contacts, x, step)
+    fraction = broken_fraction(contacts.thresholds, x, step, breaking)
+    fraction[-1] = 1.0  # what would leave the grid breaks at its end
+
+    corners = _corners(positions)  # where the path turns, and its end
+    steps = np.diff(np.rint(positions[corners] / step), prepend=0.0).astype(int)
+    force, holding = [x @ shares], [shares.sum()]
+    for leg in steps:
+        one_way = shares if leg > 0 else shares[::-1]  # a view: backward is forward of -x
+        for _ in range(abs(leg)):
+            broken = shift_and_break(one_way, fraction)
+            one_way[zero] += broken
+            force.append(x @ shares)
+            holding.append(shares.sum())
+    # steps taken when the slider has come to each point
+    taken = np.append(0, np.cumsum(np.abs(steps)))
+    at = np.interp(travel, np.append(0.0, travel[corners]), taken)
+    number = np.arange(len(force))
+    return ExplicitSolution(
+        path=positions,
+        force=np.interp(at, number, force),
+        holding=np.interp(at, number, holding),
+        run_time=time.perf_counter() - began,
+    )
+
+
+def _corners(path: Array) -> npt.NDArray[np.intp]:
+    """Indices of the points at which a path from X = 0 turns round, and of its last point."""
+    moves = np.diff(path, prepend=0.0)
+    moving = np.flatnonzero(moves)
+    turns = np.flatnonzero(np.diff(np.sign(moves[moving])))  # moves before a turn
+    return np.append(moving[turns], path.size - 1)
+
+
+def _reach(contacts: Contacts, path: Array) -> float:
+    """The largest |x| of all but 1e-18 of the contacts on the way."""
+    low, high = contacts.start.span
+    upper = contacts.thresholds.support()[1]
+    furthest = min(max(-low, high), upper)
+    tail = TAIL * float(contacts.thresholds.sf(furthest))
+    span = max(float(path.max()), 0.0) - min(float(path.min()), 0.0)
+    return max(min(furthest + span, float(contacts.thresholds.isf(tail))), furthest)

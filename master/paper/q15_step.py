@@ -1,0 +1,246 @@
+"""(Q15): one step of the paper's system of ageing as printed, on cohorts and cells.
+
+    dQ/dX + dQ/dx + P Q = delta(x) b,    b = integral of P Q
+    dP_c/dX = D_X L P_c - P Q + P_ci b
+    P_c = P exp(-integral of P),         that is P = P_c/S, S the survival of P_c
+
+Contacts are cohorts at (i + 1/2) h, which a step moves across whole cells of P_c. Each step is half
+a step of ageing, the breaks by the survival in the middle of the step, and half a step of ageing.
+Errors fall as h² while mass and sign of P_c are both kept, and as h after that.
+"""
+
+from collections.abc import Callable
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg.lapack import zgttrf, zgttrs
+
+from master.paper.q15_steady import AgeingSteadyState, check_alone
+from origins import Ageing, Contacts, InputError
+from origins.diffusion import Diffusion
+from origins.errors import refuse
+
+Array = npt.NDArray[np.float64]
+Keep = Literal["positivity", "mass"]
+Ages = Callable[[Array], Array]
+
+# Survival of P_ci or P_cf at which the table of P_c ends; no cohort of such a share is seen.
+_TAIL = 1e-13
+# Of a step: where a wall of P_cf lies closer than this to an edge of cells, it takes its place.
+_SLIVER = 0.25
+# Share of contacts that counts as standing where no thresholds are left.
+_STANDING = 1e-14
+# Steps that the table of P_c may span: more would take hours.
+_MOST_STEPS = 20_000
+# Change of ln P_cf over a cell, at three quantiles of P_ci, up to which hops see it as smooth.
+_CHANGE, _BULK = 2.0, np.array([1e-3, 0.03, 0.5])
+_FEWEST_CELLS, _MOST_CELLS = 4, 128  # to a step
+# Ageing is taken in parts of 1/8 of the time in which P_cf is reached, 16 at most.
+_PARTS, _MOST_PARTS = 8.0, 16
+
+
+class Broken(NamedTuple):
+    """What breaks in one step: cohorts after it (k,), thresholds lost by each cell, and births."""
+
+    cohorts: Array
+    lost: Array
+    births: float
+
+
+class Defects(NamedTuple):
+    """F/(N_c <k>) (a length), mass of P_c less 1, and weight of P_c below 0, a positive number."""
+
+    force: float
+    mass: float
+    below: float
+
+
+class Q15Stepper:
+    """Cohorts of contacts and cells of P_c, one step of X at a time.
+
+    Attributes
+    ----------
+    step : float
+        h, a length.
+    edges : array (m + 1,)
+        Of all cells (lengths).
+    walls : array (m / cells + 1,)
+        Of the groups of cells that cohorts cross in a step (lengths).
+    stretches, cohorts : arrays (k,)
+        Where cohorts stand (lengths), and Q as their shares of the contacts.
+    """
+
+    def __init__(
+        self,
+        contacts: Contacts,
+        step: float,
+        velocity: float,
+        keep: Keep = "positivity",
+        cells: int | None = None,
+        parts: int | None = None,
+    ) -> None:
+        ageing, start, fresh = ages(contacts), contacts.start, contacts.thresholds
+        cells = enough_cells(contacts, step) if cells is None else cells
+        parts = enough_parts(contacts, step, velocity) if parts is None else parts
+        amount = ageing.rate / velocity * step
+        lower, end = ageing.final.support()
+        upper = float(fresh.isf(_TAIL))
+        if amount > 0.0:
+            upper = min(end, max(upper, float(ageing.final.isf(_TAIL))))
+        low, high = min(start.span[0], 0.0), max(upper, start.span[1])
+        if (high - low) / step > _MOST_STEPS:
+            example = f"write step={(high - low) / 2000.0:.3g} or so"
+            refuse("step", step, f"needs more than {_MOST_STEPS:,} cells; {example}")
+
+        self.step, self._keep, self._cells = step, keep, cells
+        first, last = int(np.floor(low / step)) - 1, int(np.ceil(high / step)) + 1
+        self.stretches: Array = step * (np.arange(first, last, dtype=float) + 0.5)
+        self._born = -first  # index of h/2
+        ends = np.append(self.stretches - 0.5 * step, self.stretches[-1] + 0.5 * step)
+        self.cohorts = np.diff(start.cdf(ends))
+        self.cohorts /= self.cohorts.sum()
+
+        inner = self.stretches[self.stretches > lower + _SLIVER * step]
+        inner = inner[: int(np.searchsorted(inner, upper)) + 1]
+        if inner[-1] > end - _SLIVER * step:  # nothing may lie beyond the wall of P_cf
+            inner = np.append(inner[inner < end - _SLIVER * step], end)
+        self.walls = np.append(lower, inner)
+        place = np.arange(cells * inner.size + 1) / cells
+        self.edges = np.interp(place, np.arange(self.walls.size), self.walls)
+        group = np.searchsorted(self.walls, self.stretches[:-1] + 0.5 * step, side="right") - 1
+        self._group = np.clip(group, 0, inner.size - 1)
+
+        self._fresh = np.diff(fresh.cdf(self.edges))
+        self._fresh /= self._fresh.sum()
+        self._half: Ages = np.positive  # at D = 0 nothing ages
+        self._whole: Ages = np.positive
+        if amount > 0.0:
+            diffusion = Diffusion(ageing.final, self.edges)
+            self._half = make_ageing(diffusion, 0.5 * amount, parts)
+            self._whole = make_ageing(diffusion, amount, parts)
+        self._stand_with(self._fresh)
+
+    def _stand_with(self, weights: Array) -> None:
+        """Set P_c at the end of a step's breaks, and after the ageing up to the next breaks."""
+        self._broken = weights  # half a step of ageing is still to come
+        self._aged = self._half(weights)
+
+    def weights(self) -> Array:
+        """P_c, as weights of the cells (m,)."""
+        return self._half(self._broken)
+
+    def histogram(self) -> Array:
+        """The same, between the walls."""
+        return np.asarray(self.weights().reshape(-1, self._cells).sum(axis=1))
+
+    def state(self) -> Defects:
+        """The force, and what P_c lacks."""
+        w = self._broken
+        below = abs(float(w[w < 0.0].sum()))
+        return Defects(float(self.stretches @ self.cohorts), float(w.sum()) - 1.0, below)
+
+    def settle(self, steady: AgeingSteadyState) -> None:
+        """Stand in a steady state."""
+        stretches = steady.distribution(self.stretches)
+        self.cohorts = stretches / stretches.sum()
+        weights = np.diff(steady.thresholds.cdf(self.edges))
+        self._stand_with(weights / weights.sum())
+
+    def advance(self) -> bool:
+        """Take one step. False, and nothing done, with keep = "mass" where contacts stand at a
+        survival that is not above 0."""
+        begun = middle = self._aged
+        for _ in range(2):  # the second time by the survival in the middle of the step
+            broken = self._break(middle)
+            if broken is None:
+                return False
+            ended = begun - broken.lost + broken.births * self._fresh
+            if self._keep == "positivity":
+                ended = np.maximum(ended, 0.0)
+            middle, cohorts = 0.5 * (begun + ended), broken.cohorts
+        self.cohorts, self._broken = cohorts, ended
+        self._aged = self._whole(ended)
+        return True
+
+    def _break(self, weights: Array) -> Broken | None:
+        """What breaks in a step by the survival of `weights` (m,); None as `advance` says."""
+        groups = weights.reshape(-1, self._cells)
+        tail = np.append(np.cumsum(groups.sum(axis=1)[::-1])[::-1], 0.0)
+        survival = np.interp(self.stretches, self.walls, tail)
+        before, after = survival[:-1], survival[1:]
+        standing = self.cohorts[:-1]
+        dead = before <= 0.0
+        if self._keep == "mass" and (dead & (standing > _STANDING)).any():
+            return None
+        moved = standing * np.where(dead, 0.0, after / np.where(dead, 1.0, before))
+        lost = standing - moved
+        total = float(lost.sum()) + float(self.cohorts[-1])
+        cohorts = np.append(0.0, moved)
+        cohorts[self._born] += total
+        # those born in the step stand at h/2 on average: some of them break and are born again
+        births = total * float(tail[0] / survival[self._born])
+        lost[self._born - 1] += births - total
+        # the cells that a cohort crosses lose in proportion to what they hold
+        size = np.abs(groups)
+        whole = size.sum(axis=1, keepdims=True)
+        share = np.where(whole > 0.0, size / np.where(whole > 0.0, whole, 1.0), 1.0 / self._cells)
+        by_group = np.asarray(np.bincount(self._group, lost, minlength=tail.size - 1), dtype=float)
+        return Broken(cohorts, (share * by_group[:, None]).ravel(), births)
+
+
+def make_ageing(diffusion: Diffusion, amount: float, parts: int = 1) -> Ages:
+    """(L): the function that ages weights (n,) by `amount` = D t (a length squared), sum kept.
+
+    The exponential of the hops between cells, in `parts` steps each of one tridiagonal solution:
+    exp(z) ≈ 1/(1 - z + z²/2) = Re (1 - i)/(1 - (1 + i) z/2), of second order; it forgets what is
+    fast and lets next to nothing fall below zero.
+    """
+    up, down = amount / parts * diffusion.up, amount / parts * diffusion.down
+    leaving = np.append(up, 0.0) + np.append(0.0, down)
+    pole = 0.5 + 0.5j
+    factors = zgttrf(-pole * up, 1.0 + pole * leaving, -pole * down)[:5]
+
+    def age(weights: Array) -> Array:
+        for _ in range(parts):
+            after = ((1.0 - 1.0j) * zgttrs(*factors, weights.astype(complex))[0]).real
+            # with many hops the sum is known to so many roundings only
+            weights = after + (weights.sum() - after.sum()) * diffusion.stationary
+        return weights
+
+    return age
+
+
+def enough_cells(contacts: Contacts, step: float) -> int:
+    """Cells to a step over which ln P_cf changes by little where fresh thresholds lie."""
+    final, fresh = ages(contacts).final, contacts.thresholds
+    beside = 1e-4 * float(fresh.std() or fresh.mean())
+    x = fresh.ppf(_BULK)
+    ends = np.clip(np.stack([x - beside, x + beside]), *final.support())
+    slope = np.abs(np.diff(final.logpdf(ends), axis=0) / np.diff(ends, axis=0))
+    steepest = float(slope[np.isfinite(slope)].max(initial=0.0))
+    return int(np.clip(np.ceil(step * steepest / _CHANGE), _FEWEST_CELLS, _MOST_CELLS))
+
+
+def enough_parts(contacts: Contacts, step: float, velocity: float) -> int:
+    """Parts of a step in each of which P_cf is approached by little."""
+    ageing = ages(contacts)
+    approach = ageing.rate / velocity * step / ageing.final.std() ** 2
+    return int(np.clip(np.ceil(_PARTS * approach), 1, _MOST_PARTS))
+
+
+def ages(contacts: Contacts) -> Ageing:
+    """The ageing of contacts that (Q15) takes, with a start that has a width; else InputError."""
+    if not isinstance(contacts, Contacts):
+        example = "origins.Contacts(origins.gaussian(mean=1.0, std=0.05))"
+        refuse("contacts", contacts, f"must be contacts, such as {example}")
+    if contacts.ageing is None:
+        raise InputError("contacts.ageing: is None; without ageing use master.solve")
+    if contacts.start.is_single:
+        raise InputError(
+            f"start: all contacts at the one stretch {contacts.start.mean():g}: there (Q15) "
+            "multiplies what is infinite by what it empties; use a start with a width, such as "
+            'origins.gaussian_start(mean=0.1, std=0.025), or closure = "exact"'
+        )
+    check_alone(contacts)
+    return contacts.ageing
