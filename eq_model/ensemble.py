@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import time as clock
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import reduce
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -44,8 +45,11 @@ class Ensemble:
     parameters that was cut short: what these did is not done again, and the result is the same to the last bit.
 
     Attributes: `total`, contacts in all; `expected`, how many of them will be followed, which with a tolerance is known
-    better after each round.
+    better after each round; `clock`, which returns seconds: the size of the blocks, the wall time and the run time go
+    by it. Another clock may take its place, on the class or before the first block, so that work is counted instead.
     """
+
+    clock: Callable[[], float] = staticmethod(perf_counter)
 
     def __init__(
         self,
@@ -74,7 +78,7 @@ class Ensemble:
                 'contacts.ageing: closure = "paper" gives all contacts one law, which single contacts do not have; use '
                 'closure = "exact"'
             )
-        started = clock.perf_counter()
+        started = self.clock()
         if comm is not None and not hasattr(comm, "Get_rank"):
             refuse("comm", comm, "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process")
         self.contacts, self.comm = contacts, comm
@@ -97,10 +101,10 @@ class Ensemble:
         self._each = _QUICK * (often + self._engine.steps)
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, "such as 1e-4")
         self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
-        ready = clock.perf_counter() - started
-        started = clock.perf_counter()
+        ready = self.clock() - started
+        started = self.clock()
         layout.in_turn(comm, lambda: self._engine.follow(range(0)))
-        self.compile_time = clock.perf_counter() - started
+        self.compile_time = self.clock() - started
         sums, counts = np.zeros((2, self._engine.size), np.int64), Tally.zeros(points.size, self.total)
         nothing = State(sums, counts, 0, 0, [], ready)
         found = list(earlier)
@@ -121,25 +125,26 @@ class Ensemble:
         laws = self.contacts.thermal, self.contacts.ageing, self.contacts.grains
         if any(law is not None for law in laws):
             size = min(size, _UNKNOWN, int(max(_LONG / max(self._each, 1e-9), 1.0)))
-        begun, done = clock.monotonic(), 0
+        begun, done = self.clock(), 0
         for one_round in layout.rounds(self.total, self._tolerance is not None):
             mine = layout.share(layout.left(one_round, self._before), rank, ranks)
             total, late = done + sum(map(len, mine)), False
             while mine and not late:
                 block, rest = layout.cut(mine[0], size)
                 mine = [rest, *mine[1:]] if len(rest) else mine[1:]
-                started = clock.perf_counter()
+                started = self.clock()
                 added = self._engine.follow(block)
-                seconds = clock.perf_counter() - started
+                seconds = self.clock() - started
+                found = self._state.after(block, *added)
                 # one assignment: whatever interrupts, the state is that of whole blocks
-                self._state = self._state.after(block, *added, seconds)
+                self._state = replace(found, run_time=found.run_time + self.clock() - started)
                 if len(block) == size and seconds > _LONG:
                     size = max(size // 2, 1)
                 elif 4.0 * seconds < _LONG:
                     size = min(2 * size, most)
                 done += len(block)
                 yield done, total
-                late = self._stopped or (self._wall_time is not None and clock.monotonic() - begun > self._wall_time)
+                late = self._stopped or (self._wall_time is not None and self.clock() - begun > self._wall_time)
             for _ in layout.meeting(self.comm):
                 yield done, total
             if self._enough(one_round, late or self._stopped):
@@ -165,9 +170,7 @@ class Ensemble:
             return late
         found = self._result()
         wanted = self._wanted(found.contacts, float(found.force_standard_error.max()) / self.contacts.mean_threshold)
-        self.expected = next(
-            (part.stop for part in layout.rounds(self.total, True) if part.stop >= wanted), self.total
-        )
+        self.expected = next((part.stop for part in layout.rounds(self.total, True) if part.stop >= wanted), self.total)
         return found.success
 
     def _wanted(self, contacts: int, largest: float) -> float:
@@ -183,7 +186,7 @@ class Ensemble:
 
     def _result(self, counts: Tally | None = None) -> EnsembleResult:
         """With the histograms of this rank's `counts` and the other ranks', or without any."""
-        started, state = clock.perf_counter(), self._state
+        started, state = self.clock(), self._state
         sums, states = state.sums, [state]
         if self.comm is not None:
             sums = np.empty_like(state.sums)
@@ -196,7 +199,7 @@ class Ensemble:
         holding, force, variance = self._engine.moments(done, sums)
         error = np.sqrt(variance / contacts)
         histograms = [] if counts is None else self._engine.histograms(contacts, counts.of_all(self.comm))
-        run_time = max(one.run_time for one in states) + self._slowest(clock.perf_counter() - started)
+        run_time = max(one.run_time for one in states) + self._slowest(self.clock() - started)
         success, message = self._judge(contacts, error)
         return EnsembleResult(
             path=self.drive.path,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time as clock
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,14 +27,10 @@ class State:
     done: list[range]
     run_time: float
 
-    def after(
-        self, block: range, sums: npt.NDArray[np.int64], counts: Counts, breaks: int, steps: int, seconds: float
-    ) -> State:
-        """With one block more, which took so long; the adding takes its time too."""
-        begun, done = clock.perf_counter(), layout.joined(self.done, block)
-        sums, added = self.sums + sums, self.counts.plus(counts)
-        run_time = self.run_time + seconds + clock.perf_counter() - begun
-        return State(sums, added, self.breaks + breaks, self.steps + steps, done, run_time)
+    def after(self, block: range, sums: npt.NDArray[np.int64], counts: Counts, breaks: int, steps: int) -> State:
+        """With one block more; how long it took is for the caller to add."""
+        done, added = layout.joined(self.done, block), self.counts.plus(counts)
+        return State(self.sums + sums, added, self.breaks + breaks, self.steps + steps, done, self.run_time)
 
     def joined(self, other: State) -> State:
         """Of both."""

@@ -19,6 +19,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # read when numpy is first imported: every worker has a core of its own, and idle BLAS threads would keep it busy
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+HANGS = 600.0  # s after which a process of its own is given up: far longer than any takes on a slow machine
+
 ROOT = Path(__file__).parent.parent
 LAUNCHER_VARIABLES = ("PMI_", "PMIX_", "OMPI_", "MPI_", "MV2_", "SLURM_", "HYDI_")
 
@@ -34,14 +36,22 @@ def clean_environment(**extra: str) -> dict[str, str]:
 
 @pytest.fixture(autouse=True)
 def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What commands say does not tell whether they are the first to compile."""
+    """What commands say does not tell whether they are the first to compile, nor how fast the machine is."""
     monkeypatch.setattr("toolkit.compiling_notice._LOG_PATIENCE", math.inf)
+    monkeypatch.setattr("toolkit.progress._LOG_PATIENCE", 1e6)  # s; an event can wait no infinite time
 
 
 def _compiled(done: subprocess.CompletedProcess[str]) -> subprocess.CompletedProcess[str]:
     """The same of processes of their own."""
-    done.stderr = re.sub(r"^mesofriction: compiling, .*\n", "", done.stderr, flags=re.MULTILINE)
+    slow = r"^mesofriction: (compiling, |(eq|master equation): .* after \d+:\d\d:\d\d).*\n"
+    done.stderr = re.sub(slow, "", done.stderr, flags=re.MULTILINE)
     return done
+
+
+@pytest.fixture
+def whole_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No block of an ensemble takes long, so that each has as many contacts as a block may have."""
+    monkeypatch.setattr("eq_model.Ensemble.clock", staticmethod(lambda: 0.0))
 
 
 @pytest.fixture
@@ -56,7 +66,7 @@ def python(tmp_path: Path) -> Runner:
                 env=clean_environment(**environment),
                 capture_output=True,
                 text=True,
-                timeout=60,
+                timeout=HANGS,
             )
         )
 
@@ -81,7 +91,7 @@ def mpirun(tmp_path: Path) -> Runner:
                 env=environment,
                 capture_output=True,
                 text=True,
-                timeout=60,
+                timeout=HANGS,
                 stdin=subprocess.DEVNULL,
             )
         )

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import clean_environment
+from conftest import HANGS, clean_environment
 
 import master
 import origins
@@ -170,8 +170,15 @@ def test_thresholds_of_contacts_with_laws_of_their_own(write_scene, capsys) -> N
 def test_thresholds_of_a_surface_name_what_they_list_once(write_scene, capsys) -> None:
     assert main(["thresholds", write_scene(rough())]) == 0
     out = capsys.readouterr().out
-    for name in ("mean <x_s> ", "kinetic force F_k/(N<k>) ", "critical spring K*/(N<k>) ", "static to kinetic F_s/F_k ",
-                 "decoherence length X* ", "friction coefficient F_k/load ", "kinetic stress F_k/area "):
+    for name in (
+        "mean <x_s> ",
+        "kinetic force F_k/(N<k>) ",
+        "critical spring K*/(N<k>) ",
+        "static to kinetic F_s/F_k ",
+        "decoherence length X* ",
+        "friction coefficient F_k/load ",
+        "kinetic stress F_k/area ",
+    ):
         assert out.count(f"  {name}") == 1
     assert "mean threshold" not in out and "errors are numerical only" in out
 
@@ -378,14 +385,18 @@ def test_a_signal_while_it_imports_is_one_line(
 
 def test_compiling_is_told_while_it_lasts() -> None:
     code = """
-from toolkit import compiling_notice
-compiling_notice._LOG_PATIENCE = 0.05
-with compiling_notice.CompilingNotice():
-    import time, numba
-    time.sleep(0.3)
-    for _ in range(2):
+import contextlib, io
+from toolkit.compiling_notice import CompilingNotice
+with contextlib.redirect_stderr(io.StringIO()) as told, CompilingNotice(patience=0.0, look=1e-3):
+    import numba
+    more = 3  # functions compiled once it is told, which is told only once
+    while more:
         numba.njit(lambda x: [x**0.5 + y for y in range(3)])(2.0)
+        more -= bool(told.getvalue())
+print(told.getvalue(), end="")
 """
-    done = subprocess.run([sys.executable, "-c", code], env=clean_environment(), capture_output=True, text=True)
-    (line,) = done.stderr.splitlines()
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(words, env=clean_environment(), capture_output=True, text=True, timeout=HANGS)
+    (line,) = done.stdout.splitlines()
+    assert done.stderr == ""
     assert line.startswith("mesofriction: compiling, ")

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import clean_environment
+from conftest import HANGS, clean_environment
 
 import eq_model
 import master
@@ -35,7 +35,7 @@ for name in shipped_scenes():
 print(json.dumps(told))
 """
     words = [sys.executable, "-c", code]
-    done = subprocess.run(words, env=clean_environment(), capture_output=True, text=True, timeout=60)
+    done = subprocess.run(words, env=clean_environment(), capture_output=True, text=True, timeout=HANGS)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

@@ -1,12 +1,12 @@
 """Paths in time: turns, holds and velocity steps of contacts with laws of their own."""
 
-import time
 from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 import pytest
 import scipy.stats
+from counted_calls import CountedCalls
 from moving_contacts import move
 from scipy.integrate import quad
 
@@ -188,11 +188,11 @@ def test_extremes_end_in_numbers_and_plain_words(
 def test_paths_on_which_contacts_do_too_much_are_refused_soon() -> None:
     round_and_round = [3.0, -3.0, 3.0]
     hot = [Contacts(WIDE, thermal=Thermal("soft", 0.1, frequency)) for frequency in (1e12, 1e4)]
-    for contacts, most in zip(hot, (0.5, 20.0), strict=True):
-        began = time.process_time()
-        with pytest.raises(InputError, match=r"attempt_frequency = 10+\.0: .* steps in time .* slide faster"):
+    for contacts in (hot[0], *hot):  # the first time it imports what it needs
+        too_hot = r"attempt_frequency = 10+\.0: .* steps in time .* slide faster"
+        with CountedCalls() as told, pytest.raises(InputError, match=too_hot):
             master.solve(contacts, round_and_round)
-        assert time.process_time() - began < most
+    assert told.number < 300_000  # some 50,000; all steps take above a million
     with pytest.raises(InputError, match=r"path = '3e\+05 mean thresholds in all': .* end it sooner"):
         master.solve(Contacts(WIDE, thermal=SOFT), [1e5, -1e5])
     with pytest.raises(InputError, match=r"path = '3e\+03 .* steps in time .* are the most; end it sooner"):

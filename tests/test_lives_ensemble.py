@@ -148,7 +148,7 @@ def test_sums_do_not_depend_on_the_cutting() -> None:
     pieces = eq_model.Ensemble(contacts, TURNING, **arguments)
     for first in range(0, 2100, 333):
         block = range(first, min(first + 333, 2100))
-        pieces._state = pieces.state.after(block, *pieces._engine.follow(block), 0.0)
+        pieces._state = pieces.state.after(block, *pieces._engine.follow(block))
     found = pieces.result()
     for name in ("force", "force_standard_error", "holding"):
         assert np.array_equal(getattr(found, name), getattr(whole, name))
@@ -276,7 +276,7 @@ def test_coarser_steps_do_not_depend_on_the_cutting() -> None:
     pieces = eq_model.Ensemble(contacts, TURNING, **arguments)
     for first in range(0, 4500, 700):
         block = range(first, min(first + 700, 4500))
-        pieces._state = pieces.state.after(block, *pieces._engine.follow(block), 0.0)
+        pieces._state = pieces.state.after(block, *pieces._engine.follow(block))
     found = pieces.result()
     assert np.array_equal(found.step_error, whole.step_error) and (whole.step_error > 0.0).all()
     assert np.array_equal(found.force, whole.force)

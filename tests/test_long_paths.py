@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.stats
+from counted_calls import CountedCalls
 from phase_type import gaussian_force
 
 import master
@@ -26,11 +27,12 @@ CASES = {
 def test_far_on_the_force_is_the_kinetic_one_at_any_distance(name: str) -> None:
     contacts, speed = CASES[name]
     steady = master.steady_state(contacts, velocity=speed)
-    far = master.solve(contacts, steady.cycle_length * np.geomspace(2e4, 1e12, 7), 1e-8, velocity=speed)
+    with CountedCalls() as told:
+        far = master.solve(contacts, steady.cycle_length * np.geomspace(2e4, 1e12, 7), 1e-8, velocity=speed)
     assert far.success and far.force_error <= 1e-8, far.message
     np.testing.assert_allclose(far.force, steady.force, atol=1e-8)
     np.testing.assert_allclose(far.holding, steady.holding, atol=1e-8)
-    assert far.run_time < 30.0  # as many breaks as there are would take years
+    assert told.number < 1_000_000  # below 100,000; of 1e12 breaks, more than there are
     x = np.linspace(0.05, 1.2, 5) * steady.cycle_length
     spread = far.distribution(1e11 * steady.cycle_length)
     if not spread.delta_weights.sum() > 1e-9:
@@ -101,8 +103,9 @@ def test_lives_of_all_lengths_are_followed_by_steps_wider_than_most() -> None:
 def test_contacts_hot_enough_to_break_a_million_times_on_the_way(law: str) -> None:
     contacts = Contacts(WIDE, thermal=Thermal(law, 0.1, 1e12))
     path = np.array([0.002, 0.01, 0.5, 5.0, 1e3])
-    found = master.solve(contacts, path)
-    assert found.success and found.run_time < 30.0, found.message
+    with CountedCalls() as told:
+        found = master.solve(contacts, path)
+    assert found.success and told.number < 1_000_000, found.message
     # nearer lattices, none of which is too wide for what lives for so long
     near = master.solve(contacts, path[:1], 1e-12)
     assert abs(found.force[0] - near.force[0]) <= found.force_error + near.force_error

@@ -1,6 +1,7 @@
 """The ladders of precision: true errors, claims, references; the command's files and refusals."""
 
 import json
+import math
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -30,7 +31,11 @@ SCENE: dict[str, Any] = {
     "eq": {"contacts": 7, "replicas": 2, "seed": 4},
 }
 SHORT = Ladders(
-    tolerances=(1e-2, 1e-6, 1e-10), steps=(25, 50, 100, 200), sizes=(100, 1000, 10_000), closest_sizes=(100, 1000)
+    tolerances=(1e-2, 1e-6, 1e-10),
+    steps=(25, 50, 100, 200),
+    sizes=(100, 1000, 10_000),
+    closest_sizes=(100, 1000),
+    longest=math.inf,
 )
 RECTANGULAR = {**SCENE, "contacts": {"thresholds": {"kind": "rectangular", "lower": 0.5, "upper": 1.5}}}
 
@@ -131,11 +136,10 @@ print(*(name for name in {modules.split()!r} if name in sys.modules))
     assert set(told.split()) == methods and loaded == ""
 
 
-def test_a_ladder_ends_after_a_long_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toolkit.precision._TOO_LONG", 0.0)
-    ended = precision(load_scene(SCENE), SHORT)
+def test_a_ladder_ends_after_a_long_run() -> None:
+    ended = precision(load_scene(SCENE), replace(SHORT, longest=0.0))
     assert [point.method for point in ended.points] == ["master", "explicit", "ensemble", "closest"]
-    assert sum("no further" in note for note in ended.notes) == 4
+    assert sum("no further, as a run took more than 0 s" in note for note in ended.notes) == 4
 
 
 def test_closed_form_against_many_digits() -> None:

@@ -3,7 +3,7 @@
 import json
 import os
 import re
-import time
+import threading
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,6 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from conftest import HANGS
 
 import eq_model
 import master
@@ -104,14 +105,14 @@ def test_progress_counts_up_to_the_whole() -> None:
 def test_progress_is_for_long_runs_only(
     terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    short = Progress()
+    clock = iter([0.0, 0.3, 0.6, 0.9, 0.0, 0.5, 70.0, 71.0, 101.0, 102.0])
+    monkeypatch.setattr("toolkit.progress.time", SimpleNamespace(monotonic=lambda: next(clock)))
+    short = Progress(patience=1.0)
     for done in (1, 2, 3):
         short(done, 3)
     assert capsys.readouterr().err == ""
-    clock = iter([0.0, 0.5, 70.0, 71.0, 101.0, 102.0])
-    monkeypatch.setattr("toolkit.progress.time", SimpleNamespace(monotonic=lambda: next(clock)))
     monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
-    long = Progress()
+    long = Progress(patience=1.0 if terminal else 10.0)
     long(1_000_000, 4_000_000)
     assert capsys.readouterr().err == ""
     long(2_000_000, 4_000_000)
@@ -129,18 +130,44 @@ def test_progress_is_for_long_runs_only(
     long(4_000_000, 4_000_000)
 
 
+class Turns(threading.Event):
+    """An event that does not come for as many waits as it is told to let pass; how long each was meant to be."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.waits = list[float | None]()
+        self._waiting, self._passing = threading.Semaphore(0), threading.Semaphore(0)
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.waits.append(timeout)
+        self._waiting.release()
+        assert self._passing.acquire(timeout=HANGS)
+        return self.is_set()
+
+    def let_pass(self, waits: int) -> None:
+        """Return when all that follows these waits is done."""
+        for _ in range(waits):
+            assert self._waiting.acquire(timeout=HANGS)
+            self._passing.release()
+        assert self._waiting.acquire(timeout=HANGS)
+
+    def set(self) -> None:
+        super().set()
+        self._passing.release()
+
+
 @pytest.mark.parametrize("terminal", [True, False])
 def test_the_progress_of_the_master_equation_tells_its_error(
     terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in ("_PATIENCE", "_LOG_PATIENCE"):
-        monkeypatch.setattr(f"toolkit.progress.{name}", 0.01)
     monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
-    bar = Refinement(1e-8)
+    turns = Turns()
+    bar = Refinement(1e-8, patience=5.0, done=turns)
     for error in (1e-2, 1e-5, 3e-5):
         bar(error)
-    time.sleep(0.3)
+    turns.let_pass(1)
     bar.close()
+    assert turns.waits == [5.0, 1.0 if terminal else 30.0]
     told = capsys.readouterr().err
     assert "master equation:" in told and "error 1.0e-05 of 1.0e-08 asked" in told
     assert terminal or (told.count("\n") == 1 and "\r" not in told)

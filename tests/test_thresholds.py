@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import HANGS
 from scipy import stats
 
 import origins
@@ -245,5 +246,5 @@ def test_importing_origins_is_light() -> None:
         "print([module for module in heavy if module in sys.modules])\n"
     )
     root = Path(__file__).parent.parent
-    found = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, timeout=60)
+    found = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, timeout=HANGS)
     assert found.stdout.strip() == "[]", found.stderr

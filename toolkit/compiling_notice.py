@@ -13,10 +13,14 @@ _SAID = "mesofriction: compiling, which takes up to some minutes; numba keeps it
 
 
 class CompilingNotice:
-    """A context within which that line is told once, if it comes to it; to be entered on rank 0 only."""
+    """A context within which that line is told once, if it comes to it; to be entered on rank 0 only.
 
-    def __init__(self) -> None:
-        self._patience = _PATIENCE if sys.stderr.isatty() else _LOG_PATIENCE
+    patience : seconds of compiling before it is told; None: those of a terminal or of a log file.
+    look : seconds from one look at whether numba compiles to the next."""
+
+    def __init__(self, patience: float | None = None, look: float = _LOOK) -> None:
+        usual = _PATIENCE if sys.stderr.isatty() else _LOG_PATIENCE
+        self._patience, self._look = usual if patience is None else patience, look
         self._begun, self._depth = 0.0, 0
         self._done = threading.Event()
         self._watching = threading.Thread(target=self._watch, daemon=True)
@@ -34,7 +38,7 @@ class CompilingNotice:
     def _watch(self) -> None:
         event = None
         while event is None:
-            if self._done.wait(_LOOK):
+            if self._done.wait(self._look):
                 return
             # not imported for this: what compiles nothing needs no numba
             found = sys.modules.get("numba.core.event")
@@ -42,7 +46,7 @@ class CompilingNotice:
         listener = self._listener(event)
         event.register(_KIND, listener)
         try:
-            while not self._done.wait(_LOOK):
+            while not self._done.wait(self._look):
                 if self._depth and time.monotonic() - self._begun > self._patience:
                     print(_SAID, file=sys.stderr, flush=True)
                     return

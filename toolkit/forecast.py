@@ -6,7 +6,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -32,6 +32,10 @@ _AFTERWARDS = 160.0  # MB at most for result files and pictures, once the ensemb
 _COMPILED = 0.6  # of a pilot's peak, if it compiled what the run finds compiled
 _SIGMAS = 4.0
 _TAILS = 2.5  # variance of a variance, in units of its square: 0.5 for normal forces, more where some contacts differ
+
+
+Seconds = Callable[["EnsembleResult", int], float]
+"""How long an ensemble takes that has this result and followed so many blocks."""
 
 
 @dataclass(frozen=True)
@@ -82,9 +86,12 @@ class Forecast:
     pilot_time: float
 
 
-def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
+def forecast(scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | None = None) -> Forecast:
     """Run pilots of the scene's ensemble, each larger than the one before, for some tenths of a second in all; `done`
     contacts need not be followed again.
+
+    `seconds` says how long a pilot took, given its result and its number of blocks on this rank, so that the size of
+    the pilots and the run time hang on their work alone; None: as the clock has it.
 
     All ranks of the communicator must call: they work at once, as they will. Raises InputError for a scene without
     [eq], and as a run does.
@@ -93,12 +100,12 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
     if asked is None:
         raise InputError("dry run: the scene has no [eq]; only an ensemble's work is foreseen so")
     ranks, most = 1 if comm is None else comm.Get_size(), asked.contacts * asked.replicas
-    few = _follow_few(scene, asked, comm, min(ranks, most))
+    few = _follow_few(scene, asked, comm, min(ranks, most), seconds)
     # what a block takes whatever its contacts, above all its histograms, is no part of what contacts take
-    each_block, ready, spent, n = few.blocks, few.ready, few.result.run_time, min(_FIRST * ranks, most)
+    each_block, ready, spent, n = few.blocks, few.ready, few.run_time, min(_FIRST * ranks, most)
     while True:
-        few = _follow_few(scene, asked, comm, n)
-        ready, spent = max(ready, few.ready), spent + few.result.run_time  # tables are made once
+        few = _follow_few(scene, asked, comm, n, seconds)
+        ready, spent = max(ready, few.ready), spent + few.run_time  # tables are made once
         found, aside = few.result, few.number * each_block
         largest = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
         long_enough = few.blocks - aside > max(_LONG_ENOUGH, aside)
@@ -146,14 +153,20 @@ class _Few:
     ready: float
     once: float
 
+    @property
+    def run_time(self) -> float:
+        return self.ready + self.blocks + self.once
 
-def _follow_few(scene: Scene, asked: EqTable, comm: Any, n: int) -> _Few:
+
+def _follow_few(scene: Scene, asked: EqTable, comm: Any, n: int, seconds: Seconds | None) -> _Few:
     ensemble = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
     ready = ensemble.state.run_time
     finished = set[int]()
     result = follow(ensemble, lambda done, expected: finished.add(done))
+    if seconds is not None:
+        return _Few(result, len(finished), _largest(comm, seconds(result, len(finished))), ready=0.0, once=0.0)
     taken = ensemble.state.run_time
-    blocks, ready, taken = (_largest(comm, seconds) for seconds in (taken - ready, ready, taken))
+    blocks, ready, taken = (_largest(comm, measured) for measured in (taken - ready, ready, taken))
     return _Few(result, len(finished), blocks, ready, result.run_time - taken)
 
 
@@ -173,8 +186,9 @@ class _TimeIsUp(Exception):
     """Of a pilot."""
 
 
-def pilot(scene: Scene) -> Pilot:
-    """Solve at tolerances ten times tighter each time, up to the one asked for, for a second in all.
+def pilot(scene: Scene, most_seconds: float = _ENOUGH) -> Pilot:
+    """Solve at tolerances ten times tighter each time, up to the one asked for, for so many seconds of this process's
+    own work in all.
 
     Raises InputError for a scene without [master], and as a run does."""
     if scene.master is None:
@@ -187,7 +201,7 @@ def pilot(scene: Scene) -> Pilot:
         error, run_time = min(error, found), time.perf_counter() - began
 
     try:
-        with _no_longer_than(_ENOUGH):
+        with _no_longer_than(most_seconds):
             while True:
                 before = time.perf_counter()
                 solved = solve_master(scene, tolerance, hear)
@@ -212,8 +226,8 @@ def _no_longer_than(seconds: float) -> Iterator[None]:
 
     # of this process's own work: others may keep the machine busy
     before = signal.signal(signal.SIGPROF, ring)
-    signal.setitimer(signal.ITIMER_PROF, max(seconds, 1e-6))
     try:
+        signal.setitimer(signal.ITIMER_PROF, max(seconds, 1e-6))
         yield
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)

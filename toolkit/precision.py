@@ -17,7 +17,6 @@ Work = Callable[[float], tuple[Array, float | None]]
 
 TELLING = 10.0
 _LONG = 1.0
-_TOO_LONG = 3.0
 _FEWEST_RUNS, _MOST_RUNS, _ENOUGH = 3, 20, 0.2
 
 
@@ -26,13 +25,15 @@ class Ladders:
     """At what each method is measured, the cheapest first.
 
     tolerances : of the master equation; steps : per mean threshold, of the paper's explicit scheme; sizes : contacts
-    of the ensemble; closest_sizes : contacts of the paper's closest-contact algorithm.
+    of the ensemble; closest_sizes : contacts of the paper's closest-contact algorithm; longest : s of a run, beyond
+    which its method is taken no further.
     """
 
     tolerances: Sequence[float] = tuple(10.0**-n for n in range(2, 13))
     steps: Sequence[float] = (25.0, 50.0, 100.0, 200.0, 400.0, 800.0)
     sizes: Sequence[float] = (1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
     closest_sizes: Sequence[float] = (1e2, 3e2, 1e3, 3e3, 1e4)
+    longest: float = 3.0
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def precision(scene: Scene, ladders: Ladders | None = None, report: Callable[[Po
     ladders : what to measure at; None: the command's.
     report : called with each point as soon as it is measured.
 
-    A ladder ends early after a run of more than three seconds. Raises InputError for a scene that a method refuses,
+    A ladder ends early after a run of more than `ladders.longest`. Raises InputError for a scene that a method refuses,
     before anything is reported.
     """
     scene.only_forward("precision")
@@ -100,8 +101,8 @@ def precision(scene: Scene, ladders: Ladders | None = None, report: Callable[[Po
             points.append(Point(method, setting, error, claimed, run_time, runs, at_reference))
             if report is not None:
                 report(points[-1])
-            if run_time > _TOO_LONG and setting != rungs[-1]:
-                notes.append(f"{method}: no further, as a run took more than {_TOO_LONG:g} s")
+            if run_time > ladders.longest and setting != rungs[-1]:
+                notes.append(f"{method}: no further, as a run took more than {ladders.longest:g} s")
                 break
     return Precision(scene.name, scene.title or scene.name, against, points, notes)
 

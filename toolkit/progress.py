@@ -14,13 +14,16 @@ _NOT_YET = 1e-9  # that a bar is not drawn before it knows when it began
 
 
 class Progress:
-    """Call as progress(done, expected); on rank 0 only. It shows contacts per second and the time left."""
+    """Call as progress(done, expected); on rank 0 only. It shows contacts per second and the time left.
 
-    def __init__(self) -> None:
+    patience : seconds before anything is shown; None: those of a terminal or of a log file."""
+
+    def __init__(self, patience: float | None = None) -> None:
         self._begun = time.monotonic()
         self._bar: Any = None
         self._terminal = sys.stderr.isatty()
-        self._next = self._begun + (_PATIENCE if self._terminal else _LOG_PATIENCE)
+        usual = _PATIENCE if self._terminal else _LOG_PATIENCE
+        self._next = self._begun + (usual if patience is None else patience)
         self._first: tuple[float, int] | None = None
 
     def __call__(self, done: int, expected: int) -> None:
@@ -64,13 +67,16 @@ class Progress:
 
 class Refinement:
     """Call as refinement(error) with the error that a solution has; it shows how many of the powers of ten from the
-    first one to the tolerance are gone, and the time since it was made, also while nothing is called."""
+    first one to the tolerance are gone, and the time since it was made, also while nothing is called.
 
-    def __init__(self, tolerance: float) -> None:
+    patience : seconds before anything is shown; None: those of a terminal or of a log file.
+    done : an event for which it waits between what it shows, and which ends it; None: one of its own."""
+
+    def __init__(self, tolerance: float, patience: float | None = None, done: threading.Event | None = None) -> None:
         self._tolerance = tolerance
         self._first = self._best = math.inf
         self._bar: Any = None
-        self._done = threading.Event()
+        self._patience, self._done = patience, done or threading.Event()
         self._ticking = threading.Thread(target=self._tick, daemon=True)
         self._ticking.start()
 
@@ -82,6 +88,7 @@ class Refinement:
     def _tick(self) -> None:
         begun, terminal = time.monotonic(), sys.stderr.isatty()
         wait, pace = (_PATIENCE, _PATIENCE) if terminal else (_LOG_PATIENCE, _LOG_PACE)
+        wait = wait if self._patience is None else self._patience
         while not self._done.wait(wait):
             wait = pace
             said = f"error {self._best:.1e} of {self._tolerance:.1e} asked"
