@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test promise bench lint clean
+.PHONY: demo test test-all promise bench lint clean
 
 demo: $(READY)
 	$(BIN)/mpirun -n 2 $(BIN)/mesofriction compare rough-gw-paper rough-gw-amontons rough-gw-strength \
@@ -13,6 +13,10 @@ demo: $(READY)
 
 test: $(READY)
 	$(BIN)/python -m pytest -n auto --dist worksteal
+
+# those marked slow as well
+test-all: $(READY)
+	$(BIN)/python -m pytest -n auto --dist worksteal -m ""
 
 # what force_error promises, on 1,000 random cases
 promise: $(READY)
