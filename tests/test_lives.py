@@ -197,8 +197,16 @@ def test_paths_on_which_contacts_do_too_much_are_refused_soon() -> None:
         master.solve(Contacts(WIDE, thermal=SOFT), [1e5, -1e5])
     with pytest.raises(InputError, match=r"path = '3e\+03 .* steps in time .* are the most; end it sooner"):
         master.solve(Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.1), 1e-2)), [1e3, -1e3])
-    with pytest.raises(InputError, match=r"exact thresholds that form again at many .*; give them a width"):
-        master.solve(Contacts(identical(1.0), reforming=gaussian_start(0.0, 0.1)), [2.0, -1.0, 2.0])
+
+
+def test_an_exact_threshold_with_re_forming_at_many_stretches_on_a_path_that_turns() -> None:
+    contacts = Contacts(identical(1.0), reforming=gaussian_start(0.0, 0.1))
+    path = np.array([0.9, 1.1, 1.6, 2.0, 1.2, 0.2, -1.0, -0.5, 0.7, 2.0])
+    solved = master.solve(contacts, path, 1e-6)
+    sampled = eq_model.simulate(contacts, path, n_contacts=40_000, n_replicas=8, seed=2)
+    assert solved.success
+    errors = sampled.force_standard_error + solved.force_error
+    assert (np.abs(solved.force - sampled.force) <= 5.0 * errors).all()
 
 
 def test_odd_paths() -> None:

@@ -175,19 +175,19 @@ def test_identical_thresholds_repeat_any_start_for_ever(start, std):
 def test_two_commensurate_values_are_a_sawtooth_for_ever():
     law = origins.mixture([origins.identical(0.95), origins.identical(1.05)], [0.5, 0.5])
     # whole numbers of their common divisor 0.05, one by one: 19 and 21 of them are the thresholds
-    births, released = np.eye(1, 20_001)[0], np.zeros(20_001)
+    births, released = np.eye(1, 2_001)[0], np.zeros(2_001)
     for j in range(19, births.size):
         births[j] = 0.5 * (births[j - 19] + (births[j - 21] if j >= 21 else 0.0))
         released[j] = 0.5 * (0.95 * births[j - 19] + (1.05 * births[j - 21] if j >= 21 else 0.0))
     released = np.cumsum(released)
     for beyond in (0.0, 0.0123):
-        path = 0.05 * np.arange(20_000) + beyond
+        path = 0.05 * np.arange(2_000) + beyond
         solution = master.solve(origins.Contacts(law), path, 1e-9)
         assert solution.success
         assert worst(solution, path - released[:-1]) <= solution.force_error
-    steady = 0.5 * (0.95**2 + 1.05**2) / 2.0
-    # the mode that fades last, near half the divisor, does so over 81 mean thresholds
-    assert np.abs(solution.force[-40:] - steady - (0.0123 - 0.025)).max() <= 1e-6
+    # each breaks at a moment of its own, and so many moments are not followed one by one
+    with pytest.raises(origins.InputError, match="exact values break together more often"):
+        master.solve(origins.Contacts(law), [0.0, 1000.0], 1e-9)
 
 
 def test_narrow_gaussian_is_not_damped_by_the_scheme():

@@ -20,9 +20,10 @@ from toolkit.sweeping import SweepRecord
 
 if TYPE_CHECKING:
     from eq_model.histogram import Histogram
-    from master._old.regime import Regime, Verdict
-    from master._old.soft import Slips, SoftSolution
     from master.paper.q15_transient import AgeingTransient
+    from master.soft.regime import Regime, Verdict
+    from master.soft.slips import Slips
+    from master.soft.solution import SoftSolution
 
 Array = npt.NDArray[np.float64]
 
@@ -126,13 +127,13 @@ class SoftRecord(SolvedRecord):
 
     @property
     def slips(self) -> "Slips":
-        from master._old.soft import Slips
+        from master.soft.slips import Slips
 
         return Slips(**{field.name: getattr(self, f"slip_{field.name}") for field in fields(Slips)})
 
     @property
     def regime(self) -> "Regime":
-        from master._old.regime import Regime
+        from master.soft.regime import Regime
 
         own = {"slips": int(self.slip_drive.size), "trend": None if np.isnan(self.trend) else self.trend}
         return Regime(**{field.name: own.get(field.name, getattr(self, field.name)) for field in fields(Regime)})

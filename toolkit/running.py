@@ -237,7 +237,8 @@ def solve_master(scene: Scene, tolerance: float, refined: Callable[[float], None
             if drive.spring is None:
                 solved: Any = master.solve(contacts, path, tolerance, **paced)
                 return ageing_record(solved) if hasattr(solved, "mass_defect") else solved
-            return soft_record(master.solve(contacts, path, tolerance, **paced, spring=drive.spring, slip=drive.slip))
+            soft: Any = master.solve(contacts, path, tolerance, **paced, spring=drive.spring, slip=drive.slip)
+            return soft_record(soft)
     except InputError as error:
         if scene.eq is None or contacts.each_by_itself() is not contacts:
             raise

@@ -1,17 +1,16 @@
 """What becomes of a soft slider: smooth sliding, stick-slip, or slips that die out; and what that is concluded from."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from master._old.propensity import propensity
+from master.soft.regime import Regime, Verdict
 from origins import Contacts
 from origins.drive import SlipRule
 
 Array = npt.NDArray[np.float64]
-Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
 _SILENT = 1.5  # times the longest pause between slips: nothing more is to come
 _STEADY = 1e-3
@@ -32,35 +31,6 @@ class Course:
     position: Array
     begin: float
     speed: float
-
-
-@dataclass(frozen=True)
-class Regime:
-    """Verdict and evidence.
-
-    Attributes
-    ----------
-    verdict : "smooth", "stick-slip", "decaying transient" or "undecided"
-    reason : str
-        In words.
-    critical_spring, critical_spring_error : float
-        K*/(N_c <k>) from the start on, of a slider that moves forward as fast as the drive: a stiffer spring never lets
-        go. It is not that of steady sliding, where contacts have forgotten their start and F(X) falls no more.
-    stiffness_ratio : float
-        K/K*.
-    slips : int
-        Slips found along the path.
-    trend : float or None
-        Relative change of the force drop from one slip to the next over the later half; None for fewer than 4 slips.
-    """
-
-    verdict: Verdict
-    reason: str
-    critical_spring: float
-    critical_spring_error: float
-    stiffness_ratio: float
-    slips: int
-    trend: float | None
 
 
 def regime(

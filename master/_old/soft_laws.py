@@ -13,11 +13,12 @@ from master._old.make_lives import make_fresh, make_lives, prepare
 from master._old.marching import lagrange
 from master._old.pulled import COARSEST, Pull
 from master._old.regime import Course, regime
-from master._old.soft import Slips, SoftSolution
 from master._old.timed import Extrapolation, uneven
 from master._old.timeline import Piece, pieces, times
 from master._old.track import TooLong, Track
 from master.outcome import Progress, outcome, unheard
+from master.soft.slips import Slips
+from master.soft.solution import SoftSolution
 from origins import Contacts, Drive
 from origins.errors import refuse
 

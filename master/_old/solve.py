@@ -16,9 +16,9 @@ from origins.errors import check_tolerance
 
 if TYPE_CHECKING:
     from master._old.cohorts import PathSolution
-    from master._old.soft import SoftSolution
     from master._old.timed import TimedSolution
     from master.paper.q15_transient import AgeingTransient
+    from master.soft.solution import SoftSolution
 
 
 @overload
@@ -113,14 +113,10 @@ def solve(
     check_contacts(contacts, "master.solve", LAWS)
     laws = (contacts.grains, contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
     plain = all(law is None for law in laws) and contacts.stiffness == "independent"
-    if drive.spring is not None and not plain:
+    if drive.spring is not None:
         from master._old.soft_laws import solve_soft_laws
 
         return solve_soft_laws(contacts, drive, tolerance, progress)
-    if drive.spring is not None:
-        from master._old.soft import solve_soft
-
-        return solve_soft(contacts, drive.path, drive.spring, drive.slip, tolerance, progress)
     # so fast that next to none holds that pins on the way, their law is lost beside 1
     fleeting = contacts.grains is not None and not contacts.grains.holds_at(drive.velocity)
     if drive.forward and (drive.time is None or plain) and not fleeting:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master._old.renewal.table import Table
 from master.motion.motion import History
-from origins import Contacts
+from master.renewal.table import Table
+from origins import Contacts, InputError
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
@@ -15,6 +15,15 @@ Array = npt.NDArray[np.float64]
 # Survivals below this are counted as none, and survivals that differ from 1 by less as all: a
 # hundredth of the rounding of what they are added to.
 NONE_LEFT = 1e-18
+# Thresholds below this, in mean thresholds, are no numbers after a few sums; and the weight of such
+# that would be felt.
+LOWEST, LOST = 1e-290, 1e-12
+# Survivals between which a table of a heavy tail has an edge, lest all nodes lie beyond the most; a
+# tail is heavy where it reaches so many times as far as the first of these.
+FEW = np.array([1e-2, 1e-4, 1e-7, 1e-10, 1e-13])
+HEAVY = 20.0
+# Smallest survival that floating point divides by.
+LEAST_SURVIVAL = 1e-280
 # A threshold that a contact's |x| has come this near, relatively, is met: a turning point that was
 # meant to lie at an exact threshold is off by rounding.
 TIE = 1e-12
@@ -30,7 +39,7 @@ class ColdLife:
     the contacts that break there, of the panels on which a polynomial follows it.
     """
 
-    quick = True
+    quick = timeless = True
 
     def __init__(self, contacts: Contacts) -> None:
         law = contacts.thresholds
@@ -39,23 +48,55 @@ class ColdLife:
         self.atoms: Array = law.atoms[0]
         self._weights = law.atoms[1]
         upper = law.support()[1]
-        self.reach = float(min(upper, law.isf(NONE_LEFT)))
+        beneath = float(law.cdf(LOWEST * self._mean))
+        if beneath > LOST:
+            raise InputError(
+                f"thresholds: a weight of {beneath:.2g} lies below {LOWEST:g} of the mean, where floating "
+                "point ends; leave such contacts out and count them apart"
+            )
+        # a contact that is born in the far tail has a threshold beyond
+        births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
+        furthest = max(abs(end) for born in births for end in born.span)
+        least = max(float(law.sf(furthest)), LEAST_SURVIVAL)
+        self.reach = min(float(upper), float(law.isf(NONE_LEFT * least)))
         if self.atoms.size:
             self.reach = max(self.reach, float(self.atoms.max()))
         marks = np.concatenate([law.breakpoints, self.atoms])
         self.bends: Array = np.unique(marks[(marks > 0.0) & (marks <= self.reach)])
-        edges = np.unique(np.concatenate([[0.0, self.reach], self.bends]))
+        self.quiet = self._quiet()
+        # halving then never ends by chance at a corner that the law does not declare
+        odd = self.reach * (0.5 * 5.0**0.5 - 0.5)
+        # a narrow law breaks between `quiet` and `reach` alone, where nodes of wider panels see none
+        edges = np.unique(np.concatenate([[0.0, self.quiet, odd, self.reach], self.bends]))
+        if self.reach > HEAVY * float(law.isf(FEW[0])):
+            far = law.isf(FEW)
+            edges = np.union1d(edges, far[(far > 0.0) & (far < self.reach)])
         shortest = 1e-9 * self._mean
         self._table = Table(lambda x: self._smooth(x)[None], edges, 1e-12, shortest)
         lost = -np.diff(self._smooth(self._table.edges))
         weight = lost.sum()
         self.grain = float(self._table.widths @ lost / weight) if weight > 0.0 else self.reach
-        self.quiet = self._quiet()
+        self.bends = np.union1d(self.bends, self._corners(1e-4 * self.grain))
         self.error = 0.0
+
+    def _corners(self, width: float) -> Array:
+        """Corners that the law does not declare: where halving ended at panels much narrower."""
+        begin, widths = self._table.begin, self._table.widths
+        narrow = np.flatnonzero(widths < width)
+        known = np.append(0.0, self.bends)
+        away = np.abs(begin[narrow, None] - known).min(axis=1, initial=np.inf)
+        narrow = narrow[away > 10.0 * width]
+        groups = np.split(narrow, np.flatnonzero(np.diff(begin[narrow]) > 10.0 * width) + 1)
+        return np.array([begin[group[np.argmin(widths[group])]] for group in groups if group.size])
 
     def marks(self, width: float) -> Array:
         """See Life."""
         return np.union1d(self.bends, self._table.fine(width))
+
+    def atom_share(self, atom: float, stretch: float) -> float:
+        """See Life."""
+        whole = np.array([abs(stretch)])
+        return float(self._weights[self.atoms == atom].sum() / self._held(whole, whole)[0])
 
     def _quiet(self) -> float:
         """The largest |x| up to which none breaks."""
@@ -96,7 +137,8 @@ class ColdLife:
         r = np.array([[born.mean()]]) if isinstance(born, Start) else born
         m = np.maximum(np.abs(r), np.maximum(r + history.high, -(r + history.low)))
         side = m[:, m.shape[1] // 2, None]
-        share = 1.0 / self._held(np.abs(r), np.abs(r))
+        share = self._held(np.abs(r), np.abs(r))
+        share = np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0)
         held = share * self._held(m, side)
         borne = held if not self._linked else share * self._borne(m, side, held)
         return np.stack([held, (r + history.now) * borne])
@@ -131,13 +173,15 @@ class ColdLife:
         length = cuts[row, column + 1, None] - begin
         r = begin + length * _NODES
         m = np.maximum(np.abs(r), np.maximum(r + high[row], -(r + low[row])))
-        alive = (m.min(axis=1) < self.reach) & (np.abs(r).max(axis=1) < self.reach)
-        row, r, m, length = row[alive], r[alive], m[alive], length[alive]
-        middle = r.shape[1] // 2
+        share = born.pdf(r) * length * _WEIGHTS
+        # each row by its own sum: stretches of a narrow law far from 0 are rounded
         kept = (
             born.cdf(self.reach) - born.cdf(-self.reach) if max(last, -first) > self.reach else 1.0
         )
-        share = born.pdf(r) * length * _WEIGHTS / kept
+        share /= kept * np.bincount(row, share.sum(axis=1), now.size)[row, None]
+        alive = (m.min(axis=1) < self.reach) & (np.abs(r).max(axis=1) < self.reach)
+        row, r, m, share = row[alive], r[alive], m[alive], share[alive]
+        middle = r.shape[1] // 2
         share = share / self._held(np.abs(r), np.abs(r[:, middle, None]))
         side = m[:, middle, None]
         held = self._held(m, side)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master._old.lives.life import Life
-from master._old.renewal.table import Table
+from master.lives.life import Life
 from master.motion.motion import History, Motion
+from master.renewal.table import Table
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
@@ -37,14 +37,10 @@ class StraightLife:
 
     def __init__(self, life: Life, born: Start, speed: float, longest: float) -> None:
         self.life, self.reach, self.quiet = life, life.reach, life.quiet
-        self.atoms, self.quick = life.atoms, True
-        first, last = sorted(np.sign(speed) * np.array(born.span))
-        ends = {first, last, *(np.sign(speed) * born.breakpoints)}
-        # a contact born at r < 0 comes back to its largest |x| after a way of -2 r
-        ways = [mark - end for mark in [*life.bends, life.reach] for end in ends]
-        ways += [-2.0 * end for end in ends]
-        moving = [way / abs(speed) for way in ways if way > 0.0 and speed]
-        self.bends: Array = np.unique([time for time in moving if time < longest])
+        self.atoms, self.grain, self.quick = life.atoms, life.grain, True
+        self.timeless = life.timeless
+        moving = bends_of(life, born, speed)
+        self.bends: Array = moving[moving < longest]
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         scale = np.array([1.0, 1.0 / life.reach])[:, None, None]
 
@@ -59,11 +55,25 @@ class StraightLife:
         """Times since birth between which the table is smooth enough for panels of a width."""
         return np.union1d(self.bends, self.table.fine(width))
 
-    def left(self, born: Start, history: History) -> Array:
+    def atom_share(self, atom: float, stretch: float) -> float:
+        """See Life."""
+        return self.life.atom_share(atom, stretch)
+
+    def left(self, born: Start | Array, history: History) -> Array:
         """See Life; born is the law that the table was made for, and the history is along `clock`."""
         found = self.table(history.now)
         found[1] *= self.reach
         return found
+
+
+def bends_of(life: Life, born: Start, speed: float) -> Array:
+    """Times since birth at which what is left bends; sorted, none where the slider stands still."""
+    first, last = sorted(np.sign(speed) * np.array(born.span))
+    ends = {first, last, *(np.sign(speed) * born.breakpoints)}
+    # a contact born at r < 0 comes back to its largest |x| after a way of -2 r
+    ways = [mark - end for mark in [*life.bends, life.reach] for end in ends]
+    ways += [-2.0 * end for end in ends]
+    return np.unique([way / abs(speed) for way in ways if way > 0.0 and speed])
 
 
 def clock(duration: float) -> Motion:

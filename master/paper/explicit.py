@@ -20,7 +20,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from origins import Contacts, Drive, Thermal
+from origins import Contacts, Drive
+from origins.breaking_rate import BreakingRate
 from origins.contacts import check_contacts
 from origins.errors import positive, refuse
 from origins.quadrature import gauss, panel_edges
@@ -198,7 +199,7 @@ def broken_fraction(thresholds: Thresholds, x: Array, step: float, breaking: Bre
     return fraction
 
 
-def mean_rate(thresholds: Thresholds, thermal: Thermal, x: Array) -> Array:
+def mean_rate(thresholds: Thresholds, thermal: BreakingRate, x: Array) -> Array:
     """(temper3): H(x), the integral of h(x; x_s) P_c(x_s) over all x_s > x; per time, x >= 0."""
     law_edges = panel_edges(thresholds)
     atoms, weights = thresholds.atoms

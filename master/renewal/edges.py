@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import heapq
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from master._old.lives.life import Life
+from master.lives.life import Life
 from master.motion.motion import Motion
 from origins.start import Start
 
@@ -17,26 +19,42 @@ Array = npt.NDArray[np.float64]
 # on panels of 17 nodes, about two digits smaller.
 DIGITS_A_GENERATION = 2.0
 # Edges at most, those of lumps apart: beyond, panels that do not resolve the breaks are halved.
-MOST = 120
-# Edges at most where finite shares of the contacts break at one moment: each is a lump of its own.
-MOST_SHARP = 2000
-# Two edges nearer than this share of the motion are one.
-CLOSE = 1e-11
+MOST = 400
+# Lumps at most: each is followed by itself.
+MOST_LUMPS = 4000
+# Share of the contacts below which a lump is left to the rounding of conservation.
+LEAST_LUMP = 1e-15
+# Two edges nearer than this share of their time are one, and a point this shortly before an edge is
+# read after it: times are rounded.
+CLOSE = 1e-12
 
 
-class _Moment(NamedTuple):
-    """A time from which bends spread: how often smoothed, and whether a lump may be born then."""
+class Moment(NamedTuple):
+    """A time from which bends spread, and how often these have been smoothed."""
 
     time: float
-    generation: int
-    sharp: bool
+    generation: float
+
+
+class Together(NamedTuple):
+    """Contacts born at one time at one stretch, and their share of all."""
+
+    time: float
+    share: float
+    stretch: float
 
 
 class Edges(NamedTuple):
-    """times : sorted, from 0 to the end; sharp : whether more lumps met than can be followed."""
+    """Edges, and what they come from.
+
+    times : array of shape (n,), sorted, from `since` to the end
+    too_many_lumps : whether more lumps met than can be followed
+    moments : those from which bends spread, the known ones first
+    """
 
     times: Array
     too_many_lumps: bool
+    moments: list[Moment]
 
 
 def edges(
@@ -46,6 +64,10 @@ def edges(
     again: Start,
     delay: float,
     tolerance: float,
+    *,
+    since: float = 0.0,
+    known: Sequence[Moment] = (),
+    born: Sequence[Together] | None = None,
 ) -> Edges:
     """Where panels begin and end.
 
@@ -53,50 +75,90 @@ def edges(
     start, again : laws of the stretches at t = 0 and of the stretches of re-forming
     delay : time for which a broken contact is out
     tolerance : of the number of breaks; bends that are felt less are left out
+    since, known, born : the time up to which a march has come that goes on, the moments that it
+        has met by then, and the lumps that were born by then
     """
     generations = -np.log10(tolerance) / DIGITS_A_GENERATION
     end = float(motion.times[-1])
-    close = CLOSE * end
-    found: list[float] = [0.0, end]
-    waiting: list[_Moment] = []
+    grain = life.grain / float(np.abs(motion.speeds).max())
+    if born is None:
+        born = [Together(0.0, 1.0, start.mean())] if start.is_single else []
+    lumps = _lump_times(motion, life, born, again, delay, since)
+    found: list[float] = [since, end]
+    met, waiting = list(known), list(known)
 
-    def meet(moments: list[_Moment]) -> None:
+    def meet(moments: list[Moment]) -> None:
         for moment in sorted(moments):
-            if close < moment.time < end - close:
+            close = CLOSE * (moment.time + grain)
+            if since + close < moment.time < end - close:
                 place = int(np.searchsorted(found, moment.time))
                 near = found[max(place - 1, 0) : place + 1]
                 if min(abs(moment.time - other) for other in near) > close:
                     found.insert(place, moment.time)
                     waiting.append(moment)
+                    met.append(moment)
 
-    turns = [_Moment(float(t), 1, False) for t in motion.times[1:-1]]
+    meet([Moment(t, 0) for t in lumps])
+    turns = [Moment(float(t), 1) for t in motion.times[1:-1]]
+    waiting += [turn for turn in turns if turn.time <= since]
     meet(turns)
-    meet([_Moment(t.time - delay, 2, False) for t in turns if delay > 0.0])
-    meet(_after(_Moment(0.0, 0, start.is_single), 0.0, start, motion, life))
-    sharp = 0
+    meet([Moment(t.time - delay, 2) for t in turns if delay > 0.0])
+    meet(_after(Moment(0.0, 0), 0.0, start, motion, life))
+    most = MOST + len(lumps)
     while waiting:
         moment = waiting.pop(0)
-        sharp += moment.sharp
-        if moment.generation >= generations or (len(found) > MOST and not moment.sharp):
+        if moment.generation >= generations or len(found) > most:
             continue
-        if sharp > MOST_SHARP:
-            break
         if delay > 0.0:
-            meet([_Moment(moment.time + delay, moment.generation + 1, False)])
+            meet([Moment(moment.time + delay, moment.generation + 1)])
         meet(_after(moment, delay, again, motion, life))
-    return Edges(np.array(found), sharp > MOST_SHARP)
+    return Edges(np.array(found), len(lumps) > MOST_LUMPS, met)
 
 
-def _after(moment: _Moment, delay: float, law: Start, motion: Motion, life: Life) -> list[_Moment]:
-    """The moments at which contacts born a delay after one make a bend, or a lump."""
-    stretches = [law.mean()] if law.is_single else list(law.breakpoints)
-    met = []
-    for stretch in stretches:
+def _lump_times(
+    motion: Motion,
+    life: Life,
+    born: Sequence[Together],
+    again: Start,
+    delay: float,
+    since: float,
+) -> list[float]:
+    """When, after `since`, finite shares of contacts born together meet an exact threshold."""
+    end, coming = float(motion.times[-1]), list[tuple[float, float]]()
+    found: list[float] = []
+
+    def spread(lump: Together) -> None:
+        for passing in passings(motion, lump.time, lump.stretch, life.atoms):
+            part = lump.share * life.atom_share(passing.mark, lump.stretch)
+            late = since * (1.0 + CLOSE) < passing.time < end
+            if late and not np.isnan(passing.mark) and part > LEAST_LUMP:
+                heapq.heappush(coming, (passing.time, part))
+
+    for lump in born if life.atoms.size else ():
+        spread(lump)
+    while coming and len(found) <= MOST_LUMPS:
+        time, share = heapq.heappop(coming)
+        while coming and coming[0][0] <= time * (1.0 + CLOSE):
+            share += heapq.heappop(coming)[1]
+        found.append(time)
+        if again.is_single:
+            spread(Together(time + delay, share, again.mean()))
+    return found
+
+
+def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life) -> list[Moment]:
+    """The moments at which contacts born a delay after one make a bend.
+
+    A bend of P_c smooths a bend of the breaks by one order; an exact threshold leaves its order,
+    and of its size the share of the contacts that have it.
+    """
+    found = []
+    for stretch in [law.mean()] if law.is_single else list(law.breakpoints):
         for passing in passings(motion, moment.time + delay, float(stretch), life.bends):
-            exact = bool(np.isin(passing.mark, life.atoms))
-            sharp = moment.sharp and law.is_single and exact
-            met.append(_Moment(passing.time, moment.generation + (not sharp), sharp))
-    return met
+            share = life.atom_share(passing.mark, float(stretch))
+            lost = -np.log10(share) / DIGITS_A_GENERATION if share > 0.0 else 1.0
+            found.append(Moment(passing.time, moment.generation + lost))
+    return found
 
 
 class Passing(NamedTuple):
@@ -108,7 +170,8 @@ class Passing(NamedTuple):
 
 def passings(motion: Motion, born: float, stretch: float, marks: Array) -> list[Passing]:
     """When contacts born at a time, at a stretch, pass marks or come back to their largest |x|."""
-    furthest, found = abs(stretch), []
+    furthest = abs(stretch)
+    found: list[Passing] = []
     if born >= motion.times[-1]:
         return found
     first = int(motion.leg(born + CLOSE * motion.times[-1]))

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master._old.lives.straight import StraightLife, clock
-from master._old.renewal import rule
-from master._old.renewal.births import Births
+from master.lives.straight import StraightLife, clock
 from master.motion.motion import Motion
+from master.renewal import rule
+from master.renewal.births import Births
 from origins.start import SingleStart
 
 Array = npt.NDArray[np.float64]
@@ -42,6 +42,12 @@ class Kernels:
         self._births, self._motion = births, births.motion
         self._known: dict[tuple[float, float], Kernel] = {}
         self._straight: dict[tuple[float, float], StraightLife] = {}
+
+    def along(self, births: Births) -> Kernels:
+        """Kernels for births of the same contacts along another motion; what is known is shared."""
+        other = Kernels(births)
+        other._known, other._straight = self._known, self._straight
+        return other
 
     @property
     def errors(self) -> list[float]:

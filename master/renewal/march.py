@@ -15,33 +15,42 @@ matrix product a panel. A panel that does not resolve B is halved there and then
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from master._old.renewal import rule
-from master._old.renewal.births import Births
-from master._old.renewal.kernels import TARGETS, Kernels
+from master.renewal import rule
+from master.renewal.births import Births
+from master.renewal.edges import LEAST_LUMP
+from master.renewal.kernels import TARGETS, Kernels
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
 # Panels whose breaks or survivors are fewer than this add nothing to what rounds at 1e-16.
 NOTHING = 1e-18
-# Contacts that break together, fewer than which are left to the rounding of conservation.
-LEAST_LUMP = 1e-15
 # Width of the narrowest panel, in units of the life's grain, below which halving has met a point
 # that no panel resolves.
 NARROWEST = 1e-10
+# Width of a panel, in units of its time, that rounding spoils.
+ROUNDED = 1e-13
 # Panels of a first run, and of the longest: a run that fails is solved in vain.
 FIRST, LONGEST = 8, 256
 # Panels narrower than half a grain are doubled at once where they resolve more than is asked;
 # wider ones after so many, since other widths need other kernels.
 PATIENCE = 32
+# Segments longer than so many of the last panels are tried on wide panels first.
+LONG = 1000.0
+# Panels, as seen from later targets, that are integrated one by one before halving ends: some 10 s.
+MOST_WORK = 6_000_000
+# What solving a panel costs beside, in such pieces.
+RUN_WORK = 100
 # What conservation and force miss between the nodes, times this, bounds the error of a panel: it
-# is looked for at three points, and the largest in between is up to twice as large.
+# is looked for at a few points, and the largest in between is up to twice as large.
 MARGIN = 2.0
 
 
@@ -97,6 +106,13 @@ class March:
     ----------
     begin, width, breaks, force, wrong : lists, one entry a panel
     lumps : list of Lump
+    alive : list of int
+        Panels of whose births some may still hold.
+    kernels : Kernels
+    allowed : float
+        Width allowed for the next panels.
+    settled : float
+        Time from which on breaks were steady; inf where they never were.
     unfinished : bool
         Whether the march was stopped before the last edge.
     """
@@ -114,38 +130,56 @@ class March:
         self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
         self.life, self.motion = births.life, births.motion
         self.stretch, self.until, self.unfinished = stretch, until, False
+        self.settled = np.inf
         self.begin: list[float] = []
         self.width: list[float] = []
         self.breaks: list[Array] = []
         self.force: list[Array] = []
         self.wrong: list[float] = []
         self.lumps = [Lump(0.0, 1.0, start)]
-        self._alive: list[int] = []  # panels of whose births some may still hold
-        self._kernels = Kernels(births)
+        self.alive: list[int] = []
+        self.kernels, self.allowed = Kernels(births), np.inf
 
     @property
     def life_error(self) -> float:
         """Error of what is left of contacts, which no panel sees."""
-        return max([self.life.error, *self._kernels.errors])
+        return max([self.life.error, *self.kernels.errors])
+
+    @property
+    def reached(self) -> float:
+        """The time up to which the march has come."""
+        return float(self.begin[-1] + self.width[-1]) if self.begin else 0.0
 
     def run(self) -> March:
         """Solve all panels."""
-        allowed, leg = np.inf, -1
+        for _ in self.runs():
+            pass
+        return self
+
+    def runs(self) -> Iterator[None]:
+        """Solve all panels, and stop to be asked for more after each run of them."""
+        leg = -1
         for begin, end in zip(self.edges[:-1], self.edges[1:], strict=True):
             self._break_lumps(begin, end)
             now = int(self.motion.leg(0.5 * (begin + end)))
-            if now != leg:
-                leg, speed = now, abs(float(self.motion.speeds[now]))
-                allowed = self.grain / speed if speed else 0.25 * (end - begin)
-            allowed = self._segment(begin, end, allowed, leg)
+            if now != leg and (leg >= 0 or self.allowed == np.inf):
+                speed = abs(float(self.motion.speeds[now]))
+                self.allowed = self.grain / speed if speed else 0.25 * (end - begin)
+            leg = now
+            yield from self._segment(begin, end, leg)
             if self.unfinished:
                 break
-        return self
 
-    def _segment(self, begin: float, end: float, allowed: float, leg: int) -> float:
-        """Solve from one edge to the next; returns the width allowed for the next panels."""
+    def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
+        """Solve from one edge to the next."""
+        allowed = self.allowed
+        speed = abs(float(self.motion.speeds[leg]))
+        if speed and end - begin > LONG * allowed:
+            # after a narrow feature: to find the width from above takes fewer panels
+            allowed = min(0.25 * (end - begin), self.life.reach / speed)
         t, width, count, smooth = begin, 0.0, FIRST, 0
-        narrowest = NARROWEST * min(allowed, end - begin)
+        narrowest = NARROWEST * (self.grain / speed if speed else end - begin)
+        narrowest = max(narrowest, ROUNDED * end)
         while end - t > 1e-9 * min(allowed, end - begin):
             if clock.monotonic() > self.until:
                 self.unfinished = True
@@ -158,25 +192,29 @@ class March:
                 width = (end - t) / left
             run = self._run(t, width, min(count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
-            if bad.size and width < narrowest:
+            if self.births.work > MOST_WORK:
+                bad = bad[:0]  # what is not resolved by now stays, with its error
+            elif bad.size and width < narrowest:
                 bad = bad[bad > 0]  # no panel resolves this one: it stays, with its error
             good = int(bad[0]) if bad.size else run.wrong.size
-            self._keep(t, width, run, good)
-            t = end - (left - good) * width
+            self.keep(t, width, run, good)
+            t = t + good * width if good < left else end
             if bad.size:
                 hopeless = run.wrong[bad[0]] > 100.0 * self.tolerance
                 allowed, count, smooth = (0.25 if hopeless else 0.5) * width, 1, 0
+                self.allowed = allowed
                 continue
             count = min(2 * count, LONGEST)
             needless = run.wrong.max() < max(self.tolerance * 0.5**rule.DEGREE, 1e-14)
             smooth = smooth + good if needless else 0
-            speed = abs(float(self.motion.speeds[leg]))
-            patience = PATIENCE if width * speed > 0.5 * self.grain else 0
-            if smooth > patience and width > 0.6 * allowed:
+            still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
+            patience = 0 if still or width * speed <= 0.5 * self.grain else PATIENCE
+            if self.births.work > MOST_WORK or (smooth > patience and width > 0.6 * allowed):
                 allowed, count, smooth = 2.0 * width, max(1, count // 2), 0
                 if speed:
                     allowed = min(allowed, self.life.reach / speed)
-        return allowed
+            self.allowed = allowed
+            yield
 
     def _settled(self, leg: int, left: float) -> bool:
         """Whether all that may be felt has broken at one rate, so that the rest of a leg will too.
@@ -184,7 +222,7 @@ class March:
         The rate of breaks is a mean of the rates over the longest life before: where these were
         the same to the tolerance, so are all that follow.
         """
-        memory = self._kernels.longest(leg) + self.births.delay
+        memory = self.kernels.longest(leg) + self.births.delay
         if left < 8.0 * memory or not self.begin or not self.motion.speeds[leg]:
             return False
         gone = self.begin[-1] + self.width[-1] - max(self.motion.times[leg], self.lumps[-1].time)
@@ -202,17 +240,18 @@ class March:
 
     def _rest(self, t: float, end: float, leg: int) -> None:
         """One panel of steady breaks up to shortly before the end of the leg, then three more."""
-        memory = self._kernels.longest(leg) + self.births.delay
+        self.settled = min(self.settled, t - 0.5 * self.width[-1])
+        memory = self.kernels.longest(leg) + self.births.delay
         rate = self.breaks[-1][-1] / self.width[-1]
         share = np.append(0.0, rule.NODES)
         last = np.full(share.size, self.force[-1].mean())
         wrong = np.full(1, self.wrong[-1] + 0.25 * self.tolerance)
         ends = [t, end - 3.0 * memory, end - 2.0 * memory, end - memory, end]
-        for first, second in zip(ends[:-1], ends[1:], strict=True):
+        for first, second in pairwise(ends):
             breaks = rate * (second - first) * share
-            self._keep(first, second - first, Run(breaks[None], last[None], wrong), 1)
+            self.keep(first, second - first, Run(breaks[None], last[None], wrong), 1)
 
-    def _keep(self, t: float, width: float, run: Run, good: int) -> None:
+    def keep(self, t: float, width: float, run: Run, good: int) -> None:
         """Take over the first panels of a run, and note those of whose births some may hold."""
         first = len(self.begin)
         self.begin.extend(t + width * np.arange(good))
@@ -221,14 +260,15 @@ class March:
         self.force.extend(run.force[:good])
         self.wrong.extend(run.wrong[:good])
         broken = np.abs(run.breaks[:good]).max(axis=1) > NOTHING
-        self._alive.extend(first + np.flatnonzero(broken))
+        self.alive.extend(first + np.flatnonzero(broken))
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Panels of one width from t on."""
+        self.births.work += RUN_WORK * count
         same = self._same(width, leg)
-        kernel = self._kernels.on(leg, width, same + count)
+        kernel = self.kernels.on(leg, width, same + count)
         grid = t + width * (np.arange(count)[:, None] + TARGETS)
-        number, force = self._known(grid, same)
+        number, force = self.known(grid, same)
         apart = min(kernel.number.shape[0], same + count)
         size, nodes = rule.DEGREE + 1, slice(1, rule.DEGREE + 1)
         # farthest panels first, as they stand
@@ -262,8 +302,12 @@ class March:
             same += 1
         return same
 
-    def _known(self, grid: Array, same: int) -> tuple[Array, Array]:
-        """Number and force, on panels of times, of lumps and of panels but the last `same`."""
+    def known(self, grid: Array, same: int = 0) -> tuple[Array, Array]:
+        """Number and force at later times, of lumps and of all panels but the last `same`.
+
+        grid : array of shape (panels, TARGETS.size), all on one leg; its middle column tells on
+            which side of an exact threshold a row is
+        """
         number, force, now = np.zeros(grid.shape), np.zeros(grid.shape), float(grid[0, 0])
         middle = grid[:, TARGETS.size // 2]
         for lump in self.lumps:
@@ -277,19 +321,24 @@ class March:
                 number[~out] += lump.weight * held
                 force[~out] += lump.weight * pull
         last = len(self.begin) - same
-        seen = np.array([panel for panel in self._alive if panel < last], dtype=int)
+        seen = np.array([panel for panel in self.alive if panel < last], dtype=int)
         if seen.size:
             begin, width = np.array(self.begin)[seen], np.array(self.width)[seen]
             s = np.stack([begin, begin + 0.5 * width, begin + width], axis=1) + self.births.delay
             gone = self._gone(now, self.births.law, s)
             if gone.any():
                 dead = set(seen[gone].tolist())
-                self._alive = [panel for panel in self._alive if panel not in dead]
-            if not gone.all():
-                breaks = np.array([self.breaks[panel] for panel in seen[~gone]])
-                added = self.births.sums(grid.ravel(), begin[~gone], width[~gone], breaks)
-                number += added[0].reshape(grid.shape)
-                force += added[1].reshape(grid.shape)
+                self.alive = [panel for panel in self.alive if panel not in dead]
+            whole = self.births.still_whole(grid, begin, width)
+            breaks = np.array(self.breaks)[seen]
+            for which, sums in (
+                (whole, self.births.whole_sums),
+                (~whole & ~gone, self.births.sums),
+            ):
+                if which.any():
+                    added = sums(grid.ravel(), begin[which], width[which], breaks[which])
+                    number += added[0].reshape(grid.shape)
+                    force += added[1].reshape(grid.shape)
         return number, force
 
     def _gone(self, t: float, law: Start, s: Array) -> npt.NDArray[np.bool_]:

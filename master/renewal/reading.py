@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master._old.renewal import rule
-from master._old.renewal.march import NOTHING, March
+from master.renewal import rule
+from master.renewal.births import Births
+from master.renewal.edges import CLOSE
+from master.renewal.march import NOTHING, March
 
 Array = npt.NDArray[np.float64]
 
@@ -20,14 +22,23 @@ class Deltas(NamedTuple):
     weights: Array
 
 
+def _felt(march: March, t: Array) -> Array:
+    """Times t, but those after breaks became steady, where all stays as it is, moved back to then.
+
+    Far on the path times and numbers of breaks have lost their digits.
+    """
+    return np.minimum(t, march.settled) if march.motion.one_leg else t
+
+
 def force(march: March, t: Array) -> Array:
     """Force at times t, shape (n,); where it jumps, after the jump."""
+    t = _felt(march, t)
     return _read(march, np.array(march.force), t)
 
 
 def holding(march: March, t: Array) -> Array:
     """Share of the contacts that hold at times t: all but those that broke a delay ago or less."""
-    delay = march.births.delay
+    delay, t = march.births.delay, _felt(march, t)
     if not delay > 0.0:
         return np.ones(t.size)
     return 1.0 - broken(march, t) + broken(march, t - delay)
@@ -45,7 +56,8 @@ def broken(march: March, t: Array) -> Array:
 
 def _read(march: March, values: Array, t: Array) -> Array:
     begin, width = np.array(march.begin), np.array(march.width)
-    panel = np.clip(np.searchsorted(begin, t, "right") - 1, 0, begin.size - 1)
+    near = begin * (1.0 - CLOSE) - CLOSE * width.min()
+    panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
     share = np.clip((t - begin[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))
 
@@ -57,6 +69,7 @@ def density(march: March, t: float, x: Array) -> Array:
     after the delay, make the density E(t, s) dB/ds / |dX/ds| there.
     """
     motion, life, delay = march.motion, march.life, march.births.delay
+    t = float(_felt(march, np.array(t)))
     now, start = float(motion.at(np.array(t))), march.lumps[0].law
     at, out = np.full((1, 1), t), np.zeros(x.size)
     if not start.is_single:
@@ -87,6 +100,7 @@ def density(march: March, t: float, x: Array) -> Array:
 def deltas(march: March, t: float) -> Deltas:
     """Stretches that a finite share of the contacts has at the time t: lumps, and births in holds."""
     found: dict[float, float] = {}
+    t = float(_felt(march, np.array(t)))
     at, motion = np.full((1, 1), t), march.motion
     for lump in march.lumps:
         if lump.time <= t and lump.law.is_single:
@@ -94,5 +108,24 @@ def deltas(march: March, t: float) -> Deltas:
             held = lump.weight * float(march.life.left(lump.law, history)[0, 0, 0])
             stretch = float(lump.law.mean() + history.now[0, 0])
             found[stretch] = found.get(stretch, 0.0) + held
+    for place, share in _born_at_rest(march, t).items():
+        stretch = float(march.births.law.mean() + motion.at(np.array(t)) - place)
+        found[stretch] = found.get(stretch, 0.0) + share
     kept = {stretch: share for stretch, share in found.items() if share > NOTHING}
     return Deltas(np.array(list(kept)), np.array(list(kept.values())))
+
+
+def _born_at_rest(march: March, t: float) -> dict[float, float]:
+    """Contacts born while the slider stood still, which share one stretch: by X, what is left."""
+    births, motion = march.births, march.motion
+    at_once = Births(births.life, births.law, motion, 0.0, births.accuracy)
+    begin, width = np.array(march.begin) + births.delay, np.array(march.width)
+    legs = motion.leg(begin + 0.5 * width)
+    left: dict[float, float] = {}
+    for leg in np.unique(legs[(motion.speeds[legs] == 0.0) & (begin < t)]):
+        here = (legs == leg) & (begin < t)
+        breaks = np.array(march.breaks)[here]
+        held = at_once.sums(np.array([t]), begin[here], width[here], breaks)[0, 0]
+        place = float(motion.positions[leg])
+        left[place] = left.get(place, 0.0) + float(held)
+    return left

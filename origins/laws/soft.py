@@ -40,6 +40,7 @@ class SoftRates(RateLaw):
     attempt_frequency: float = 1.0
     name: ClassVar[str] = "soft"
     vanishes_at_threshold: ClassVar[bool] = False
+    separable: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         positive("temperature", self.temperature, TEMPERATURE)

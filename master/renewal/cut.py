@@ -1,0 +1,53 @@
+"""Cut: a march that goes on from any of its moments along another motion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from master.renewal import rule
+from master.renewal.births import Births
+from master.renewal.kernels import TARGETS
+from master.renewal.march import NOTHING, Lump, March, Run
+
+# Width, in grains, of the last panel of a time in which none is born.
+SHORT = 1e-6
+
+
+def cut(march: March, t: float, births: Births) -> March:
+    """The contacts as they were at the time t; its edges are to be set before it runs.
+
+    births : along a motion that is the same up to t, of the same life and stretches
+    """
+    start = march.lumps[0]
+    other = March(births, start.law, np.empty(0), march.tolerance, march.grain, march.stretch)
+    other.kernels, other.until = march.kernels.along(births), march.until
+    other.allowed = min(march.allowed, march.grain)
+    births.work = march.births.work
+    begun = int(np.searchsorted(march.begin, t - 1e-9 * march.grain))
+    other.begin, other.width = march.begin[:begun], march.width[:begun]
+    other.breaks, other.force = march.breaks[:begun], march.force[:begun]
+    other.wrong = march.wrong[:begun]
+    if begun and other.reached > t:
+        width = t - other.begin[-1]
+        to_part = rule.values(np.append(0.0, rule.NODES) * width / other.width[-1])
+        other.width[-1] = width
+        other.breaks[-1] = to_part @ other.breaks[-1]
+        other.force[-1] = to_part @ other.force[-1]
+    broken = np.abs(np.array(other.breaks)).reshape(begun, rule.DEGREE + 1).max(axis=1, initial=0.0)
+    other.alive = np.flatnonzero(broken > NOTHING).tolist()
+    past = [lump for lump in march.lumps[1:] if lump.time < t]
+    other.lumps = [replace(lump, holds=True) for lump in [start, *past]]
+    return other
+
+
+def hold(march: March, begin: float, end: float) -> None:
+    """Contacts that break from begin to end stay out, and are born at the end, all at once."""
+    number, _ = march.known(np.full((1, TARGETS.size), end))
+    # whatever breaks at the end is looked for over half of the last panel: it has to be short
+    nothing, nearly = np.zeros((1, rule.DEGREE + 1)), end - min(SHORT * march.grain, end - begin)
+    for first, last in ((begin, nearly), (nearly, end)):
+        if last > first:
+            march.keep(first, last - first, Run(nothing, nothing, np.zeros(1)), 1)
+    march.lumps.append(Lump(end, 1.0 - float(number[0, 0]), march.births.law))

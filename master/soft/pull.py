@@ -1,0 +1,272 @@
+"""Pull: contacts on a slider that moves straight on, solved as far as is asked.
+
+At T = 0 nothing depends on time, so t of the march is the way that the slider has gone.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from master.lives.cold import ColdLife
+from master.motion.motion import Motion
+from master.renewal import rule
+from master.renewal.births import Births
+from master.renewal.cut import cut, hold
+from master.renewal.edges import Moment, Together, edges
+from master.renewal.kernels import TARGETS
+from master.renewal.march import MOST_WORK, March
+from master.soft.curve import Curve, Panels
+from origins import Contacts
+from origins.start import SingleStart, Start
+
+Array = npt.NDArray[np.float64]
+
+# First guess of a panel's width, in grains of the life: what Gaussian thresholds take to 1e-10.
+WIDE = 6.0
+# The march is asked for this share of the tolerance: where a slip begins F' counts, and the slope
+# of a polynomial of degree 16 on a panel is off by some hundred times as much as its values.
+FINER = 1e-4
+# Tolerance, in mean thresholds, beyond which nothing is saved: a slip asks for a smooth F'.
+COARSEST = 1e-6
+# Tolerance of the number of breaks on a panel below which panels are halved for round-off alone.
+FINEST = 1e-13
+# Round-off of the force, in lengths, for each length of way.
+ROUND_OFF = 1e-14
+# Way that is planned ahead first, in mean thresholds: most sliders let go before.
+AHEAD = 2.0
+# What following a lump over one run of panels costs, in pieces of births that are integrated.
+LUMP_WORK = 15
+# A slider that stops this near where it began, in grains of the life, has not moved.
+STILL = 1e-12
+# Share of the contacts that, if they break at once, make a slip: ten times what rounds.
+LEAST_DROP = 1e-13
+
+
+class StoppedError(Exception):
+    """The work or the time that a solution may take has come to its end."""
+
+
+@dataclass
+class Matter:
+    """What the contacts are, and how well they are to be known.
+
+    Attributes
+    ----------
+    life : ColdLife
+    start, again : Start
+        Stretches at first, and those at which broken contacts form again.
+    unit : float
+        Mean threshold (a length).
+    tolerance : float
+        Of the number of breaks on a panel.
+    until : float
+        Reading of time.monotonic() at which to stop with what there is.
+    crowded : bool
+        Whether more lumps met somewhere than can be followed.
+    """
+
+    life: ColdLife
+    start: Start
+    again: Start
+    unit: float
+    tolerance: float
+    until: float = np.inf
+    crowded: bool = False
+
+    @classmethod
+    def of(cls, contacts: Contacts, tolerance: float, until: float = np.inf) -> Matter:
+        life, unit = ColdLife(contacts), contacts.mean_threshold
+        again = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
+        finer = max(FINER * min(tolerance, COARSEST) * unit / life.reach, FINEST)
+        return cls(life, contacts.start, again, unit, finer, until)
+
+    def relaxed(self) -> Matter:
+        """The same contacts, all just formed again."""
+        return replace(self, start=self.again)
+
+
+@dataclass(frozen=True)
+class Past:
+    """What happened before a straight move of the slider.
+
+    Attributes
+    ----------
+    march : March or None
+        None where nothing happened.
+    cut, end : float
+        Way up to which the march holds, and where the move begins: in between none was born.
+    line : tuple of float
+        X where the slider was at first, where it turned, and where it stands (lengths).
+    moments : tuple of Moment
+        From which bends spread.
+    error : float
+        Error of the force by all that happened (a length).
+    """
+
+    march: March | None = None
+    cut: float = 0.0
+    end: float = 0.0
+    line: tuple[float, ...] = (0.0,)
+    moments: tuple[Moment, ...] = ()
+    error: float = 0.0
+
+    def line_to(self, x: float) -> tuple[float, ...]:
+        """The line with one more point, of which those on a straight way are left out."""
+        line = self.line
+        straight = len(line) > 1 and (line[-1] - line[-2]) * (x - line[-1]) > 0.0
+        return (*line[: len(line) - straight], x)
+
+
+class Pull:
+    """Contacts as the slider moves on in one direction, +1 or -1, and the broken re-form."""
+
+    def __init__(self, matter: Matter, direction: int, past: Past) -> None:
+        self.matter, self.direction, self.past = matter, direction, past
+        self._moments, self._ahead = past.moments, AHEAD * matter.unit
+        self._march = self._plan(past.march, past.cut, past.end)
+        self._first, self._runs = len(self._march.begin), self._march.runs()
+
+    def at(self, y: Array | float) -> Any:
+        """X after the travel y, from where the slider was at first (lengths)."""
+        return self.past.line[-1] + self.direction * y
+
+    def reach(self, y: float) -> None:
+        """Solve up to the travel y at least."""
+        while len(self._march.begin) == self._first or self._solved < self.past.end + y:
+            self._spend()
+            if next(self._runs, self) is self:
+                self._ahead *= 2.0
+                self._march = self._plan(self._march, self._solved, self._solved)
+                self._runs = self._march.runs()
+
+    def _spend(self) -> None:
+        """Stop where the work or the time is over."""
+        self._march.births.work += LUMP_WORK * len(self._march.lumps)
+        if self._march.births.work > MOST_WORK or clock.monotonic() > self.matter.until:
+            raise StoppedError
+
+    def curve(self, spring: float) -> Curve:
+        """The load along the move, as far as it is solved."""
+        past, lumps = self.past, self._march.lumps
+        begin, width, force, wrong = self._panels()
+        panels = Panels(
+            begin - past.end, width, self.direction * force, wrong * self.matter.life.reach
+        )
+        drops = [lump.time for lump in lumps if lump.time > past.end and lump.weight > LEAST_DROP]
+        rounding = ROUND_OFF * (self.matter.unit + panels.begin)
+        rounding += self._march.life_error * self.matter.life.reach
+        error = past.error + np.maximum.accumulate(panels.rough) + rounding
+        return Curve(panels, error, np.array(drops) - past.end, spring)
+
+    def _panels(self) -> Panels:
+        """Of the march: from the way at its beginning on, errors over the longest stretch."""
+        march, here = self._march, slice(self._first, None)
+        lists = march.begin, march.width, march.force, march.wrong
+        return Panels(*(np.array(values[here]) for values in lists))
+
+    def after(self, y: float, error: float) -> Past:
+        """What has happened after the travel y, with the error of the force that comes of it."""
+        y = max(y, STILL * self.matter.life.grain)
+        end, line = self.past.end + y, self.past.line_to(self.at(y))
+        met = tuple(moment for moment in self._moments if moment.time < end)
+        moments = self._lasting((*met, Moment(end, 1)), line)
+        return Past(self._march, end, end, line, moments, error)
+
+    def _lasting(self, moments: tuple[Moment, ...], line: tuple[float, ...]) -> tuple[Moment, ...]:
+        """Those moments whose contacts may still hold."""
+        motion = Motion.along(np.array(line))
+        times = np.array([moment.time for moment in moments])
+        high, low = motion.extremes(motion.times[-1:], motion.leg(times))
+        born = motion.at(times)
+        first, last = self.matter.again.span
+        furthest = np.maximum(first + high[0] - born, born - low[0] - last)
+        kept = furthest < self.matter.life.reach
+        return tuple(moment for moment, here in zip(moments, kept, strict=True) if here)
+
+    @property
+    def _solved(self) -> float:
+        return self._march.reached
+
+    def _plan(self, march: March | None, cut_at: float, since: float) -> March:
+        """The march that goes on from `since`; from `cut_at` to there nothing was born."""
+        matter, end = self.matter, since - self.past.end + self._ahead
+        motion = Motion.along(np.array(self.past.line_to(self.at(end))))
+        births = Births(matter.life, matter.again, motion)
+        if march is None:
+            wide = WIDE * matter.life.grain
+            nothing, reach = np.empty(0), matter.life.reach
+            march = March(births, matter.start, nothing, matter.tolerance, wide, reach)
+        else:
+            march = cut(march, cut_at, births)
+            if cut_at < since:
+                hold(march, cut_at, since)
+        single = [lump for lump in march.lumps if lump.law.is_single]
+        plan = edges(
+            motion,
+            matter.life,
+            matter.start,
+            matter.again,
+            0.0,
+            matter.tolerance,
+            since=since,
+            known=self._moments,
+            born=[Together(lump.time, lump.weight, lump.law.mean()) for lump in single],
+        )
+        if plan.too_many_lumps:
+            matter.crowded = True
+            raise StoppedError
+        self._moments, march.edges = tuple(plan.moments), plan.times
+        return march
+
+
+class Held(Pull):
+    """Contacts as the slider slips on: those that break stay out until it stands again."""
+
+    def __init__(self, matter: Matter, direction: int, past: Past) -> None:
+        super().__init__(matter, direction, past)
+        self._width, self._kept = WIDE * matter.life.grain, list[Panels]()
+
+    def reach(self, y: float) -> None:
+        """See Pull."""
+        grain, tolerance = self.matter.life.grain, self.matter.tolerance
+        while not self._kept or self._solved < self.past.end + y:
+            self._spend()
+            begin = self._solved
+            later = self._march.edges[self._march.edges > begin + STILL * grain]
+            if not later.size:
+                self._ahead *= 2.0
+                self._march = self._plan(self._march, self.past.end, self.past.end)
+                continue
+            width = min(self._width, float(later[0]) - begin)
+            _, force = self._march.known(begin + width * TARGETS[None])
+            force = force[:, : rule.DEGREE + 1]
+            wrong = np.abs(force @ rule.TO_LEGENDRE[-2:].T).max(axis=1) / self.matter.life.reach
+            if wrong[0] > tolerance and width > STILL * grain:
+                self._width = 0.5 * width
+                continue
+            self._kept.append(Panels(np.array([begin]), np.array([width]), force, wrong))
+            self._width *= 2.0 if wrong[0] < tolerance * 0.5**rule.DEGREE else 1.0
+
+    def _panels(self) -> Panels:
+        return Panels(*(np.concatenate(parts) for parts in zip(*self._kept, strict=True)))
+
+    @property
+    def _solved(self) -> float:
+        last = self._kept[-1] if self._kept else None
+        return self.past.end if last is None else float(last.begin[0] + last.width[0])
+
+    def holding(self, y: float) -> float:
+        """Share of the contacts that hold after the travel y."""
+        at = np.full((1, TARGETS.size), self.past.end + y)
+        return float(self._march.known(at)[0][0, 0])
+
+    def stands(self, y: float, error: float) -> Past:
+        """What has happened when the slip ends after the travel y, and the broken re-form."""
+        moved = self.after(y, error)
+        met = (*self.past.moments, Moment(moved.end, 0))
+        return replace(moved, cut=self.past.end, moments=self._lasting(met, moved.line))

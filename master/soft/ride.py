@@ -1,0 +1,197 @@
+"""Ride: one drive of a soft slider, move after move and slip after slip."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from master.renewal import rule as panels
+from master.soft.curve import Curve
+from master.soft.pull import Held, Matter, Past, Pull, StoppedError
+from master.soft.slips import LettingGo, landing, letting_go
+from origins.drive import SlipRule
+
+Array = npt.NDArray[np.float64]
+
+# A drive that begins this near the balance, in mean thresholds, begins there.
+SAME = 1e-12
+
+
+class Ride:
+    """A soft slider that is pulled along a path of the drive.
+
+    Attributes
+    ----------
+    balance : float
+        X_T at which the spring balances the start (a length).
+    position, force : arrays of shape (n,)
+        X and F where the drive stands at the points of its path (lengths).
+    slips : list of arrays of shape (5, any)
+        Rows: X_T, X before and after, F before and after.
+    told : int
+        Points, from the first, that were answered: all unless the work or the time was over.
+    error : float
+        Bound on the errors of the force and of K X_T at slips (a length).
+    drive_error : float
+        That of X_T at slips (a length).
+    """
+
+    def __init__(self, matter: Matter, spring: float, rule: SlipRule, path: Array) -> None:
+        self.matter, self.spring, self.rule, self.path = matter, spring, rule, path
+        start = matter.start.mean()
+        self.balance, self._rest = start / spring, matter.again.mean()
+        self.position, self.force = np.zeros(path.size), np.full(path.size, start)
+        self.slips, self.nodes = [np.empty((5, 0))], 0
+        self.error = self.drive_error = 0.0
+        # what happened since the slider was at X = base, and how far off that may be
+        self._base, self._shift = 0.0, 0.0
+        self._last, self._relaxed = (matter, Past()), matter.relaxed()
+        self._fresh: dict[int, Pull] = {}  # of contacts that just re-formed, by direction
+        steps = np.diff(path, prepend=self.balance)
+        if abs(steps[0]) <= SAME * matter.unit:
+            steps[0] = 0.0
+        moving = np.flatnonzero(steps)
+        signs = np.sign(steps[moving])
+        begins = np.append(0, moving[1:][np.diff(signs) != 0.0])
+        self.told = 0 if moving.size else path.size
+        try:
+            for begin, end in zip(begins, np.append(begins[1:], path.size), strict=True):
+                if moving.size:
+                    sign = signs[np.searchsorted(moving, begin)]
+                    self._move(int(sign), np.arange(begin, end))
+        except StoppedError:
+            pass
+
+    @property
+    def crowded(self) -> bool:
+        """Whether more exact thresholds met than can be followed."""
+        return self.matter.crowded or self._relaxed.crowded
+
+    def _move(self, direction: int, points: npt.NDArray[np.intp]) -> None:
+        """The drive goes straight on over points of its path, through all slips on the way."""
+        end = direction * float(self.path[points[-1]])
+        matter, past = self._last
+        pull = Pull(matter, direction, past)
+        if past.march is None and matter.start.span == matter.again.span == (0.0, 0.0):
+            self._fresh[direction] = pull
+        while True:
+            begin = direction * (self._base + pull.at(0.0))
+            target, y = self.spring * (end - begin), 0.0
+            go = letting_go(pull, self.spring, y, target)
+            if go.slips and self.rule == "reset" and pull is self._fresh.get(direction):
+                points = self._repeat(pull, go, points, end)
+                begin = direction * (self._base + pull.at(0.0))
+                target, go = self.spring * (end - begin), LettingGo(go.curve)
+            while True:
+                loads = self.spring * (direction * self.path[points] - begin)
+                count = int(np.searchsorted(loads, go.level))
+                self._answer(pull, go, points[:count], loads[:count], y)
+                points = points[count:]
+                if not go.slips:
+                    y = float(go.curve.carries(np.array([target]), y, go.curve.end)[0])
+                    self._last = pull.matter, pull.after(y, self._turn_error(go.curve, y))
+                    return
+                if self.rule != "instant":
+                    break
+                caught = landing(pull, self.spring, go.travel, go.level, go.beside)
+                self._note(pull, go, begin, begin + caught.travel, caught.force)
+                y = caught.travel
+                go = letting_go(pull, self.spring, y, target)
+            jump = self._reset if self.rule == "reset" else self._reform_after
+            pull = jump(pull, go, begin)
+
+    def _answer(
+        self, pull: Pull, go: LettingGo, points: npt.NDArray[np.intp], loads: Array, low: float
+    ) -> None:
+        """X and F at points before the slider lets go, where it carries these loads."""
+        if points.size:
+            y = go.curve.carries(loads, low, min(go.travel, go.curve.end))
+            self._tell(pull, go.curve, points, y, np.zeros(y.size), self._shift)
+
+    def _tell(
+        self,
+        pull: Pull,
+        curve: Curve,
+        points: npt.NDArray[np.intp],
+        y: Array,
+        further: Array,
+        shift: Array | float,
+    ) -> None:
+        """X and F at points where the slider has gone y on this move, and `further` before."""
+        self.position[points] = self._base + pull.at(y) + pull.direction * further
+        self.force[points] = pull.direction * curve.force(y)
+        self.told = max(self.told, int(points.max(initial=-1)) + 1)
+        off = self.spring * curve.misplaced(y, shift)
+        self.error = max(self.error, float(off.max(initial=0.0)))
+
+    def _turn_error(self, curve: Curve, y: float) -> float:
+        """Error of the force after a turn: its place is not known, and F' jumps to 1 there."""
+        at = np.array([y])
+        bends = abs(1.0 + self.spring - float(curve.slope(at)[0]))
+        error = float(curve.error[curve.panel(at)[0]])
+        return error + bends * float(curve.misplaced(at, self._shift)[0])
+
+    def _reset(self, pull: Pull, go: LettingGo, begin: float) -> Pull:
+        """All contacts are drawn anew, and the slider goes to where the spring balances them."""
+        rest = pull.direction * self._rest
+        after = begin + (go.level - rest) / self.spring
+        self._note(pull, go, begin, after, rest)
+        self._base = pull.direction * after
+        self._shift += go.error / self.spring
+        if pull.direction not in self._fresh:
+            self._fresh[pull.direction] = Pull(self._relaxed, pull.direction, Past())
+        return self._fresh[pull.direction]
+
+    def _repeat(
+        self, pull: Pull, go: LettingGo, points: npt.NDArray[np.intp], end: float
+    ) -> npt.NDArray[np.intp]:
+        """All whole cycles of contacts that just re-formed; returns the points that come after."""
+        d, rest = pull.direction, pull.direction * self._rest
+        stands = d * self._base + rest / self.spring
+        period = (go.level - rest) / self.spring
+        count = int((end - stands) / period)
+        asked = d * self.path[points] - stands
+        cycle = np.maximum(np.floor(asked / period), 0.0)
+        here = int(np.searchsorted(cycle, count))
+        cycle, loads = cycle[:here], rest + self.spring * (asked - cycle * period)[:here]
+        y = go.curve.carries(loads, 0.0, go.travel)
+        drift = go.error / self.spring
+        self._tell(pull, go.curve, points[:here], y, cycle * period, self._shift + cycle * drift)
+        begins: Array = np.asarray(d * self._base + period * np.arange(count), dtype=float)
+        self._shift += max(count - 1, 0) * drift
+        self._note(pull, go, begins, np.asarray(begins + period), rest)
+        self._shift += drift
+        self._base += d * count * period
+        return points[here:]
+
+    def _reform_after(self, pull: Pull, go: LettingGo, begin: float) -> Pull:
+        """Broken contacts stay out until the slider stands again."""
+        spring, d = self.spring, pull.direction
+        held = Held(pull.matter, d, pull.after(go.travel, go.error))
+        caught = landing(held, spring, 0.0, go.level - spring * go.travel, go.beside)
+        after = begin + go.travel + caught.travel
+        self._note(pull, go, begin, after, caught.force)
+        # contacts that are taken for out, or for born, as it is not known where the slip begins
+        error = (1.0 + spring) * go.misplaced * caught.travel / self.matter.unit
+        landed = np.array([caught.travel])
+        self._shift += float(caught.curve.misplaced(landed, 0.0, go.error + error)[0])
+        # those that broke have nothing left of the past
+        error += float(caught.curve.error[caught.curve.panel(landed)[0]])
+        error *= held.holding(caught.travel)
+        return Pull(pull.matter, d, held.stands(caught.travel, error))
+
+    def _note(
+        self, pull: Pull, go: LettingGo, begin: Array | float, after: Array | float, force: float
+    ) -> None:
+        """A slip, or one for each cycle, of moves that begin at `begin` along the motion."""
+        d, spring = pull.direction, self.spring
+        before = float(go.curve.force(np.array([go.travel]))[0])
+        rest = force if self.rule == "reset" else 0.0
+        begin, after = np.atleast_1d(begin), np.atleast_1d(after)
+        drive = after + rest / spring if self.rule == "reset" else begin + go.level / spring
+        same = np.ones(begin.size)
+        rows = [drive, begin + go.travel, after, before * same, force * same]
+        self.slips.append(d * np.stack(rows))
+        self.drive_error = max(self.drive_error, go.error / spring + self._shift)
+        self.error = max(self.error, spring * self.drive_error)
+        self.nodes += go.curve.begin.size * panels.DEGREE

@@ -1,0 +1,138 @@
+"""A soft slider at T = 0: a spring K between the drive X_T and the slider X, K (X_T - X) = F(X).
+
+Where F'(X) = -K the slider slips, which takes no time. What a slip does is a rule:
+
+    "reset"         all contacts are drawn anew; the slider jumps to where K (X_T - X) = F;
+    "instant"       contacts re-form at once; the slider goes to the first X' that balances again,
+                    F(X') + K X' = K X_T;
+    "reform-after"  broken contacts stay out until the slip ends, those that hold stretch and may
+                    break; it ends where K (X_T - X) meets the force of those that hold, and then
+                    the broken are back at x = 0.
+
+The drive begins where it balances the start, X_T = F(0)/K at X = 0, and moves straight from there
+to the first point of its path (paper Sec. III D).
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.outcome import Progress, outcome, unheard
+from master.soft.pull import Matter
+from master.soft.regime import Regime, regime
+from master.soft.ride import Ride
+from master.soft.slips import Slips
+from origins import Contacts, InputError
+from origins.brief import brief
+from origins.drive import Drive
+from origins.errors import refuse
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SoftSolution:
+    """F and X as the drive moves, and what the slider does on the way.
+
+    Attributes
+    ----------
+    path : array of shape (n,)
+        Positions X_T of the drive (lengths).
+    balance : float
+        X_T = F(0)/K, where the drive stands at t = 0 (a length).
+    position : array of shape (n,)
+        Positions X of the slider (lengths); at a slip, after it.
+    force : array of shape (n,)
+        F/(N_c <k>) = K (X_T - X) (lengths).
+    force_error : float
+        Bound on the largest error, in units of the mean threshold, of `force` along the path but for
+        points that a slip's own error takes to its other side, and of K X_T at slips.
+    holding : array of shape (n,)
+        Fraction of contacts that hold: 1, as slips take no time.
+    slips : Slips
+    period : float or None
+        X_T from the last slip but one to the last (a length); None for fewer than two.
+    regime : Regime
+    run_time : float
+        Seconds.
+    nodes : int
+        Moments at which number conservation was solved.
+    success : bool
+        Whether force_error is at or below the tolerance asked for.
+    message : str
+    """
+
+    path: Array
+    balance: float
+    position: Array
+    force: Array
+    force_error: float
+    holding: Array
+    slips: Slips
+    period: float | None
+    regime: Regime
+    run_time: float
+    nodes: int
+    success: bool
+    message: str
+
+    __repr__ = brief
+
+
+def solve_soft(
+    contacts: Contacts,
+    drive: Drive,
+    tolerance: float = 1e-8,
+    progress: Progress = unheard,
+    wall_time: float | None = None,
+) -> SoftSolution:
+    """Force as the drive X_T moves along its path and pulls the slider by its spring, at T = 0.
+
+    contacts : without laws that tell time; re-forming elsewhere than at x = 0 not with
+        "reform-after"; checked before
+    drive : with a spring
+    tolerance : in units of the mean threshold
+
+    Raises InputError for "reform-after" with contacts that re-form stretched.
+    """
+    began = time.perf_counter()
+    if drive.spring is None:
+        raise InputError("spring = None: a soft slider needs K/(N_c <k>), such as spring=0.5")
+    if drive.slip == "reform-after" and contacts.reforming is not None:
+        rule = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
+        refuse("slip", drive.slip, rule)
+    spring, unit = drive.spring, contacts.mean_threshold
+    until = np.inf if wall_time is None else time.monotonic() + wall_time
+    ride = Ride(Matter.of(contacts, tolerance, until), spring, drive.slip, drive.path)
+    error = ride.error / unit
+    progress(error)
+    reason = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
+    success, message = outcome(contacts, error, tolerance, reason)
+    whole, end = ride.told == drive.path.size, drive.path[: ride.told]
+    if not whole:
+        over = "by wall_time" if time.monotonic() > until else "as slips ask for too much work"
+        if ride.crowded:
+            over = "as exact thresholds break together more often than can be followed"
+        last = f"X_T = {end[-1]:.6g}" if end.size else "the first point"
+        success, message = False, f"stopped at {last} {over}; the path is cut there"
+    drives, before, after, above, below = np.concatenate(ride.slips, axis=1)
+    slips = Slips(drives, before, after, above, below, ride.drive_error)
+    return SoftSolution(
+        path=end,
+        balance=ride.balance,
+        position=ride.position[: ride.told],
+        force=ride.force[: ride.told],
+        force_error=error,
+        holding=np.ones(ride.told),
+        slips=slips,
+        period=slips.period,
+        regime=regime(contacts, drive, slips, tolerance, whole),
+        run_time=time.perf_counter() - began,
+        nodes=ride.nodes,
+        success=success,
+        message=message,
+    )
