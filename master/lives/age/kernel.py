@@ -1,0 +1,108 @@
+"""One step in time of the weights of thresholds in cells, strand by strand: the compiled part.
+
+All that numba compiles for ageing stands in this file, because its cache on disk notices changes in
+a function's own file only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.intp]
+
+# Radau's method of two stages, of third order: its last stage is the end of the step, so that what
+# is stiff, such as the thin edge of a density at the level, is damped to what it is at the end.
+STAGES = np.array([1.0 / 3.0, 1.0])
+RADAU = np.array([[5.0, -1.0], [9.0, 3.0]]) / 12.0
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """`function`, compiled when first called; kept on disk where a folder can be written."""
+    try:
+        return njit(cache=True)(function)
+    except RuntimeError:  # numba found no folder for its cache
+        return njit(function)
+
+
+@compiled
+def solve_band(band: Array, right: Array) -> None:
+    """Solve a system in place: band[i, 5 + j] stands in row i and column i + j, |j| <= 5."""
+    n = right.size
+    for i in range(n):
+        pivot = 1.0 / band[i, 5]
+        for k in range(1, min(5, n - 1 - i) + 1):
+            factor = band[i + k, 5 - k] * pivot
+            if factor != 0.0:
+                for j in range(1, 6):
+                    band[i + k, 5 - k + j] -= factor * band[i, 5 + j]
+                right[i + k] -= factor * right[i]
+    for i in range(n - 1, -1, -1):
+        value = right[i]
+        for j in range(1, min(5, n - 1 - i) + 1):
+            value -= band[i, 5 + j] * right[i + j]
+        right[i] = value / band[i, 5]
+
+
+@compiled
+def step(
+    weights: Array,
+    used: Whole,
+    leaving: Array,
+    entering: Array,
+    breaking: Array,
+    spread: Array,
+    value: Array,
+    slope: Array,
+    closed: Whole,
+) -> Array:
+    """Weights of thresholds in cells at the end of a step, shape (strands, cells).
+
+    weights : array (strands, cells) at its beginning; strand i has some in its first used[i] cells
+    leaving, entering : arrays (2, strands, cells), at both stages, what leaves a cell through its
+        lower face per density there, and what of it enters the cell below
+    breaking : array (2, strands, cells), or of no cells, rate at which contacts in a cell break
+    spread : array (2, strands), the diffusivity; the last four are multiplied by the step
+    value, slope : arrays (2, cells, 4), the density and its slope at the cells' lower faces from
+        the weights of four cells, with an open (0) and with a closed (1) lowest face
+    closed : array (strands,), 1 where nothing passes the lowest face
+    """
+    out = np.zeros(weights.shape)
+    most = weights.shape[1]
+    band, found = np.zeros((2 * most, 11)), np.zeros(2 * most)
+    for i in range(weights.shape[0]):
+        m, kind = used[i], closed[i]
+        for row in range(2 * m):
+            found[row] = weights[i, row // 2]
+            for k in range(11):
+                band[row, k] = 0.0
+            band[row, 5] = 1.0
+        for stage in range(2):
+            first, last = RADAU[0, stage], RADAU[1, stage]
+            for j in range(m):
+                if breaking.shape[2] > 0:
+                    band[2 * j, 5 + stage] += first * breaking[stage, i, j]
+                    band[2 * j + 1, 4 + stage] += last * breaking[stage, i, j]
+                if j == 0 and kind == 1:
+                    continue
+                # the face below cell j: from the cells j - 2 to j + 1, out of j and into j - 1
+                for k in range(4):
+                    if 0 <= j - 2 + k < m:
+                        at = 5 + 2 * (k - 2) + stage
+                        diffused = spread[stage, i] * slope[kind, j, k]
+                        gone = leaving[stage, i, j] * value[kind, j, k] + diffused
+                        band[2 * j, at] += first * gone
+                        band[2 * j + 1, at - 1] += last * gone
+                        if j > 0:
+                            come = entering[stage, i, j] * value[kind, j, k] + diffused
+                            band[2 * j - 2, at + 2] -= first * come
+                            band[2 * j - 1, at + 1] -= last * come
+        solve_band(band[: 2 * m], found[: 2 * m])
+        for j in range(m):
+            out[i, j] = found[2 * j + 1]
+    return out

@@ -1,0 +1,233 @@
+"""Strands of contacts that age: births at any moments, which follow the slider together."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from master.lives.age.cells import Cells, Move
+from origins import Contacts
+from origins.errors import InputError
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+# Ratio of the errors of the two resolutions.
+RATIO = 8.0
+# Standard deviations that normal thresholds keep from the stretch of contacts that sleep: those
+# that may have been met are fewer than 1e-11.
+ASLEEP = 7.0
+# Share that holds below which a strand is dropped.
+DEAD = 1e-15
+# Travel in one step of a density at resolution 0, of the narrowest width of the laws.
+TRAVEL_STEP = 0.25
+# Breaks by heat that a step takes at most from fresh contacts, at resolution 0.
+HEAT_STEP = 0.15
+# Growth of the steps after the speed changed, at resolution 0, per time since then: the edge of the
+# density at the level becomes another one, first fast and then ever slower.
+AFTER_CHANGE = 0.5
+# The first of these steps, of the time D/v² in which an edge forms at the largest speed, or of the
+# time in which thresholds spread by the narrowest width, whichever is longer.
+FIRST_STEP, LEAST_STEP = 0.1, 1e-10
+# Share of fresh thresholds, within that part of a width above the level, from which on it counts
+# that they break at once; at resolution 0, where errors are a tenth of it.
+TORN, CLOSE = 1e-3, 0.1
+# Steps of one move of a strand; some 30 seconds of work.
+MOST_STEPS = 200_000
+
+
+class Mesh:
+    """Two resolutions, each of which errs by an eighth of the one before: cells, and steps in time.
+
+    Parameters
+    ----------
+    contacts : Contacts
+    resolution : int
+        Of the finer one, at least 1.
+    fastest : float
+        Largest speed of the slider.
+    """
+
+    def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
+        assert contacts.ageing is not None
+        self.law, self.diffusion = contacts.thresholds, contacts.ageing.rate
+        self.resolution, self.fastest = resolution, fastest
+        self.cells = tuple(Cells(contacts, k, fastest) for k in (resolution - 1, resolution))
+        self.width = self.cells[0].width
+        self.heat_rate = fresh_rate(contacts)
+
+    def torn(self, stretch: Array, share: Array) -> bool:
+        """Whether some of the fresh thresholds are right above |stretch|, which break at once."""
+        least = np.abs(stretch)
+        held = self.law.sf(least)
+        near = held - self.law.sf(least + CLOSE * self.width)
+        share = share * near / np.where(held > 0.0, held, 1.0)
+        return bool(share.max(initial=0.0) > TORN / RATIO**self.resolution)
+
+    def fractions(self, speed: float, since: float, duration: float, torn: bool) -> Array:
+        """Ends of the coarse steps of a move, from 0 to 1.
+
+        since : time at the beginning since the speed changed, or the birth
+        torn : whether strands are born with thresholds right above the level, which break at once
+        """
+        scale = 2.0 ** (self.resolution - 1)
+        longest = HEAT_STEP / self.heat_rate if self.heat_rate > 0.0 else np.inf
+        if speed != 0.0:
+            longest = min(longest, TRAVEL_STEP * self.width / abs(speed))
+        shortest = LEAST_STEP * self.width**2 / self.diffusion
+        if self.fastest > 0.0 and not torn:
+            shortest = max(shortest, FIRST_STEP * self.diffusion / self.fastest**2)
+        times = [0.0]
+        while times[-1] < duration:
+            step = min(AFTER_CHANGE * (since + times[-1]) + shortest, longest) / scale
+            times.append(times[-1] + step)
+            if len(times) > MOST_STEPS:
+                raise InputError(
+                    f"ageing: a move of {duration:.3g} in time needs more than {MOST_STEPS} steps; "
+                    "use a shorter path, or a larger tolerance"
+                )
+        return np.array(times) / times[-1]
+
+
+class Strands:
+    """Contacts born at given stretches, any number of strands, each with its law of thresholds.
+
+    A strand has one or more parts, which were born at different stretches.
+
+    Attributes
+    ----------
+    stretch : array (n, parts), of each part now (lengths)
+    share : array (n, parts), weights of sum 1 over the parts
+    age : array (n, parts), time since the birth
+    torn : bool
+        Whether there are thresholds right above the stretch, which break at once: as strands begin.
+    error : float
+        Largest difference found so far between what two resolutions told, extrapolated.
+    """
+
+    def __init__(self, mesh: Mesh, stretch: Array, share: Array) -> None:
+        self.mesh, self.share = mesh, share
+        self.stretch = stretch.reshape(share.shape).copy()
+        self.age = np.zeros(share.shape)
+        self.since, self.speed, self.error = 0.0, np.nan, 0.0
+        self._asleep = mesh.cells[0].far_above(self.stretch, self.age, ASLEEP)
+        self.torn = mesh.torn(self.stretch, share)
+        self._weights = [np.zeros((share.size, cells.edges.size - 1)) for cells in mesh.cells]
+        for cells, weights in zip(mesh.cells, self._weights, strict=True):
+            awake = ~self._asleep.ravel()
+            weights[awake] = cells.fresh(self.stretch.ravel()[awake])
+
+    @property
+    def count(self) -> int:
+        return self.share.shape[0]
+
+    def advance(self, speed: float, duration: Array | float) -> None:
+        """All strands move on at the speed dX/dt for a time, one number or one for each strand."""
+        duration = np.broadcast_to(np.asarray(duration, dtype=float), self.count)
+        if not duration.any():
+            return
+        longest = float(duration.max())
+        steps = self.steps_of(speed, longest) / longest
+        if speed != self.speed:
+            self.speed, self.since = speed, 0.0
+        lasts = np.repeat(duration[:, None], self.share.shape[1], axis=1)
+        self._travel(speed * lasts, lasts, steps)
+        self.since += longest
+        self.torn = False
+
+    def steps_of(self, speed: float, duration: float) -> Array:
+        """Ends, from 0 on, of the coarse steps in which strands would move on at this speed."""
+        since = self.since if speed == self.speed else 0.0
+        return duration * self.mesh.fractions(speed, since, duration, self.torn)
+
+    def slip(self, travel: float) -> None:
+        """All strands are stretched by `travel` in no time."""
+        steps = max(1, int(np.ceil(abs(travel) / (TRAVEL_STEP * self.mesh.cells[0].width))))
+        none = np.zeros(self.share.shape)
+        self._travel(none + travel, none, np.linspace(0.0, 1.0, 2 * steps + 1)[::2])
+        self.speed = np.nan
+
+    def left(self) -> Array:
+        """Share of each strand that holds, and its force per contact born, shape (2, count)."""
+        told = [
+            np.where(self._asleep, 1.0, w.sum(axis=1).reshape(self.share.shape))
+            for w in self._weights
+        ]
+        missed = (told[1] - told[0]) / (RATIO - 1.0)
+        self.error = max(self.error, float(np.abs(self.share * missed).sum(axis=1).max(initial=0)))
+        holds = self.share * np.clip(told[1] + missed, 0.0, 1.0)
+        return np.stack([holds.sum(axis=1), (holds * self.stretch).sum(axis=1)])
+
+    def take(self, which: Mask | npt.NDArray[np.intp]) -> Strands:
+        """Some of the strands, as a copy."""
+        out = object.__new__(Strands)
+        out.__dict__.update(self.__dict__)
+        rows = np.arange(self.count)[which]
+        parts = (rows[:, None] * self.share.shape[1] + np.arange(self.share.shape[1])).ravel()
+        for name in ("share", "stretch", "age", "_asleep"):
+            setattr(out, name, getattr(self, name)[rows])
+        out._weights = [weights[parts] for weights in self._weights]
+        return out
+
+    def join(self, other: Strands) -> Strands:
+        """These strands, and then others that were born of the same law and move on with them."""
+        out = self.take(np.arange(self.count))
+        for name in ("share", "stretch", "age", "_asleep"):
+            setattr(out, name, np.concatenate([getattr(self, name), getattr(other, name)]))
+        pairs = zip(self._weights, other._weights, strict=True)
+        out._weights = [np.concatenate(pair) for pair in pairs]
+        out.error = max(self.error, other.error)
+        out.since = min(self.since, other.since) if self.speed == other.speed else 0.0
+        return out
+
+    def _travel(self, travel: Array, lasts: Array, steps: Array) -> None:
+        """Move all parts; `steps` are the ends of the coarse steps, as parts of the whole."""
+        after, age = self.stretch + travel, self.age + lasts
+        cells = self.mesh.cells[0]
+        furthest = np.maximum(np.abs(self.stretch), np.abs(after))
+        still = self._asleep & cells.far_above(furthest, self.age, ASLEEP)
+        still &= cells.far_above(furthest, age, ASLEEP)
+        up = np.flatnonzero(self._asleep & ~still)
+        if up.size:
+            for own, weights in zip(self.mesh.cells, self._weights, strict=True):
+                weights[up] = own.unmet(self.stretch.ravel()[up], self.age.ravel()[up])
+        halves = np.sort(np.concatenate([steps, 0.5 * (steps[1:] + steps[:-1])]))
+        for own, weights, ends in zip(self.mesh.cells, self._weights, (steps, halves), strict=True):
+            rows = np.flatnonzero(~still.ravel() & (weights.sum(axis=1) > DEAD))
+            begin, way, time = (x.ravel()[rows] for x in (self.stretch, travel, lasts))
+            weights[rows] = _stepped(own, weights[rows], begin, way, time, ends)
+        self._asleep, self.stretch, self.age = still, after, age
+
+
+def _stepped(
+    cells: Cells, weights: Array, begin: Array, way: Array, time: Array, ends: Array
+) -> Array:
+    """Weights of strands that go a `way` from `begin` within `time`, step by step."""
+    for a, b in pairwise(ends):
+        first, last, lasts = begin + way * a, begin + way * b, time * (b - a)
+        # parts of a step, between those stretches at which the level turns or leaves the floor
+        marks = [0.0] if cells.floor == 0.0 else [-cells.floor, cells.floor]
+        across = [(first < mark) != (last < mark) for mark in marks]
+        if not any(mark.any() for mark in across):
+            weights = cells.move(weights, Move(np.abs(first), np.abs(last), lasts))
+            continue
+        length = np.where(last == first, 1.0, last - first)
+        cuts = [np.where(c, (m - first) / length, 1.0) for m, c in zip(marks, across, strict=True)]
+        length = last - first
+        cuts = [np.zeros(first.size), *np.sort(cuts, axis=0), np.ones(first.size)]
+        for near, far in pairwise(cuts):
+            rows = far > near
+            one, two = (np.abs(first + length * cut)[rows] for cut in (near, far))
+            weights[rows] = cells.move(weights[rows], Move(one, two, (lasts * (far - near))[rows]))
+    return weights
+
+
+def fresh_rate(contacts: Contacts) -> float:
+    """Mean rate at which fresh relaxed contacts break by heat (per time); 0 without heat."""
+    if contacts.thermal is None:
+        return 0.0
+    rank = (np.arange(200) + 0.5) / 200.0
+    thresholds = np.asarray(contacts.thresholds.ppf(rank))
+    return float(contacts.thermal.plain_rate(np.zeros(1), thresholds).mean())

@@ -1,0 +1,172 @@
+"""Contacts whose thresholds grow with their age, as coalescing grains do (paper, Sec. VI).
+
+Each contact keeps its quantile for life. It breaks where the hazard H(|x|; age) of the law of
+thresholds at its age reaches that of its quantile, so that of those that pinned together
+
+    share left = exp(-(H_worst - H_0)),      H_worst = the largest H since the birth,
+
+H_0 being that of contacts which stand stretched at t = 0. On a straight leg H first falls, while
+the contact relaxes or its threshold outgrows the stretch, and then rises: it is largest at an end.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from master.lives.stretch_rule import finite_density, stretch_panels
+from master.motion.motion import History, Legs
+from origins import Contacts, GrainContact
+from origins.lifshitz_slyozov import hazard_beyond
+from origins.quadrature import gauss
+from origins.start import Start
+
+Array = npt.NDArray[np.float64]
+
+# Hazard above which the survival e^-H is below 1e-17: nothing to speak of holds.
+GONE = 39.2
+# Bisections that find a stretch to one part in 1e15 of its panel.
+BISECTIONS = 50
+# Share of contacts by which the sums over the starting stretches may be off.
+ERROR = 1e-13
+
+
+class GrainLife:
+    """Life (see master.lives.life) of contacts with growing grains, without heat.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With `grains`.
+    longest : float
+        Time > 0 after which no contact is looked at any more.
+
+    Contacts born at t = 0 with the law `contacts.start` itself, that very object, have their
+    grains' starting age; all others pin as they are born, at the stretch 0, an age of tau_m.
+    """
+
+    quiet = 0.0
+    bends: Array = np.empty(0)
+    error = ERROR
+
+    def __init__(self, contacts: Contacts, longest: float) -> None:
+        grains = contacts.grains
+        assert grains is not None and grains.age is not None
+        self.grains: GrainContact = grains
+        self.start = contacts.start
+        self.pinning_time = self.grains.growth.first_pinning_time
+        self.start_since = grains.age - self.pinning_time
+        oldest = grains.age + longest
+        self.reach = float(self.grains.quantile(-np.expm1(-GONE), oldest))
+        # the start reaches as far as its youngest thresholds do
+        self.start_reach = self.grains.at_start.support()[1]
+
+    def left(self, born: Start, history: History) -> Array:
+        """Share of contacts that hold, and their force per contact born; see Life.left."""
+        legs = history.legs()
+        if born is not self.start:
+            hold = np.exp(-np.maximum(self.worst_of_births(legs), self.lost(legs)))
+            return np.stack([hold, hold * legs.displacement[..., -1]])
+        if born.is_single:
+            stretch = born.mean() + legs.displacement
+            hazards = self.hazards(stretch, self.start_since, legs)
+            hold = np.exp(hazards[..., 0] - hazards.max(axis=-1))
+            return np.stack([hold, hold * stretch[..., -1]])
+        return self._left_of_spread_start(born, legs)
+
+    def hazards(self, stretch: Array, since: float, legs: Legs) -> Array:
+        """H at the beginning of the first leg and at the end of each.
+
+        stretch : array (..., k + 1), at these moments
+        since : time between pinning and the beginning of the first leg
+        """
+        elapsed = np.cumsum(legs.duration, axis=-1)
+        first = np.zeros((*elapsed.shape[:-1], 1))
+        return pinned_hazard(self.grains, stretch, since + np.concatenate([first, elapsed], -1))
+
+    def worst_of_births(self, legs: Legs) -> Array:
+        """The largest H at the ends of the legs of contacts that pinned at stretch 0."""
+        return np.asarray(self.hazards(legs.displacement, 0.0, legs).max(axis=-1))
+
+    def lost(self, legs: Legs) -> Array:
+        """H as contacts pin: some are stretched faster than their thresholds grow from 0 on.
+
+        Array of shape (rows, 1): all births of a row lie on one leg.
+        """
+        rows, columns = legs.duration.shape[:2]
+        lived = legs.duration[:, columns // 2] > 0.0
+        birth = np.where(lived.any(axis=-1), np.argmax(lived, axis=-1), legs.speed.size - 1)
+        hazard = [self.grains.lost_hazard(abs(float(speed))) for speed in legs.speed]
+        return np.array(hazard)[birth].reshape(rows, 1)
+
+    def _left_of_spread_start(self, born: Start, legs: Legs) -> Array:
+        """Share and force of contacts that stood at many stretches at t = 0.
+
+        The share that holds bends at the stretches from which on another moment becomes the
+        worst one: the panels of the sum over the stretches are cut there.
+        """
+        shape, knots = legs.displacement.shape[:-1], legs.displacement.shape[-1]
+        moves = Legs(
+            legs.displacement.reshape(-1, knots), legs.duration.reshape(-1, knots - 1), legs.speed
+        )
+        edges = np.clip(stretch_panels(born), -self.start_reach, self.start_reach)
+        edges = np.unique(edges)
+        row, low, high = self._panels(moves, edges)
+        nodes, weights = gauss(low, high)
+        weights = weights * finite_density(born, nodes)
+        hazards = self._hazards_from(nodes, row[:, None], moves)
+        hold = weights * np.exp(hazards[..., 0] - hazards.max(axis=-1))
+        stretch = nodes + moves.displacement[row, -1:]
+        parts = np.stack([hold, hold * stretch, weights]).sum(axis=-1)
+        share, force, weight = (
+            np.bincount(row, part, minlength=moves.displacement.shape[0]) for part in parts
+        )
+        return np.stack([share / weight, force / weight]).reshape(2, *shape)
+
+    def _panels(self, moves: Legs, edges: Array) -> tuple[npt.NDArray[np.intp], Array, Array]:
+        """Rows of `moves`, and panels of starting stretches with one worst moment each."""
+        count = moves.displacement.shape[0]
+        grid = np.broadcast_to(edges, (count, edges.size))
+        worst = self._worst_moment(grid, np.arange(count)[:, None], moves)
+        row, panel = np.nonzero(worst[:, 1:] != worst[:, :-1])
+        low, high, old = edges[panel], edges[panel + 1], worst[row, panel]
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            same = self._worst_moment(middle, row, moves) == old
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        cuts = np.array(grid[:, 1:])
+        cuts[row, panel] = low
+        ends = np.sort(np.concatenate([grid, cuts], axis=1), axis=1)
+        row, panel = np.nonzero(np.diff(ends, axis=1) > 0.0)
+        return row, ends[row, panel], ends[row, panel + 1]
+
+    def _worst_moment(
+        self, stretch: Array, row: npt.NDArray[np.intp], moves: Legs
+    ) -> npt.NDArray[np.intp]:
+        """Number of the moment at which H of contacts that started at `stretch` is largest."""
+        return np.argmax(self._hazards_from(stretch, row, moves), axis=-1)
+
+    def _hazards_from(self, start: Array, row: npt.NDArray[np.intp], moves: Legs) -> Array:
+        """H at all moments of the rows' moves, from starting stretches of the shape of `row`."""
+        stretch = start[..., None] + moves.displacement[row]
+        own = Legs(stretch, moves.duration[row], moves.speed)
+        return self.hazards(stretch, self.start_since, own)
+
+
+def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:
+    """-ln of the fraction of contacts with thresholds above |stretch|, `since` after they pinned.
+
+    GrainContact.hazard, told by the time since pinning, so that no digit is lost right after it.
+    Stretches (lengths) and times broadcast; infinite where no threshold is as large.
+    """
+    stretch, since = np.broadcast_arrays(stretch, since)
+    excess = np.expm1(np.log1p(since / grains.growth.first_pinning_time) / 3.0)
+    scaled = np.sqrt(grains.growth.B) * np.abs(stretch)
+    over = scaled * (scaled / (1.0 + np.hypot(1.0, scaled)))  # of the grain that breaks
+    room = excess - over
+    out = np.where(over > 0.0, np.inf, 0.0)
+    held = (room > 0.0) & (over > 0.0)
+    largest = 1.0 + excess[held]
+    q = over[held] / excess[held] * (largest / room[held])
+    out[held] = hazard_beyond(q, 1.0 / largest, excess[held] / largest)
+    return out

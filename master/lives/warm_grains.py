@@ -1,0 +1,269 @@
+"""Contacts with growing grains at a temperature: each keeps its quantile, and may break early.
+
+A contact of the quantile's hazard η has at any age the threshold x_s(η; age). Of those born
+together the share
+
+    integral over η > H_worst of e^{-(η - H_0)} e^{-A(η)},      A(η) = integral of h(|x|; x_s) dt,
+
+still holds, with H_worst and H_0 as in master.lives.grains. h is largest at the ends of legs: right
+after the birth, when thresholds are small, and where the stretch comes near the threshold.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import RectBivariateSpline
+
+from master.lives.grains import GONE, GrainLife
+from master.lives.stretch_rule import finite_density, stretch_panels
+from master.motion.motion import History, Legs
+from origins import Contacts, GrainContact
+from origins.lifshitz_slyozov import invert_beyond
+from origins.quadrature import gauss
+from origins.start import Start
+
+Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+# Range of the table of thresholds, in the logarithms of the hazard and of the time since pinning
+# over tau_m: below, thresholds are powers of both; and its spacing, at which quintic splines are
+# good to 1e-8.
+LEAST_HAZARD, LEAST_TIME, SPACING = -20.0, -16.0, 0.2
+# Panels of the sums over quantiles. They share out evenly what changes in the integrand: 1 - e^-y,
+# y being the root of the hazard above the worst one, and ln A between these two values, from where
+# e^-A is next to nothing to where it is next to 1.
+PANELS, LEAST_LOG, MOST_LOG = 7, -14.0, 4.0
+# Roots of hazards at which A is looked at to place them.
+LOOKS = np.sqrt(np.concatenate([[0.0], np.geomspace(1e-6, 1.0, 10), [2.0, 4.0, 8.0, 16.0, GONE]]))
+# Every so many edges of a start's panels is one: with three normal laws are summed to 1e-8.
+EVERY = 3
+# Numbers of elements that are worked on at once, so that they stay in memory's near parts.
+CHUNK = 2_000_000
+# A above which nothing holds.
+SPENT = 700.0
+
+
+class Fineness(NamedTuple):
+    """Numbers of nodes: of quantiles between two cuts, and of moments on a leg."""
+
+    quantiles: int
+    moments: int
+
+
+# Tried one after the other, until the next one changes the share by less than ACCURACY: colder
+# contacts break within ever shorter parts of a leg.
+FINENESSES = (Fineness(9, 51), Fineness(11, 101), Fineness(13, 201), Fineness(16, 401))
+ACCURACY = 1e-7
+# Of the change that is seen, as not all ages are looked at; and what the table leaves.
+MARGIN, TABLE_ERROR = 4.0, 5e-9
+
+
+class Pieces(NamedTuple):
+    """Straight moves on which stretches do not change their sign, arrays (pieces,).
+
+    owner : which contacts, rising; begin, end : stretches (lengths); since : time since pinning as
+    they begin; duration : time
+    """
+
+    owner: Rows
+    begin: Array
+    end: Array
+    since: Array
+    duration: Array
+
+
+class WarmGrainLife(GrainLife):
+    """Life (see master.lives.life) of contacts with growing grains and heat.
+
+    Attributes
+    ----------
+    error : float
+        Measured: the first, the middle and the last of the rows' columns are told twice.
+    """
+
+    def __init__(self, contacts: Contacts, longest: float) -> None:
+        super().__init__(contacts, longest)
+        assert contacts.thermal is not None
+        self.thermal, self._fineness = contacts.thermal, 0
+        self.error = TABLE_ERROR
+        self.thresholds = GrowingThresholds(self.grains, self.start_since + longest)
+
+    def left(self, born: Start, history: History) -> Array:
+        """Share of contacts that hold, and their force per contact born; see Life.left."""
+        legs = history.legs()
+        rows, columns = (np.unique([0, n // 2, n - 1]) for n in legs.displacement.shape[:2])
+        looked = np.ix_(rows, columns)
+        some = Legs(legs.displacement[looked], legs.duration[looked], legs.speed)
+        coarse = self._told(born, some, FINENESSES[self._fineness])
+        while True:
+            fine = self._told(born, some, FINENESSES[self._fineness + 1])
+            off = float(np.abs(fine[0] - coarse[0]).max(initial=0.0))
+            if off <= ACCURACY or self._fineness + 2 == len(FINENESSES):
+                break
+            self._fineness, coarse = self._fineness + 1, fine
+        self.error = max(self.error, MARGIN * off)
+        return self._told(born, legs, FINENESSES[self._fineness])
+
+    def _told(self, born: Start, legs: Legs, fineness: Fineness) -> Array:
+        """Share and force, shape (2, rows, columns)."""
+        shape, knots = legs.displacement.shape[:-1], legs.displacement.shape[-1]
+        moves = Legs(
+            legs.displacement.reshape(-1, knots), legs.duration.reshape(-1, knots - 1), legs.speed
+        )
+        if born is not self.start:
+            worst = np.maximum(self.worst_of_births(legs), self.lost(legs)).ravel()
+            none = np.zeros(worst.size)
+            hold = self._share(moves, 0.0, worst, none, fineness)
+            return np.stack([hold, hold * moves.displacement[:, -1]]).reshape(2, *shape)
+        if born.is_single:
+            row = np.arange(moves.displacement.shape[0])
+            nodes, weights = np.full((row.size, 1), born.mean()), np.ones((row.size, 1))
+        else:
+            edges = np.clip(stretch_panels(born)[::EVERY], -self.start_reach, self.start_reach)
+            edges = np.unique(np.append(edges, np.clip(born.span[1], *edges[[0, -1]])))
+            row, low, high = self._panels(moves, edges)
+            nodes, weights = gauss(low, high)
+            weights = weights * finite_density(born, nodes)
+        return self._of_start(moves, row, nodes, weights, fineness).reshape(2, *shape)
+
+    def _of_start(
+        self, moves: Legs, row: Rows, nodes: Array, weights: Array, fineness: Fineness
+    ) -> Array:
+        """Share and force of contacts that stood at `nodes` (n, m) at t = 0, for rows of moves."""
+        stretch = (nodes[..., None] + moves.displacement[row][:, None]).reshape(
+            -1, moves.displacement.shape[1]
+        )
+        duration = np.repeat(moves.duration[row], nodes.shape[1], axis=0)
+        own = Legs(stretch, duration, moves.speed)
+        hazards = self.hazards(stretch, self.start_since, own)
+        worst = hazards.max(axis=-1)
+        hold = self._share(own, self.start_since, worst, hazards[:, 0], fineness)
+        hold = hold.reshape(nodes.shape) * weights
+        parts = np.stack([hold, hold * stretch[:, -1].reshape(nodes.shape), weights]).sum(axis=-1)
+        count = moves.displacement.shape[0]
+        share, force, weight = (np.bincount(row, part, minlength=count) for part in parts)
+        return np.stack([share / weight, force / weight])
+
+    def _share(
+        self, moves: Legs, since: float, worst: Array, before: Array, fineness: Fineness
+    ) -> Array:
+        """Share that holds of contacts with these moves (their stretches), array (n,).
+
+        worst, before : arrays (n,), the largest hazard so far and the one at first
+        """
+        out = np.zeros(worst.size)
+        alive = np.flatnonzero(worst - before < GONE)
+        chunk = max(1, CHUNK // (PANELS * fineness.quantiles * fineness.moments))
+        for rows in np.array_split(alive, 1 + alive.size // chunk):
+            if rows.size:
+                own = Legs(moves.displacement[rows], moves.duration[rows], moves.speed)
+                pieces = _pieces(own, since)
+                over = self._over_quantiles(pieces, worst[rows], fineness)
+                out[rows] = over * np.exp(before[rows] - worst[rows])
+        return out
+
+    def _over_quantiles(self, pieces: Pieces, worst: Array, fineness: Fineness) -> Array:
+        """Mean of e^-A over the quantiles that are not met yet, array (n,)."""
+        count = worst.size
+        looks = np.broadcast_to(LOOKS, (count, LOOKS.size))
+        with np.errstate(divide="ignore"):
+            log_spent = np.log(self._spent(pieces, worst, looks, fineness.moments))
+        # stiff contacts right at their threshold hardly break: from the fastest on A falls
+        log_spent = np.maximum.accumulate(log_spent[:, ::-1], axis=1)[:, ::-1]
+        changed = (MOST_LOG - np.clip(log_spent, LEAST_LOG, MOST_LOG)) / (MOST_LOG - LEAST_LOG)
+        changed = changed - changed[:, :1] - np.expm1(-LOOKS)
+        parts = np.linspace(0.0, 1.0, PANELS + 1)
+        edges = np.array([np.interp(parts * row[-1], row, LOOKS) for row in changed])
+        x, w = np.polynomial.legendre.leggauss(fineness.quantiles)
+        half = 0.5 * np.diff(edges)[..., None]
+        roots = (edges[:, :-1, None] + half * (x + 1.0)).reshape(count, -1)
+        weights = (half * w).reshape(count, -1) * 2.0 * roots * np.exp(-roots * roots)
+        return (weights * np.exp(-self._spent(pieces, worst, roots, fineness.moments))).sum(axis=1)
+
+    def _spent(self, pieces: Pieces, worst: Array, roots: Array, moments: int) -> Array:
+        """A of quantiles of the hazards worst + roots², shape of `roots` (n, m)."""
+        place, weight = _towards_ends(moments)
+        at = pieces.since[:, None] + pieces.duration[:, None] * place
+        stretch = pieces.begin[:, None] + (pieces.end - pieces.begin)[:, None] * place
+        hazard = (worst[:, None] + roots * roots)[pieces.owner]
+        limit = self.thresholds.at(hazard[:, :, None], at[:, None, :])
+        rate = self.thermal.plain_rate(np.minimum(np.abs(stretch)[:, None, :], limit), limit)
+        spent = (rate @ weight) * pieces.duration[:, None]
+        out = np.zeros(roots.shape)
+        if spent.size:
+            first = np.flatnonzero(np.diff(pieces.owner, prepend=-1))
+            out[pieces.owner[first]] = np.add.reduceat(spent, first, axis=0)
+        return np.minimum(out, SPENT)
+
+
+class GrowingThresholds:
+    """Table of the thresholds x_s(η; time since pinning) of growing grains.
+
+    Parameters
+    ----------
+    grains : GrainContact
+    longest : float
+        Largest time since pinning.
+    """
+
+    def __init__(self, grains: GrainContact, longest: float) -> None:
+        growth = grains.growth
+        self._pinning_time, self._root_b = growth.first_pinning_time, float(np.sqrt(growth.B))
+        latest = max(np.log(longest / self._pinning_time), 0.0) + SPACING
+        hazard = np.arange(LEAST_HAZARD, np.log(2.0 * GONE) + SPACING, SPACING)
+        time = np.arange(LEAST_TIME, latest + SPACING, SPACING)
+        excess = np.expm1(np.log1p(np.exp(time)) / 3.0)
+        largest = 1.0 + excess
+        hazards = np.broadcast_to(np.exp(hazard)[:, None], (hazard.size, time.size))
+        q = invert_beyond(hazards, 1.0 / largest, excess / largest)
+        gap = excess * (q * excess / (largest + q * excess))
+        logs = 0.5 * np.log(gap * (gap + 2.0)) - 0.5 * hazard[:, None] - time
+        self._ends = (hazard[0], hazard[-1]), (time[0], time[-1])
+        self._table = RectBivariateSpline(hazard, time, logs, kx=5, ky=5)
+
+    def at(self, hazard: Array, since: Array) -> Array:
+        """x_s (lengths) at hazards and times since pinning > 0 that broadcast."""
+        time = np.maximum(since / self._pinning_time, 1e-300)
+        hazard = np.maximum(hazard, 1e-300)
+        a, b = np.broadcast_arrays(np.log(hazard), np.log(time))
+        ends = self._ends
+        logs = self._table.ev(np.clip(a, *ends[0]), np.clip(b, *ends[1]))
+        return np.asarray(np.sqrt(hazard) * time * np.exp(logs) / self._root_b)
+
+
+class Rule(NamedTuple):
+    """Places on (0, 1) and weights of sum 1, arrays (n,)."""
+
+    place: Array
+    weight: Array
+
+
+def _towards_ends(moments: int) -> Rule:
+    """The double exponential rule, dense towards both ends."""
+    t = np.linspace(-3.0, 3.0, moments)
+    argument = np.pi * np.sinh(t)
+    place = 1.0 / (1.0 + np.exp(-argument))
+    weight = np.pi * np.cosh(t) * place / (1.0 + np.exp(argument)) * (t[1] - t[0])
+    return Rule(place, weight / weight.sum())
+
+
+def _pieces(moves: Legs, since: float) -> Pieces:
+    """The legs of each of the moves (n, k + 1), cut where stretches pass 0."""
+    begin, end, duration = moves.displacement[:, :-1], moves.displacement[:, 1:], moves.duration
+    starts = since + np.cumsum(duration, axis=1) - duration
+    across = (begin * end < 0.0) & (duration > 0.0)
+    share = np.where(across, begin / np.where(across, begin - end, 1.0), 1.0)
+    zero = np.where(across, 0.0, end)
+    parts = [
+        np.stack([begin, zero], axis=2),
+        np.stack([zero, end], axis=2),
+        np.stack([starts, starts + share * duration], axis=2),
+        np.stack([share * duration, np.where(across, 1.0 - share, 0.0) * duration], axis=2),
+    ]
+    begin, end, starts, lasts = (part.reshape(begin.shape[0], -1) for part in parts)
+    owner, column = np.nonzero(lasts > 0.0)
+    at = owner, column
+    return Pieces(owner, begin[at], end[at], starts[at], lasts[at])
