@@ -1,0 +1,180 @@
+"""The kinetic force along speeds, temperatures, rates of ageing and delays, in one call.
+
+Waiting and what happens between a birth and its break are apart: with C the travel from the one to
+the other, v tau that of the wait and F_0 the force without it, F_k = F_0 C/(C + v tau). So one
+steady state serves all delays, and one does for all points at which nothing else tells.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.outcome import WELL, judged
+from master.steady.points import Points, changed
+from master.steady.steady import check_finite, steady_state
+from master.steady.sums import summed
+from origins import Contacts
+from origins.brief import brief
+from origins.contacts import LAWS, check_contacts
+from origins.errors import refuse
+
+Array = npt.NDArray[np.float64]
+
+# Relative error of F_k above which a point of a sum over many speeds is solved by itself.
+GOOD = 1e-9
+# Relative round-off of a force and of the share that holds.
+ROUND_OFF = 4e-16
+
+
+@dataclass(frozen=True)
+class KineticCurve:
+    """Smooth sliding at many points; arrays have the shape of the quantities asked for together.
+
+    Attributes
+    ----------
+    velocity : array
+        v, length per time.
+    temperature, rate, delay : array or None
+        T = k_BT/<k> (a length squared), D (a length squared per time) and tau_m (a time); None
+        where there is none.
+    force : array
+        F_k/(N_c <k>), a length.
+    force_error : array
+        Its error in units of the mean threshold, as a tolerance is.
+    holding, holding_error : array
+        Fraction of the contacts that hold, C/(C + v tau_m), and its error.
+    run_time : float
+        Seconds.
+    success : array of bool
+        Whether the force is known to a thousandth of itself at each point: no tolerance is asked.
+    message : str
+        In words: what was reached, and at how many points not that.
+    """
+
+    velocity: Array
+    temperature: Array | None
+    rate: Array | None
+    delay: Array | None
+    force: Array
+    force_error: Array
+    holding: Array
+    holding_error: Array
+    run_time: float
+    success: npt.NDArray[np.bool_]
+    message: str
+
+    __repr__ = brief
+
+
+def kinetic_curve(
+    contacts: Contacts,
+    velocity: npt.ArrayLike = 1.0,
+    *,
+    temperature: npt.ArrayLike | None = None,
+    rate: npt.ArrayLike | None = None,
+    delay: npt.ArrayLike | None = None,
+) -> KineticCurve:
+    """F_k(v), F_k(T), F_k(D) or N_c(tau_m) of contacts, whatever their laws.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With any laws that `steady_state` takes; the start does not matter.
+    velocity : float or array
+        v > 0, length per time.
+    temperature, rate, delay : float or array, optional
+        In place of the contacts' own: T >= 0 of their thermal law, D >= 0 of their ageing,
+        tau_m >= 0, whether they have a delay or not; 0: none. None: their own. Arrays broadcast:
+        velocity[:, None] and temperature give a table.
+
+    Contacts that break by heat, each at its own rate, and form again relaxed are summed over all
+    speeds together; every other point that tells is solved by itself.
+
+    Raises InputError as `steady_state` does, for values that are not finite or too small, for
+    shapes that do not fit, for a temperature or a rate of contacts without that law, and for speeds
+    so low that squares of stretches at a break are below all numbers.
+    """
+    began = time.perf_counter()
+    check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
+    points = Points(contacts, velocity, temperature, rate, delay)
+    rows = (row.reshape(points.shape) for row in _along(contacts, points))
+    force, force_error, holding, holding_error = rows
+    success, message = judged("F_k", force_error / force, WELL)
+    return KineticCurve(
+        points.velocity,
+        points.temperature,
+        points.rate,
+        points.delay,
+        force,
+        force_error / contacts.mean_threshold,
+        holding,
+        holding_error,
+        time.perf_counter() - began,
+        success,
+        message,
+    )
+
+
+def _along(contacts: Contacts, points: Points) -> Array:
+    """Force, its error (lengths), fraction that holds and its error, shape (4, n)."""
+    speeds, heat, spread, wait = points.rows
+    if contacts.grains is not None:
+        waits = zip(speeds, heat, wait, strict=True)
+        return np.array([_growing(contacts, *at) for at in waits]).T
+    if contacts.thermal is None:  # only D/v tells, or nothing does
+        columns = np.ones(speeds.size), heat, spread / speeds
+    else:
+        own_rate = points.temperature is None
+        columns = np.where((heat > 0.0) | (spread > 0.0) | own_rate, speeds, 1.0), heat, spread
+    cases, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
+    steady = np.empty((4, len(cases)))
+    for temperature, diffusion in np.unique(cases[:, 1:], axis=0):
+        these = np.flatnonzero((cases[:, 1] == temperature) & (cases[:, 2] == diffusion))
+        single = changed(contacts, float(temperature), float(diffusion), 0.0)
+        steady[:, these] = _at_once(single, cases[these, 0])
+    force, force_error, length, length_error = steady[:, which.reshape(-1)]
+    holding = length / (length + speeds * wait)
+    off = holding * (1.0 - holding) * length_error / length
+    force_error = force_error * holding + force * off
+    return np.stack([force * holding, force_error, holding, off + ROUND_OFF])
+
+
+def _growing(contacts: Contacts, speed: float, temperature: float, wait: float) -> Array:
+    """The same at one point: thresholds that grow with age and what is out depend on the speed."""
+    steady = steady_state(changed(contacts, temperature, 0.0, wait), velocity=speed)
+    off = steady.holding * (1.0 - steady.holding) * steady.cycle_length_error / steady.cycle_length
+    unit = steady.mean_threshold
+    off = off * unit + ROUND_OFF
+    return np.array([steady.force, steady.force_error * unit, steady.holding, off])
+
+
+def _at_once(contacts: Contacts, speeds: Array) -> Array:
+    """Force, its error, C and its error (lengths) at each speed, shape (4, n); nothing waits."""
+    check_finite(contacts)
+    out = np.full((4, speeds.size), np.nan)
+    thermal = contacts.thermal
+    by_heat = thermal is not None and thermal.closure == "exact"
+    if by_heat and contacts.ageing is None and contacts.reforming is None:
+        sums = summed(contacts, speeds)
+        lost = ~(sums.area > 0.0)
+        if lost.any():
+            refuse(
+                "velocity",
+                float(speeds[lost].max()),
+                "contacts break before they have moved lengths whose squares are numbers; slide "
+                "faster, and of many speeds leave such ones out",
+            )
+        force = sums.area / sums.length
+        off = (sums.area_error + force * sums.length_error) / sums.length
+        out = np.stack([force, off, sums.length, sums.length_error])
+    unit = contacts.mean_threshold
+    for i in np.flatnonzero(~(out[1] <= GOOD * out[0])):
+        one = steady_state(contacts, velocity=float(speeds[i]))
+        if not one.force_error * unit >= out[1, i]:
+            out[:2, i] = one.force, one.force_error * unit
+            out[2:, i] = one.cycle_length, one.cycle_length_error * unit
+    return out

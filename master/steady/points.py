@@ -1,0 +1,110 @@
+"""Many points along speeds, temperatures, rates of ageing and delays, checked and broadcast."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from origins import Ageing, Contacts, Delay, Thermal
+from origins.errors import InputError, refuse
+from origins.thermal import GivenRates
+
+Array = npt.NDArray[np.float64]
+
+
+class Points:
+    """What was asked for, in one shape; None stands for the contacts' own.
+
+    Attributes
+    ----------
+    velocity : array
+    temperature, rate, delay : array or None
+        None where the contacts have no such law.
+    shape : tuple of int
+    rows : array of shape (4, n)
+        The same flat, 0 for what is not there.
+
+    Raises InputError for values that are not finite or too small, for shapes that do not fit, and
+    for a temperature or a rate of contacts without that law.
+    """
+
+    def __init__(
+        self,
+        contacts: Contacts,
+        velocity: npt.ArrayLike,
+        temperature: npt.ArrayLike | None,
+        rate: npt.ArrayLike | None,
+        delay: npt.ArrayLike | None,
+    ) -> None:
+        thermal, ageing, wait = contacts.thermal, contacts.ageing, contacts.delay
+        if temperature is not None and thermal is None:
+            raise InputError(
+                "temperature: these contacts have no law for it; give them thermal = "
+                'Thermal("soft", 0.1)'
+            )
+        if temperature is not None and isinstance(thermal, GivenRates):
+            raise InputError(
+                f'temperature: the rate law "{thermal.law}" of these contacts has none to go '
+                "along; give them the law at each temperature by contacts.replace(thermal=...)"
+            )
+        if rate is not None and ageing is None:
+            raise InputError(
+                "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
+            )
+        asked: dict[str, npt.ArrayLike | None] = {
+            "velocity": velocity,
+            "temperature": thermal.temperature
+            if isinstance(thermal, Thermal) and temperature is None
+            else temperature,
+            "rate": ageing.rate if ageing is not None and rate is None else rate,
+            "delay": wait.time if wait is not None and delay is None else delay,
+        }
+        given = {name: _numbers(name, value) for name, value in asked.items() if value is not None}
+        try:
+            arrays = dict(zip(given, np.broadcast_arrays(*given.values()), strict=True))
+        except ValueError as error:
+            shapes = ", ".join(f"{name} {value.shape}" for name, value in given.items())
+            raise InputError(
+                f"{', '.join(given)}: have shapes that do not fit together: {shapes}"
+            ) from error
+        self.velocity: Array = arrays["velocity"]
+        self.temperature, self.rate, self.delay = (
+            arrays.get(name) for name in ("temperature", "rate", "delay")
+        )
+        self.shape = self.velocity.shape
+        self.rows = np.stack([np.ravel(arrays.get(name, np.zeros(self.shape))) for name in asked])
+
+
+def changed(
+    contacts: Contacts, temperature: float, rate: float, delay: float, start: object = None
+) -> Contacts:
+    """The contacts at another temperature, rate of ageing and delay, 0 for none, from `start`."""
+    thermal, ageing = contacts.thermal, contacts.ageing
+    if isinstance(
+        thermal, Thermal
+    ):  # a rate law of the user's own has no temperature: it stays as it is
+        thermal = replace(thermal, temperature=temperature) if temperature > 0.0 else None
+    return contacts.replace(
+        start=start,
+        thermal=thermal,
+        ageing=None if ageing is None else Ageing(ageing.final, rate, ageing.closure),
+        delay=Delay(delay) if delay > 0.0 else None,
+    )
+
+
+def _numbers(name: str, value: npt.ArrayLike) -> Array:
+    try:
+        numbers = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        refuse(name, value, "must be a number or an array of numbers")
+    if not numbers.size:
+        refuse(name, numbers, "must not be empty")
+    bad = ~np.isfinite(numbers) | (numbers < 0.0) | ((numbers == 0.0) & (name == "velocity"))
+    if bad.any():
+        rule = (
+            "must be finite and above zero"
+            if name == "velocity"
+            else "must be finite and zero or above"
+        )
+        refuse(name, float(numbers[bad][0]), rule)
+    return numbers

@@ -1,0 +1,155 @@
+"""C and the kinetic force of contacts that break by heat, at many speeds at once.
+
+A relaxed contact of threshold x_s that breaks by its own rate does so at min(x_s, x), where the
+rate integrated from 0 to x is A(x) = v e with e from the exponential law of mean 1. Over u = ln A
+the stretch x is smooth at any temperature, and the speed only shifts the weight of u, so that the
+same stretches serve all speeds:
+
+    C = <x_b>,    integral of the force = <k x_b^2>/2.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from master.renewal.table import Table
+from origins import Contacts
+from origins.quadrature import NODES, finite_density, gauss, panel_edges
+
+Array = npt.NDArray[np.float64]
+
+# ln e: next to nothing breaks below the first, nothing is left above the second.
+LEAST, MOST = -32.0, 3.65
+# ln e at which e^-e is 0, and e not yet large.
+OVER = 7.0
+# Widths of panels of 8 nodes in u: even ones from ln e = EVEN on, below wider and wider ones, as
+# the weight there is an exponential. Sums are then good to ROUND_OFF, relatively (measured).
+EVEN, WIDTH, WIDER, WIDEST = -1.0, 0.6, 1.3, 4.0
+ROUND_OFF = 2e-12
+# Cuts of the way to the threshold where the rate vanishes there as a root, in the cube root of the
+# distance in u: x is a power 2/3 of that.
+CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
+# Last coefficients, over typical values, at which a panel of thresholds is not halved: its sum is
+# then off by about the square. And its least width, of the mean threshold.
+ACCURACY, SHORTEST = 1e-8, 1e-13
+# Survival of the thresholds that are summed.
+TAIL = 1e-80
+# Power of a tail that ends, or nearly so.
+MOST_STEEP = 1e3
+
+
+class Sums(NamedTuple):
+    """At each speed, arrays of shape (n,): C (a length), the integral of the force over a cycle (a
+    length squared), and their errors."""
+
+    length: Array
+    length_error: Array
+    area: Array
+    area_error: Array
+
+
+def summed(contacts: Contacts, speeds: Array) -> Sums:
+    """C and the force over a cycle at speeds (length per time) of shape (n,).
+
+    contacts : with heat, each by its own rate, and born relaxed
+    """
+    law, breaks = contacts.thresholds, _Breaks(contacts, speeds)
+    positions, shares = law.atoms
+    total, off = np.zeros((2, speeds.size)), np.zeros((2, speeds.size))
+    if positions.size:
+        total += np.einsum("a,kas->ks", shares, breaks(positions))
+    if float(shares.sum()) < 1.0 - 1e-14:
+        edges = panel_edges(law, tail=TAIL)
+        at_edges = breaks(np.maximum(edges, SHORTEST * contacts.mean_threshold))
+        mass = -np.diff(law.sf(edges))
+        about = np.einsum("e,kes->ks", mass, 0.5 * (at_edges[:, 1:] + at_edges[:, :-1]))
+        typical = np.maximum(total + about, np.finfo(float).tiny)
+
+        def integrand(xi: Array) -> Array:
+            found = breaks(xi.ravel()).transpose(0, 2, 1) / typical[..., None]
+            density = contacts.mean_threshold * finite_density(law, xi)
+            return found.reshape(-1, *xi.shape) * density
+
+        table = Table(integrand, edges, ACCURACY, SHORTEST * contacts.mean_threshold)
+        scale = typical / contacts.mean_threshold
+        total += table.integrals().reshape(2, -1) * scale
+        off += table.missed().reshape(2, -1) * scale
+        off += _beyond(contacts, float(edges[-1]))[:, None]
+    off += ROUND_OFF * total
+    return Sums(total[0], off[0], 0.5 * total[1], 0.5 * off[1])
+
+
+def _beyond(contacts: Contacts, far: float) -> Array:
+    """The most that thresholds beyond the last edge add to <x_b> and <k x_b^2>, shape (2,)."""
+    law, stiff = contacts.thresholds, float(contacts.relative_stiffness(far))
+    held, twice = float(law.sf(far)), float(law.sf(2.0 * far))
+    power = 2.0 + (contacts.stiffness == "linked")
+    steep = min(float(np.log2(held / twice)), MOST_STEEP) if twice > 0.0 else MOST_STEEP
+    if held > 0.0 and not steep > power:
+        return np.full(2, np.inf)
+    return held * far * np.array([1.0, stiff * far]) * steep / (steep - power)
+
+
+class _Breaks:
+    """Mean x_b and k x_b^2 of relaxed contacts at given thresholds, at all speeds."""
+
+    def __init__(self, contacts: Contacts, speeds: Array) -> None:
+        assert contacts.thermal is not None
+        self._contacts, self._rates = contacts, contacts.thermal.rates
+        self._log_speeds = np.log(speeds)
+        slow, fast = float(self._log_speeds.min()), float(self._log_speeds.max())
+        top, bottom, lowest = fast + MOST, slow + EVEN, slow + LEAST
+        even = np.linspace(bottom, top, 2 + int((top - bottom) / WIDTH))
+        far = bottom - np.cumsum(np.minimum(WIDTH * WIDER ** np.arange(1.0, 80.0), WIDEST))
+        self._edges = np.concatenate([[lowest], far[far > lowest + 0.5 * WIDEST][::-1], even])
+        nodes, weights = gauss(self._edges[:-1], self._edges[1:])
+        self._u = nodes.ravel()
+        self._weights = weights.ravel()[:, None] * _weight(self._u[:, None] - self._log_speeds)
+        # beside a threshold where the rate vanishes a panel has to be as far off as it is wide
+        apart = np.diff(self._edges) if self._rates.vanishes_at_threshold else 0.0
+        self._usable_from = self._edges[1:] + apart
+
+    def __call__(self, thresholds: Array) -> Array:
+        """Shape (2, thresholds, speeds)."""
+        stiffness = np.asarray(self._contacts.relative_stiffness(thresholds))
+        ends = self._rates.log_passed(0.0, thresholds, thresholds, stiffness)
+        whole = np.searchsorted(self._usable_from, ends, side="right")
+        count = NODES * int(whole.max(initial=0))
+        x = self._rates.reached(self._u[:count], 0.0, thresholds[:, None], stiffness[:, None])
+        x = np.where(np.arange(count) < NODES * whole[:, None], x, 0.0)
+        rest = np.exp(-np.exp(np.minimum(ends[:, None] - self._log_speeds, OVER)))
+        limit, weights = thresholds[:, None], self._weights[:count]
+        out = np.stack([x @ weights + rest * limit, (x * x) @ weights + rest * limit**2])
+        inside = np.flatnonzero((ends > self._edges[0]) & (whole < self._edges.size - 1))
+        if inside.size:
+            some = thresholds[inside], stiffness[inside]
+            out[:, inside] += self._last(self._edges[whole[inside]], ends[inside], *some)
+        out[1] *= stiffness[:, None]
+        return out
+
+    def _last(self, begin: Array, end: Array, threshold: Array, stiffness: Array) -> Array:
+        """What breaks between the last whole panel and the threshold; shape (2, n, speeds)."""
+        if self._rates.vanishes_at_threshold:
+            roots = np.cbrt(end - begin)[:, None] * CUTS
+            nodes, weights = gauss(roots[:, 1:], roots[:, :-1])
+            nodes, weights = (part.reshape(end.size, -1) for part in (nodes, weights))
+            u, weights = end[:, None] - nodes**3, 3.0 * nodes * nodes * weights
+        else:
+            u, weights = gauss(begin, end)
+        x = self._rates.reached(u, 0.0, threshold[:, None], stiffness[:, None])
+        moments = np.stack([weights * x, weights * x * x])
+        out = np.zeros((2, end.size, self._log_speeds.size))
+        for i, log_speed in enumerate(self._log_speeds):
+            felt = np.flatnonzero((begin < log_speed + MOST) & (end > log_speed + LEAST))
+            weight = _weight(u[felt] - log_speed)
+            out[:, felt, i] = np.einsum("nj,knj->kn", weight, moments[:, felt])
+        return out
+
+
+def _weight(log_e: Array) -> Array:
+    """Density of ln e."""
+    power = np.minimum(log_e, OVER)
+    return np.asarray(np.exp(power - np.exp(power)))

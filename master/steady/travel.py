@@ -1,0 +1,201 @@
+"""Travel: what is left of contacts that move steadily forward, over the way since their birth.
+
+In steady sliding contacts are born at an even rate, so that all that is asked of them are integrals
+over the way gone since the birth (paper, Eqs. Q11a-Q11d):
+
+    C = integral of E,      F_k/(N_c <k>) = (integral of K) / (C + v tau).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from master.lives.life import Life
+from master.lives.straight import bends_of
+from master.motion.motion import Motion
+from master.renewal.table import Table
+from origins.errors import refuse
+from origins.start import Start
+
+Array = npt.NDArray[np.float64]
+
+# Accuracy of tables whose integrals alone are asked for.
+ACCURACY = 1e-8
+# The narrowest panel, of the typical way from a birth to its break.
+SHORTEST = 1e-13
+# Ways that differ by less than this share are one.
+SAME = 1e-14
+# Panels of a life, of the typical way, that are narrower mark where many contacts break together.
+STEEP = 0.01
+# Distance of the outermost Gauss nodes from a panel's end, in its width: steps may hide there. How
+# large these are at least, of E and of K, and how often they are closed in upon by a factor of 50.
+OUTER, STEP, SEARCHES = 0.01, 1e-6, 8
+# Ratio of the ways at which survival is looked at to find out between which of them contacts break,
+# and how many are looked at together, from the longest down.
+RATIO, TOGETHER = 4.0, 6
+# A length over the life's reach: contacts that break within shorter ways break at once.
+NEAREST = 1e-150
+# A length over the life's reach beyond which not even the heaviest tail is followed.
+FURTHEST = 1e120
+# Shares of contacts: of those that hold at once, so few broken count as none; survivals that count
+# as hardly any; and what is none of the integrals.
+UNBROKEN, FEW, NONE = 1e-3, 1e-9, 1e-17
+# Share of contacts that break between two of the ways, from which on it is cut into so many parts:
+# one sum over many ways takes less time than several sums over few.
+MANY, PARTS = 0.05, 8
+
+
+TOO_SLOW = "contacts break before they have moved a length that is a number; slide faster"
+
+
+class _Ends(NamedTuple):
+    """Ends of panels, and how wide the panels before and after these are; arrays of shape (n,)."""
+
+    at: Array
+    before: Array
+    after: Array
+
+
+class Travel:
+    """E and K of contacts born at some stretches, tabulated over the way, and their integrals.
+
+    Parameters
+    ----------
+    life : Life
+    born : Start
+        The stretches at which contacts are born.
+    velocity : float
+        v > 0, length per time.
+    accuracy : float
+        Last coefficients of E, and of K over `scale`, at which a panel is not halved: sums
+        over Gauss nodes are then off by about the square of it.
+
+    Attributes
+    ----------
+    born, accuracy
+        As given.
+    table : Table
+        E and K/`scale` over the way (a length).
+    bends, atoms : arrays of shape (n,)
+        Ways after which E is not smooth, and after which contacts reach exact thresholds together.
+    longest : float
+        The way after which none holds that counts.
+    typical : float
+        A length: the way after which about half of the contacts have broken.
+    scale : float
+        A length: `typical`, or the longest stretch at birth where that is longer.
+    far : float
+        A length: the stretch of contacts at the end of the table.
+    most : float
+        A length: the largest force, per contact born, that is ever borne.
+    length, length_error : float
+        C, the integral of E, and its error; lengths.
+    area, area_error : float
+        The integral of K and its error; lengths squared.
+
+    Raises InputError where contacts break within ways that are below all numbers.
+    """
+
+    def __init__(
+        self, life: Life, born: Start, velocity: float, accuracy: float = ACCURACY
+    ) -> None:
+        self._life, self.born, self._velocity, self.accuracy = life, born, velocity, accuracy
+        ways = self._ladder()
+        self.bends: Array = velocity * bends_of(life, born, velocity)
+        self.atoms: Array = life.atoms - born.mean() if born.is_single else np.empty(0)
+        edges = np.concatenate([ways, self.bends, self._steep()])
+        edges = np.unique(np.append(0.0, edges[(edges > 0.0) & (edges < ways[-1])]))
+        # what is one but for rounding is one
+        later = np.append(edges[1:], ways[-1])
+        edges = np.append(edges[later - edges > SAME * later], ways[-1])
+        for _ in range(SEARCHES):
+            shortest = SHORTEST * min(self.typical, float(edges[1]))
+            self.table = Table(self._scaled, edges, accuracy, shortest)
+            unseen = self._unseen()
+            steps = np.flatnonzero(unseen.max(axis=0) > STEP)
+            if not steps.size:
+                break
+            at, before, after = (part[steps] for part in self._ends())
+            close = np.concatenate([at - 2.0 * OUTER * before, at + 2.0 * OUTER * after])
+            edges = np.union1d(edges, close[close < ways[-1]])
+        self.most = float(np.abs(self.table(self.table.edges)[1]).max()) * self.scale
+        length, area = self.table.integrals()
+        _, before, after = self._ends()
+        length_off, area_off = self.table.missed() + OUTER * (unseen @ (before + after))
+        # an error of E itself counts up to where hardly any holds
+        some = self.table(self.table.begin)[0] > FEW
+        last = float(self.table.end[some].max(initial=self.typical))
+        self.longest = float(ways[-1])
+        self.far = self.longest + born.span[0]
+        beyond = self._scaled(ways[-1:, None])[:, 0, 0] * ways[-1]
+        length_off += life.error * last + abs(beyond[0])
+        area_off += life.error * last * last / self.scale + abs(beyond[1])
+        self.length, self.length_error = float(length), float(length_off)
+        self.area, self.area_error = float(area) * self.scale, float(area_off) * self.scale
+
+    def _steep(self) -> Array:
+        """Ways at which contacts born at one stretch come to where many of them break together."""
+        if not self.born.is_single:
+            return np.empty(0)
+        return self._life.marks(STEEP * self.typical) - float(self.born.mean())
+
+    def _ends(self) -> _Ends:
+        """The ends of all panels."""
+        widths = self.table.widths
+        return _Ends(self.table.end, widths, np.append(widths[1:], 0.0))
+
+    def _unseen(self) -> Array:
+        """By how much E and K change between the nodes of two panels, shape (2, panels).
+
+        Only where contacts reach exact thresholds together do they jump.
+        """
+        at, table = self.table.end, self.table
+        before = table(at, 0.5 * (table.begin + at))
+        after = table(at)
+        after[:, -1] = self._scaled(at[-1:, None])[:, 0, 0]
+        return np.asarray(np.abs(after - before) * ~np.isin(at, self.atoms))
+
+    def _left(self, way: Array) -> Array:
+        """E and K after ways (lengths) of shape (rows, columns)."""
+        far = float(way.max())
+        motion = Motion(np.array([0.0, far / self._velocity]), np.array([0.0, far]))
+        history = motion.history(way / self._velocity, np.zeros((1, 1)))
+        return self._life.left(self.born, history)
+
+    def _scaled(self, way: Array) -> Array:
+        found = self._left(way)
+        found[1] /= self.scale
+        return found
+
+    def _ladder(self) -> Array:
+        """Ways from where nearly all hold to where none counts any more, close where many break.
+
+        Sets `typical` and `scale`.
+        """
+        reach = self._life.reach + max(-2.0 * float(self.born.span[0]), 0.0)
+        rungs, held = np.array([reach]), np.zeros(1)
+        while held[0] < 1.0 - UNBROKEN and rungs[0] > NONE * float(held[1:] @ np.diff(rungs)):
+            if rungs[0] < NEAREST * reach:
+                refuse("velocity", self._velocity, TOO_SLOW)
+            lower = rungs[0] * RATIO ** -np.arange(TOGETHER, 0.0, -1.0)
+            rungs, held = np.append(lower, rungs), np.append(self._held(lower), held)
+        self.typical = float(rungs[np.flatnonzero(held > 0.5 * held.max())[-1]])
+        self.scale = max(self.typical, *(abs(end) for end in self.born.span))
+        first = max(int(np.argmax(held < 1.0 - UNBROKEN)) - 1, 0)
+        rungs, held = rungs[first:], held[first:]
+        many = np.flatnonzero(-np.diff(held) > MANY * held.max())
+        shares = np.arange(1, PARTS) / PARTS
+        close = rungs[many, None] + np.diff(rungs)[many, None] * shares
+        last, left, further = reach, float(self._held(np.array([reach]))[0]), []
+        while left * (last / self.typical) ** 2 > NONE and last < FURTHEST * reach:
+            last *= 2.0
+            left = float(self._held(np.array([last]))[0])
+            further.append(last)
+        return np.sort(np.concatenate([rungs, close.ravel(), further]))
+
+    def _held(self, way: Array) -> Array:
+        """E after ways (lengths) of shape (n,)."""
+        return np.asarray(self._left(way[:, None])[0, :, 0])

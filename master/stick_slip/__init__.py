@@ -1,0 +1,1 @@
+"""Stick-slip: how prone contacts are to it, and how fast a start is forgotten."""

@@ -1,0 +1,121 @@
+"""The line between stick-slip and smooth sliding: K* along speeds, temperatures, ageing, delays."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.lives.make import life_of
+from master.outcome import judged
+from master.steady.forward import births_table
+from master.steady.points import Points, changed
+from master.steady.steady import check_finite
+from master.stick_slip.extremes import extremes
+from origins import Contacts
+from origins.brief import brief
+from origins.contacts import LAWS, check_contacts
+from origins.errors import check_tolerance
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PhaseLine:
+    """K* at many points; arrays have the shape that the quantities asked for have together.
+
+    Attributes
+    ----------
+    velocity, temperature, rate, delay : array, or None where there is none
+        At which, as in master.KineticCurve.
+    critical_spring, critical_spring_error : array
+        K*/(N_c <k>) and its error: below it stick-slip, at and above it smooth sliding. 0 where the
+        force never falls: no spring lets go; inf where it drops at one X: every spring does.
+    run_time : float
+        Seconds.
+    success : array of bool
+        Whether K* is known within the tolerance, relative to 1 + K*, at each point.
+    message : str
+        In words: what was reached, and at how many points not what was asked for.
+    """
+
+    velocity: Array
+    temperature: Array | None
+    rate: Array | None
+    delay: Array | None
+    critical_spring: Array
+    critical_spring_error: Array
+    run_time: float
+    success: npt.NDArray[np.bool_]
+    message: str
+
+    __repr__ = brief
+
+
+def phase_line(
+    contacts: Contacts,
+    velocity: npt.ArrayLike = 1.0,
+    *,
+    temperature: npt.ArrayLike | None = None,
+    rate: npt.ArrayLike | None = None,
+    delay: npt.ArrayLike | None = None,
+    tolerance: float = 1e-6,
+) -> PhaseLine:
+    """K*(v, T) of contacts on a slider that moves forward from their start (paper, Eq. Q16).
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With any laws that `propensity` takes; the start matters.
+    velocity, temperature, rate, delay : float or array
+        As in master.kinetic_curve.
+    tolerance : float
+        Largest error of K* wanted, relative to 1 + K*.
+
+    v is the speed of the slider itself: that of a soft slider's drive is higher while the force
+    rises, by 1 + F'/K.
+
+    Raises InputError as `propensity` does, and for points as `kinetic_curve` does.
+    """
+    began = time.perf_counter()
+    check_contacts(contacts, "master.phase_line", LAWS, own_rates=True)
+    tolerance = check_tolerance("tolerance", tolerance)
+    points = Points(contacts, velocity, temperature, rate, delay)
+    check_finite(contacts)
+    speeds, *others = points.rows
+    # without rates, ageing and delay, of thresholds or contacts, the speed does not tell
+    tells = np.any(others, axis=0) | (contacts.thermal is not None) & (points.temperature is None)
+    speeds = np.where(tells | (contacts.grains is not None), speeds, 1.0)
+    cases, which = np.unique(np.stack([speeds, *others], axis=1), axis=0, return_inverse=True)
+    found = np.empty((2, len(cases)))
+    for i, (speed, heat, spread, wait) in enumerate(cases.tolist()):
+        single = changed(contacts, heat, spread, wait, contacts.start)
+        found[:, i] = _critical_spring(single, speed, tolerance)
+    spring, error = (row[which.reshape(-1)].reshape(points.shape) for row in found)
+    success, message = judged("K*", error / (1.0 + spring), tolerance)
+    return PhaseLine(
+        points.velocity,
+        points.temperature,
+        points.rate,
+        points.delay,
+        spring,
+        error,
+        time.perf_counter() - began,
+        success,
+        message,
+    )
+
+
+def _critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
+    """K* and its error at one point."""
+    life = life_of(contacts)
+    if life is None:
+        # ageing and growing grains, until they are lives
+        from master._old.cycle import Cycle
+        from master._old.propensity import extremes as old_extremes
+
+        return old_extremes(contacts, Cycle(contacts, velocity), tolerance)[:2]
+    travel = births_table(contacts, life, velocity, tolerance)
+    return extremes(contacts, life, travel, velocity, tolerance)[:2]

@@ -1,0 +1,117 @@
+"""How prone to stick-slip: K*, F_s/F_k, X* and the onset power of P_c, each with its error."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from master.lives.make import life_of
+from master.outcome import judged
+from master.steady.forward import births_table
+from master.steady.steady import check_finite, cycle_of
+from master.stick_slip.extremes import extremes, unit_of
+from origins import Contacts, InputError
+from origins.contacts import LAWS, check_contacts
+from origins.errors import check_tolerance, positive
+
+
+@dataclass(frozen=True)
+class Propensity:
+    """Measures of stick-slip propensity for a start, a law of thresholds and the laws of contacts.
+
+    Attributes
+    ----------
+    critical_spring, critical_spring_error : float
+        K*/(N_c <k>) = max over X of -dF/dX, in units of N_c <k>: a softer spring is unstable (paper
+        Eq. Q16). 0 where the force never falls; inf where it drops at one X.
+    static_to_kinetic, static_to_kinetic_error : float
+        F_s/F_k, the largest force over the kinetic one; 1 where the force rises to it from below.
+    decoherence_length, decoherence_length_error : float
+        X* (a length) of the slowest e^{-X/X*} in F - F_k; inf where nothing decays exponentially.
+    onset_power, onset_power_error : float
+        m of P_c(x) ~ (x - a)^m at its lower end.
+    run_time : float
+        Seconds.
+    success : bool
+        Whether K* (relative to 1 + K*) and F_s (in mean thresholds, or in mean stretches at a break
+        where that is by a rate) are known within the tolerance asked for.
+    message : str
+        In words: what was reached.
+    """
+
+    critical_spring: float
+    critical_spring_error: float
+    static_to_kinetic: float
+    static_to_kinetic_error: float
+    decoherence_length: float
+    decoherence_length_error: float
+    onset_power: float
+    onset_power_error: float
+    run_time: float
+    success: bool
+    message: str
+
+
+def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float = 1.0) -> Propensity:
+    """Stick-slip propensity of contacts on a slider that moves forward from their start.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With any laws but the paper's closure of ageing; the start matters.
+    tolerance : float
+        Largest error wanted: of K* relative to 1 + K*, and of F_s as `success` says.
+    velocity : float
+        v > 0, length per time; only rates, ageing and delay tell.
+
+    F(X) is followed for ten typical lives of a contact, and beyond the one that one in a million of
+    those that hold exceed (at most 300; what may come beyond is in the errors).
+
+    Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and
+    where contacts form again so far behind x = 0 that the kinetic force is not above 0.
+    """
+    began = time.perf_counter()
+    tolerance = check_tolerance("tolerance", tolerance)
+    check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
+    check_finite(contacts)
+    velocity = positive("velocity", velocity)
+    life = life_of(contacts)
+    if life is None:
+        # ageing and growing grains, until they are lives
+        from master._old.propensity import propensity as old_propensity
+
+        old = old_propensity(contacts, tolerance, velocity=velocity)
+        return Propensity(**vars(old))
+    travel = births_table(contacts, life, velocity, tolerance)
+    kinetic, off = cycle_of(contacts, travel).force(velocity * contacts.waiting_time)
+    if not kinetic > 0.0:
+        raise InputError(
+            f"reforming: contacts form again behind x = 0 and bear {kinetic:.3g} in steady "
+            "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
+        )
+    found, unit = extremes(contacts, life, travel, velocity, tolerance), unit_of(contacts, travel)
+    length, length_error = _decoherence(contacts, velocity)
+    ratio = max(found.static / kinetic, 1.0)
+    sure_spring, spring_message = judged("K*", found.spring_error / (1.0 + found.spring), tolerance)
+    sure_static, static_message = judged("F_s", found.static_error / unit, tolerance)
+    return Propensity(
+        critical_spring=found.spring,
+        critical_spring_error=found.spring_error,
+        static_to_kinetic=ratio,
+        static_to_kinetic_error=(found.static_error + ratio * off) / kinetic,
+        decoherence_length=length,
+        decoherence_length_error=length_error,
+        onset_power=contacts.thresholds.onset_power,
+        onset_power_error=contacts.thresholds.onset_power_error,
+        run_time=time.perf_counter() - began,
+        success=bool(sure_spring and sure_static),
+        message=f"{spring_message}; {static_message}",
+    )
+
+
+def _decoherence(contacts: Contacts, velocity: float) -> tuple[float, float]:
+    """X* and its error (lengths), until the spectrum is solved by its own roots."""
+    from master._old.cycle import Cycle
+    from master._old.decoherence import decoherence_length
+
+    return decoherence_length(contacts, Cycle(contacts, velocity))
