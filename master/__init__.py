@@ -4,10 +4,10 @@ from master._old.decoherence_spectrum import DecoherenceSpectrum, decoherence_sp
 from master._old.kinetic import KineticCurve, kinetic_curve
 from master._old.phase_line import PhaseLine, phase_line
 from master._old.propensity import Propensity, propensity
-from master._old.solution import Solution
-from master._old.solve import solve
 from master._old.steady import SteadyState, steady_state
 from master.paper.critical_velocity import CriticalVelocity, critical_velocity
+from master.solution import Solution
+from master.solve import solve
 
 __all__ = [
     "CriticalVelocity",

@@ -7,14 +7,14 @@ import time as clock
 import numpy as np
 import numpy.typing as npt
 
-from master._old.lives.life import Life
-from master._old.renewal import reading
-from master._old.renewal.births import Births
-from master._old.renewal.edges import edges
-from master._old.renewal.march import March
-from master._old.solution import Solution
+from master.lives.life import Life
 from master.motion.motion import Motion
 from master.outcome import Progress, outcome
+from master.renewal import reading, rule
+from master.renewal.births import Births
+from master.renewal.edges import edges
+from master.renewal.march import March
+from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
 from origins.start import SingleStart, Start
@@ -23,12 +23,18 @@ Array = npt.NDArray[np.float64]
 
 # Mean thresholds: the square of a longer path is no number any more.
 FURTHEST = 1e100
+# Mean thresholds, of paths that turn round: contacts of one leg are stretched on the next by the
+# difference of positions, which are rounded.
+FURTHEST_TURN = 1e6
 # How far beyond the path's end the motion goes on, in mean thresholds: contacts that reach an exact
 # threshold at the end have broken there.
 BEYOND = 1e-9
 # Panels' tolerance is never below this: conservation itself rounds at some 1e-15.
 FINEST = 1e-14
-# First guess of a panel's width, in units of the length over which the survival is resolved.
+# Error of an integral over births, in units of the tolerance: a panel is the sum of some hundred.
+ACCURACY = 3e-3
+# First guess of a panel's width, in units of the length over which the survival is resolved, at a
+# tolerance of 1e-8; a polynomial of degree 16 on wider panels errs by the power 16 more.
 GRAINS = 6.0
 # Round-off of the force, in mean thresholds, for each mean threshold of the way.
 ROUND_OFF = 1e-14
@@ -45,10 +51,13 @@ def solve_rigid(
     """F along the path of a rigid slider, for contacts of any life; see `solve`."""
     began, mean = clock.perf_counter(), contacts.mean_threshold
     until = np.inf if wall_time is None else clock.monotonic() + wall_time
-    motion, times = motion_of(drive, mean)
+    timeless = life.timeless and not contacts.waiting_time
+    motion, moments = motion_of(drive, mean, timeless)
     march = march_of(contacts, motion, life, tolerance, until).run()
     reached = march.begin[-1] + march.width[-1] if march.begin else 0.0
-    kept = times <= reached * (1.0 + 1e-12) if march.unfinished else np.full(times.size, True)
+    kept = np.full(moments.size, True)
+    if march.unfinished:
+        kept = moments <= reached * (1.0 + 1e-12)
     error = error_of(march, mean)
     progress(error)
     worst = int(np.argmax(march.wrong)) if march.wrong else 0
@@ -61,38 +70,61 @@ def solve_rigid(
     if march.unfinished:
         end = f"X = {float(motion.at(np.array(reached))):.6g}"
         success, message = False, f"stopped at {end} by wall_time; the path is cut there"
-    by_index = drive.time is not None or not (drive.forward or contacts.plain)
+    by_index = drive.time is not None or (not drive.forward and bool(contacts.laws))
     return Solution(
         path=drive.path[kept],
-        time=times[kept],
-        force=reading.force(march, times[kept]) if kept.any() else np.empty(0),
+        time=times_of(drive)[kept],
+        force=reading.force(march, moments[kept]) if kept.any() else np.empty(0),
         force_error=error,
-        holding=reading.holding(march, times[kept]) if kept.any() else np.empty(0),
+        holding=reading.holding(march, moments[kept]) if kept.any() else np.empty(0),
         run_time=clock.perf_counter() - began,
         nodes=sum(breaks.size - 1 for breaks in march.breaks),
         success=success,
         message=message,
         _march=march,
         _by_index=by_index,
+        _moments=moments[kept],
     )
 
 
-def motion_of(drive: Drive, mean: float) -> tuple[Motion, Array]:
-    """The slider's motion to just beyond the path's end, and when the path's points are reached."""
-    if not np.abs(drive.path).max() < FURTHEST * mean:
-        most = f"follow at most {FURTHEST:.0e} mean thresholds"
-        refuse("path", drive.path, f"goes beyond {FURTHEST:.0e} mean thresholds; {most}")
-    motion = Motion.of(drive)
-    way = np.append(0.0, drive.time if drive.time is not None else _times(drive))
-    speed = float(motion.speeds[-1]) if motion.speeds.size else 0.0
+def times_of(drive: Drive) -> Array:
+    """When the path's points are reached."""
+    if drive.time is not None:
+        return drive.time
+    return np.asarray(np.abs(np.diff(drive.path, prepend=0.0)).cumsum() / drive.velocity)
+
+
+def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion, Array]:
+    """The slider's motion to just beyond the path's end, and when the path's points are reached.
+
+    t is the time, or the way where that alone counts. Where the path turns round positions have to
+    keep their digits: it may not reach far.
+    """
+    if not drive.forward:
+        far = np.flatnonzero(np.abs(drive.path) > FURTHEST_TURN * mean)
+        if far.size:
+            away = f"is {np.abs(drive.path[far[0]]) / mean:.3g} mean thresholds"
+            most = f"a path may turn round within {FURTHEST_TURN:.0e} of them"
+            refuse(f"path[{far[0]}]", drive.path[far[0]], f"{away}; {most}")
+    furthest = int(np.argmax(np.abs(drive.path)))
+    if not np.abs(drive.path[furthest]) < FURTHEST * mean:
+        away = f"is {np.abs(drive.path[furthest]) / mean:.3g} mean thresholds"
+        most = f"follow at most {FURTHEST:.0e} of them"
+        last = drive.path.size - 1
+        refuse(
+            f"path[{-1 if furthest == last else furthest}]", drive.path[furthest], f"{away}; {most}"
+        )
+    times = times_of(drive)
+    if timeless:
+        times = np.asarray(np.abs(np.diff(drive.path, prepend=0.0)).cumsum())
+    steps, moves = np.diff(times, prepend=0.0), np.diff(drive.path, prepend=0.0)
+    moved = np.flatnonzero(steps > 0.0)
+    speed = float(moves[moved[-1]] / steps[moved[-1]]) if moved.size else drive.velocity
+    speed = speed if not timeless or speed else 1.0
     longer = BEYOND * mean / abs(speed or drive.velocity)
-    times = np.append(motion.times, motion.times[-1] + longer)
-    positions = np.append(motion.positions, motion.positions[-1] + longer * speed)
-    return Motion(times, positions), way[1:]
-
-
-def _times(drive: Drive) -> Array:
-    return np.abs(np.diff(drive.path, prepend=0.0)).cumsum() / drive.velocity
+    knots = np.concatenate([[0.0], times, [times[-1] + longer]])
+    positions = np.concatenate([[0.0], drive.path, [drive.path[-1] + longer * speed]])
+    return Motion(knots, positions), times
 
 
 def march_of(
@@ -100,16 +132,18 @@ def march_of(
 ) -> March:
     """The march along a motion, with panels that end where the number of breaks may bend."""
     again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
-    births = Births(life, again, motion, contacts.waiting_time)
     stretch = longest_stretch(contacts, motion, life)
     allowed = max(tolerance * contacts.mean_threshold / stretch, FINEST)
+    accuracy = max(ACCURACY * allowed, 1e-15)
+    births = Births(life, again, motion, contacts.waiting_time, accuracy)
     found = edges(motion, life, contacts.start, again, contacts.waiting_time, allowed)
     if found.too_many_lumps:
         raise InputError(
             "thresholds: exact values break together more often on this path than can be followed; "
             "give them a width, as in gaussian(mean, std), or shorten the path"
         )
-    return March(births, contacts.start, found.times, allowed, GRAINS * life.grain, stretch, until)
+    grain = GRAINS * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
+    return March(births, contacts.start, found.times, allowed, grain, stretch, until)
 
 
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
@@ -123,5 +157,7 @@ def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
 def error_of(march: March, mean: float) -> float:
     """Bound on the error of the force, in mean thresholds: panels, the life itself, round-off."""
     way = float(np.abs(np.diff(march.motion.positions)).sum())
+    if march.motion.one_leg and np.isfinite(march.settled):
+        way = march.settled * abs(float(march.motion.speeds[0]))
     wrong = max(march.wrong, default=np.inf) + march.life_error
-    return wrong * march.stretch / mean + ROUND_OFF * (1.0 + way / mean)
+    return float(wrong * march.stretch / mean + ROUND_OFF * (1.0 + way / mean))

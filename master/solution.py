@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from master._old.renewal import rule
-from master._old.renewal.march import March
 from master.motion.motion import Motion
+from master.renewal import reading
+from master.renewal.march import March
 from origins import InputError
 from origins.brief import brief
 from origins.errors import finite, refuse
@@ -38,7 +38,7 @@ class StretchDistribution:
     def density(self, x: npt.ArrayLike) -> Array:
         """Q(x;X) per length at stretches x (lengths), delta parts left out; same shape as x."""
         at = np.asarray(x, dtype=float)
-        return self._march.density(self._time, at.ravel()).reshape(at.shape)[()]
+        return reading.density(self._march, self._time, at.ravel()).reshape(at.shape)[()]
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,12 @@ class Solution:
 
     Attributes
     ----------
-    path, time : arrays of shape (n,)
-        Slider positions X (lengths), and when they are reached.
+    path : array of shape (n,)
+        Slider positions X (lengths).
     force : array of shape (n,)
         F/(N_c <k>), the mean stretch of the contacts (a length).
+    time : array of shape (n,)
+        When the positions are reached.
     force_error : float
         Bound on the largest error of `force` over the path, in units of the mean threshold.
     holding : array of shape (n,)
@@ -66,8 +68,8 @@ class Solution:
     """
 
     path: Array
-    time: Array
     force: Array
+    time: Array
     force_error: float
     holding: Array
     run_time: float
@@ -76,6 +78,7 @@ class Solution:
     message: str
     _march: March = field(repr=False)
     _by_index: bool = field(repr=False)
+    _moments: Array = field(repr=False)
 
     __repr__ = brief
 
@@ -95,15 +98,15 @@ class Solution:
                 "contacts.reforming: Q(x;X) is not known where contacts re-form at many stretches"
             )
         time = self._point(where) if self._by_index else self._passing(where, leg)
-        positions, weights = self._march.deltas(time)
-        return StretchDistribution(positions, weights, self._march, time)
+        found = reading.deltas(self._march, time)
+        return StretchDistribution(found.positions, found.weights, self._march, time)
 
     def _point(self, point: float) -> float:
         """When the path is at its point of this index."""
         whole = isinstance(point, int | np.integer) and not isinstance(point, bool)
         if not whole or not 0 <= point < self.path.size:
             refuse("point", point, f"must be the index of a point, from 0 to {self.path.size - 1}")
-        return float(self.time[int(point)])
+        return float(self._moments[int(point)])
 
     def _passing(self, position: float, leg: int | None) -> float:
         """When the slider passes X = position, on the given leg if there are several."""
@@ -139,15 +142,3 @@ class Solution:
             return float(after)
         t = before + (position - motion.positions[leg]) / motion.speeds[leg]
         return float(np.clip(t, before, after))
-
-
-def read(march: March, times: Array) -> tuple[Array, Array]:
-    """Force and share that holds at times, from the polynomials on the panels."""
-    begin, width = np.array(march.begin), np.array(march.width)
-    panel = np.clip(np.searchsorted(begin, times, "right") - 1, 0, begin.size - 1)
-    at = rule.values(np.clip((times - begin[panel]) / width[panel], 0.0, 1.0))
-    force = np.einsum("ij,ij->i", at, np.array(march.force)[panel])
-    holding = np.ones(times.size)
-    if march.births.delay > 0.0:
-        holding -= march.broken(times) - march.broken(times - march.births.delay)
-    return force, holding

@@ -48,6 +48,14 @@ class RateLaw(Protocol):
         """
         return False
 
+    @property
+    def separable(self) -> bool:
+        """Whether ln h, at one stiffness, is a function of x plus one of the threshold.
+
+        Then contacts with one history have integrals in one proportion whatever they went through.
+        """
+        return False
+
     @abstractmethod
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
         """ln h, h per time: finite where h underflows, -inf where h = 0.

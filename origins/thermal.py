@@ -20,9 +20,9 @@ class Thermal(BreakingRate):
 
     T is the temperature and κ = k_i/<k> the contact's relative stiffness, as
     origins.Contacts.relative_stiffness tells it: 1 where stiffness and threshold are independent,
-    x_s/<x_s> where they are linked. The barrier of a relaxed contact is κ x_s²/2T in units of k_BT, so with linked stiffness it
-    grows as x_s³, and T = k_BT/<k> is one number for all contacts while k_BT/k_i = T/κ is each
-    contact's own.
+    x_s/<x_s> where they are linked. The barrier of a relaxed contact is κ x_s²/2T in units of
+    k_BT, so with linked stiffness it grows as x_s³, and T = k_BT/<k> is one number for all contacts
+    while k_BT/k_i = T/κ is each contact's own.
 
     Attributes
     ----------

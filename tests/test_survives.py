@@ -63,7 +63,8 @@ def run(words, kills=None, after=0, late=True, victims=(0,), share=None, delay=0
             if mine and kills and number == after and late:
                 os.kill(os.getpid(), kills)
             if share is not None and not doomed and found[0] >= share * self.total:
-                doomed = signal.setitimer(signal.ITIMER_REAL, delay) == (0.0, 0.0)  # an alarm kills at once
+                doomed = True
+                signal.setitimer(signal.ITIMER_REAL, delay)  # the alarm kills, as nothing handles it
         while doomed:
             signal.pause()
         if roomy:

@@ -98,6 +98,8 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
             return status
         if not alike:
             _abort(ending, status)
+        # the launcher ends all ranks as soon as one has ended: none may before rank 0 has spoken
+        _arrived(ending, _GRACE)
         sys.stdout.flush()
         os._exit(status)  # what ranks waited for in vain does not matter any more
     except BaseException:

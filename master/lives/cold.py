@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master._old.renewal.table import Table
 from master.motion.motion import History
+from master.renewal.table import Table
 from origins import Contacts
 from origins.start import Start
 
@@ -30,7 +30,7 @@ class ColdLife:
     the contacts that break there, of the panels on which a polynomial follows it.
     """
 
-    quick = True
+    quick = timeless = True
 
     def __init__(self, contacts: Contacts) -> None:
         law = contacts.thresholds
@@ -39,7 +39,10 @@ class ColdLife:
         self.atoms: Array = law.atoms[0]
         self._weights = law.atoms[1]
         upper = law.support()[1]
-        self.reach = float(min(upper, law.isf(NONE_LEFT)))
+        # a contact that starts in the far tail has a threshold beyond
+        births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
+        furthest = max([0.0, *(abs(born.mean()) for born in births if born.is_single)])
+        self.reach = min(float(upper), float(law.isf(NONE_LEFT * float(law.sf(furthest)))))
         if self.atoms.size:
             self.reach = max(self.reach, float(self.atoms.max()))
         marks = np.concatenate([law.breakpoints, self.atoms])
@@ -47,15 +50,29 @@ class ColdLife:
         edges = np.unique(np.concatenate([[0.0, self.reach], self.bends]))
         shortest = 1e-9 * self._mean
         self._table = Table(lambda x: self._smooth(x)[None], edges, 1e-12, shortest)
+        self.bends = np.union1d(self.bends, self._corners(1e-6 * self._mean))
         lost = -np.diff(self._smooth(self._table.edges))
         weight = lost.sum()
         self.grain = float(self._table.widths @ lost / weight) if weight > 0.0 else self.reach
         self.quiet = self._quiet()
         self.error = 0.0
 
+    def _corners(self, width: float) -> Array:
+        """Where halving ended at panels narrower than this: corners that the law does not declare."""
+        narrow = self._table.begin[self._table.widths < width]
+        known = np.append(0.0, self.bends)
+        alone = np.abs(narrow[:, None] - known).min(axis=1, initial=np.inf) > 100.0 * width
+        narrow = narrow[alone]
+        return narrow[np.append(True, np.diff(narrow) > 10.0 * width)] if narrow.size else narrow
+
     def marks(self, width: float) -> Array:
         """See Life."""
         return np.union1d(self.bends, self._table.fine(width))
+
+    def atom_share(self, atom: float, stretch: float) -> float:
+        """See Life."""
+        whole = np.array([abs(stretch)])
+        return float(self._weights[self.atoms == atom].sum() / self._held(whole, whole)[0])
 
     def _quiet(self) -> float:
         """The largest |x| up to which none breaks."""
@@ -96,7 +113,8 @@ class ColdLife:
         r = np.array([[born.mean()]]) if isinstance(born, Start) else born
         m = np.maximum(np.abs(r), np.maximum(r + history.high, -(r + history.low)))
         side = m[:, m.shape[1] // 2, None]
-        share = 1.0 / self._held(np.abs(r), np.abs(r))
+        share = self._held(np.abs(r), np.abs(r))
+        share = np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0)
         held = share * self._held(m, side)
         borne = held if not self._linked else share * self._borne(m, side, held)
         return np.stack([held, (r + history.now) * borne])
@@ -131,13 +149,15 @@ class ColdLife:
         length = cuts[row, column + 1, None] - begin
         r = begin + length * _NODES
         m = np.maximum(np.abs(r), np.maximum(r + high[row], -(r + low[row])))
-        alive = (m.min(axis=1) < self.reach) & (np.abs(r).max(axis=1) < self.reach)
-        row, r, m, length = row[alive], r[alive], m[alive], length[alive]
-        middle = r.shape[1] // 2
+        share = born.pdf(r) * length * _WEIGHTS
+        # each row by its own sum: stretches of a narrow law far from 0 are rounded
         kept = (
             born.cdf(self.reach) - born.cdf(-self.reach) if max(last, -first) > self.reach else 1.0
         )
-        share = born.pdf(r) * length * _WEIGHTS / kept
+        share /= kept * np.bincount(row, share.sum(axis=1), now.size)[row, None]
+        alive = (m.min(axis=1) < self.reach) & (np.abs(r).max(axis=1) < self.reach)
+        row, r, m, share = row[alive], r[alive], m[alive], share[alive]
+        middle = r.shape[1] // 2
         share = share / self._held(np.abs(r), np.abs(r[:, middle, None]))
         side = m[:, middle, None]
         held = self._held(m, side)

@@ -36,6 +36,8 @@ class Life(Protocol):
         Length over which the survival has to be resolved.
     quick : bool
         Whether `left`, of births at one stretch, takes no longer than a look-up in a table.
+    timeless : bool
+        Whether only the way counts, and not the time that it took.
     error : float
         Bound on the error of what `left` returns, however fine the panels: of the share that holds.
     """
@@ -46,10 +48,15 @@ class Life(Protocol):
     bends: Array
     grain: float
     quick: bool
+    timeless: bool
     error: float
 
     def marks(self, width: float) -> Array:
         """The bends, and |x| between which the survival is smooth enough for panels of a width."""
+        ...
+
+    def atom_share(self, atom: float, stretch: float) -> float:
+        """Share at most of contacts born at a stretch that have the exact threshold `atom`."""
         ...
 
     def left(self, born: Start | Array, history: History) -> Array:

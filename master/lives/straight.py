@@ -5,15 +5,18 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master._old.lives.life import Life
-from master._old.renewal.table import Table
+from master.lives.cold import NONE_LEFT
+from master.lives.life import Life
 from master.motion.motion import History, Motion
+from master.renewal.table import Table
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
 # Survival to which the table is refined, in contacts; forces, over the reach, likewise.
 ACCURACY = 1e-13
+# Halvings of the longest time, to see lives that are much shorter: the digits of a time.
+_RUNGS = 52
 # The narrowest panel of the table, of its length.
 SHORTEST = 1e-12
 
@@ -33,33 +36,54 @@ class StraightLife:
         dX/dt of the leg.
     longest : float
         The longest time since birth: that of the leg, or from where on none holds.
+    accuracy : float
+        Of the share that is left, and of the force over the reach.
+
+    Attributes as in Life, and
+
+    longest : float
+        The same, or a time from which on heat has left none.
     """
 
-    def __init__(self, life: Life, born: Start, speed: float, longest: float) -> None:
+    def __init__(
+        self, life: Life, born: Start, speed: float, longest: float, accuracy: float = ACCURACY
+    ) -> None:
         self.life, self.reach, self.quiet = life, life.reach, life.quiet
-        self.atoms, self.quick = life.atoms, True
+        self.atoms, self.grain, self.quick = life.atoms, life.grain, True
+        self.timeless = life.timeless
         first, last = sorted(np.sign(speed) * np.array(born.span))
         ends = {first, last, *(np.sign(speed) * born.breakpoints)}
         # a contact born at r < 0 comes back to its largest |x| after a way of -2 r
         ways = [mark - end for mark in [*life.bends, life.reach] for end in ends]
         ways += [-2.0 * end for end in ends]
         moving = [way / abs(speed) for way in ways if way > 0.0 and speed]
-        self.bends: Array = np.unique([time for time in moving if time < longest])
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         scale = np.array([1.0, 1.0 / life.reach])[:, None, None]
 
         def found(lag: Array) -> Array:
             return life.left(born, motion.history(lag, np.zeros((1, 1)))) * scale
 
-        edges = np.concatenate([[0.0], self.bends, [longest]])
-        self.table = Table(found, edges, ACCURACY, SHORTEST * longest)
+        ladder = longest * 0.5 ** np.arange(_RUNGS, -1.0, -1.0)
+        left = found(ladder[:, None])[0, :, 0]
+        ladder = ladder[1.0 - left > accuracy]
+        dead = np.flatnonzero(left[left.size - ladder.size :] < NONE_LEFT)
+        if dead.size:
+            longest, ladder = float(ladder[dead[0]]), ladder[: dead[0]]
+        self.longest = longest
+        self.bends: Array = np.unique([time for time in moving if time < longest])
+        edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
+        self.table = Table(found, edges, accuracy, SHORTEST * longest, ends=not life.quick)
         self.error = life.error + self.table.error
 
     def marks(self, width: float) -> Array:
         """Times since birth between which the table is smooth enough for panels of a width."""
         return np.union1d(self.bends, self.table.fine(width))
 
-    def left(self, born: Start, history: History) -> Array:
+    def atom_share(self, atom: float, stretch: float) -> float:
+        """See Life."""
+        return self.life.atom_share(atom, stretch)
+
+    def left(self, born: Start | Array, history: History) -> Array:
         """See Life; born is the law that the table was made for, and the history is along `clock`."""
         found = self.table(history.now)
         found[1] *= self.reach

@@ -7,8 +7,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from origins.drive import Drive
-
 Array = npt.NDArray[np.float64]
 
 # Speeds that differ by less than this share are one speed: positions divided by times are known to
@@ -67,14 +65,6 @@ class Motion:
         """The motion through these positions from the first, t being the way gone."""
         way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
         return cls(way, positions)
-
-    @classmethod
-    def of(cls, drive: Drive) -> Motion:
-        """The motion of a rigid slider from X = 0, t being the time."""
-        if drive.time is None:
-            way = np.abs(np.diff(drive.path, prepend=0.0)).cumsum()
-            return cls(np.append(0.0, way / drive.velocity), np.append(0.0, drive.path))
-        return cls(np.append(0.0, drive.time), np.append(0.0, drive.path))
 
     @property
     def one_leg(self) -> bool:

@@ -18,15 +18,17 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master._old.lives.life import Life
-from master._old.renewal import rule
+from master.lives.life import Life
 from master.motion.motion import Motion
+from master.renewal import rule
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
 # Two shares of a panel nearer than this are one: 1e-13 of a panel breaks next to nothing.
 CLOSE = 1e-13
+# Rounding of a time, relatively: where the survival is steep it is all that the nodes differ by.
+ROUNDING = 8.0 * float(np.finfo(float).eps)
 # Targets times panels that are integrated at once: some 100 MB of arrays.
 CHUNK = 40_000
 # Halvings of a piece whose survival no polynomial follows.
@@ -67,13 +69,18 @@ class Births:
         Time for which a broken contact is out, in the unit of the motion's times.
     accuracy : float
         Pieces of the integrals are halved until the survival is resolved to this.
+
+    Attributes
+    ----------
+    work : int
+        Pieces that were integrated so far.
     """
 
     def __init__(
         self, life: Life, law: Start, motion: Motion, delay: float = 0.0, accuracy: float = 1e-14
     ) -> None:
         self.life, self.law, self.motion, self.delay = life, law, motion, delay
-        self.accuracy = accuracy
+        self.accuracy, self.work = accuracy, 0
 
     def blocks(self, t: Array, begin: float, width: float) -> Array:
         """Number and force at times t per value of the breaks at the nodes of one panel.
@@ -85,8 +92,9 @@ class Births:
         out = np.zeros((2, t.size, rule.DEGREE + 1))
         for piece in self._integrals(t, np.array([begin]), np.array([width])):
             slopes = np.moveaxis(rule.legendre_slopes(piece.share), 0, -1)
-            added = piece.weights[..., None, :] @ slopes
-            np.add.at(out, (slice(None), piece.target), added[..., 0, :] @ rule.TO_LEGENDRE)
+            added = (piece.weights[..., None, :] @ slopes)[..., 0, :] @ rule.TO_LEGENDRE
+            for kind in (0, 1):
+                np.add.at(out[kind], piece.target, added[kind])
         if self.delay > 0.0:
             out[0] += rule.values(_share(t, begin, width))
             out[0] -= rule.values(_share(t - self.delay, begin, width))
@@ -101,9 +109,18 @@ class Births:
 
         Returns an array of shape (2, n).
         """
+        out = self.held(t, begin, width, breaks)
+        if self.delay > 0.0:
+            share = _share(t[:, None], begin, width), _share(t[:, None] - self.delay, begin, width)
+            still_out = rule.values(share[0]) - rule.values(share[1])
+            out[0] += np.einsum("tmn,mn->t", still_out, breaks)
+        return out
+
+    def held(self, t: Array, begin: Array, width: Array, breaks: Array) -> Array:
+        """The same without those that are out."""
         if t.size * begin.size > CHUNK and t.size > 1:
             half = t.size // 2
-            parts = (self.sums(part, begin, width, breaks) for part in (t[:half], t[half:]))
+            parts = (self.held(part, begin, width, breaks) for part in (t[:half], t[half:]))
             return np.concatenate(list(parts), axis=1)
         out = np.zeros((2, t.size))
         slopes = breaks @ rule.SLOPES.T  # Legendre coefficients of the derivative by the share
@@ -117,10 +134,6 @@ class Births:
             added = (piece.weights * born).sum(axis=-1)
             for kind in (0, 1):
                 out[kind] += np.bincount(piece.target, added[kind], t.size)
-        if self.delay > 0.0:
-            share = _share(t[:, None], begin, width), _share(t[:, None] - self.delay, begin, width)
-            still_out = rule.values(share[0]) - rule.values(share[1])
-            out[0] += np.einsum("tmn,mn->t", still_out, breaks)
         return out
 
     def _integrals(self, t: Array, begin: Array, width: Array) -> Iterator[Pieces]:
@@ -134,9 +147,9 @@ class Births:
             length = (right - left)[:, None]
             share = left[:, None] + length * rule.GAUSS_NODES
             s = begin[panel, None] + width[panel, None] * share + self.delay
+            self.work += row.size
             kernels = self.life.left(self.law, self.motion.history(t[target, None], s))
-            tail = np.abs(kernels[0] @ rule.GAUSS_TO_LEGENDRE[-2:].T).max(axis=-1)
-            rough = (tail * length[:, 0] > self.accuracy) & (length[:, 0] > CLOSE)
+            rough = self._rough(kernels[0], t[target], length[:, 0], width[panel])
             done = ~rough
             whole = (left == 0.0) & (right == 1.0)
             weights = kernels[:, done] * (length[done] * rule.GAUSS_WEIGHTS)
@@ -147,6 +160,13 @@ class Births:
                 np.append(left[rough], middle),
                 np.append(middle, right[rough]),
             )
+
+    def _rough(self, held: Array, t: Array, length: Array, width: Array) -> npt.NDArray[np.bool_]:
+        """Pieces on which no polynomial follows the survival, but for the rounding of times."""
+        tail = np.abs(held @ rule.GAUSS_TO_LEGENDRE[-2:].T).max(axis=-1)
+        steepness = np.abs(held[:, 0] - held[:, -1]) / (length * width)
+        rounding = ROUNDING * t * steepness
+        return np.asarray((tail * length > self.accuracy + rounding * length) & (length > CLOSE))
 
     def _pieces(
         self, t: Array, begin: Array, width: Array, born: Array

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master._old.lives.straight import StraightLife, clock
-from master._old.renewal import rule
-from master._old.renewal.births import Births
+from master.lives.straight import ACCURACY, StraightLife, clock
 from master.motion.motion import Motion
+from master.renewal import rule
+from master.renewal.births import Births
 from origins.start import SingleStart
 
 Array = npt.NDArray[np.float64]
@@ -41,19 +41,31 @@ class Kernels:
     def __init__(self, births: Births) -> None:
         self._births, self._motion = births, births.motion
         self._known: dict[tuple[float, float], Kernel] = {}
-        self._straight: dict[tuple[float, float], StraightLife] = {}
+        self._straight: dict[float, tuple[float, StraightLife]] = {}
 
     @property
     def errors(self) -> list[float]:
         """Errors of the tables that kernels were computed from."""
-        return [straight.error for straight in self._straight.values()]
+        return [straight.error for _, straight in self._straight.values()]
 
     def longest(self, leg: int) -> float:
         """The longest time for which contacts born on a leg may be seen on it."""
         speed = float(self._motion.speeds[leg])
         duration = float(np.diff(self._motion.times)[leg])
         lasting = self._births.life.reach + max(abs(end) for end in self._births.law.span)
-        return min(duration, lasting / abs(speed)) if speed else duration
+        longest = min(duration, lasting / abs(speed)) if speed else duration
+        if self._births.life.quick:
+            return longest
+        return min(longest, self._straight_life(speed, longest).longest)
+
+    def _straight_life(self, speed: float, longest: float) -> StraightLife:
+        """The table of what is left of contacts born on a leg of this speed."""
+        births = self._births
+        if speed not in self._straight or self._straight[speed][0] < longest:
+            accuracy = ACCURACY if births.life.quick else max(ACCURACY, 0.1 * births.accuracy)
+            life = StraightLife(births.life, births.law, speed, longest, accuracy)
+            self._straight[speed] = longest, life
+        return self._straight[speed][1]
 
     def on(self, leg: int, width: float, panels: int) -> Kernel:
         """Kernel of panels so many apart, or until none of the births holds."""
@@ -66,24 +78,30 @@ class Kernels:
             return known
         panels = min(most, max(panels, 2 * have))
         t = width * (np.arange(have, panels)[:, None] + TARGETS)
-        found = self._along(leg, panels * width).blocks(t.ravel(), 0.0, width)
+        found = self.along(leg, panels * width).blocks(t.ravel(), 0.0, width)
         number, force = found.reshape(2, panels - have, TARGETS.size, -1)
         if known:
             number = np.concatenate([known.number, number])
             force = np.concatenate([known.force, force])
-        solve = known.solve if known else np.linalg.inv(number[0, 1 : rule.DEGREE + 1, 1:])
-        kernel = Kernel(number, force, np.asarray(solve, dtype=float))
+        solve = known.solve if known else _inverse(number[0, 1 : rule.DEGREE + 1, 1:])
+        kernel = Kernel(number, force, solve)
         self._known[speed, width] = kernel
         return kernel
 
-    def _along(self, leg: int, duration: float) -> Births:
+    def along(self, leg: int, duration: float) -> Births:
         """Births on a leg that goes on: from a table, unless what is left is as quickly told."""
         births, speed = self._births, float(self._motion.speeds[leg])
         if births.life.quick and births.law.is_single:
             straight = Motion(np.array([0.0, duration]), np.array([0.0, duration * speed]))
             return Births(births.life, births.law, straight, births.delay, births.accuracy)
-        key = speed, self.longest(leg)
-        if key not in self._straight:
-            self._straight[key] = StraightLife(births.life, births.law, *key)
+        straight = self._straight_life(speed, self.longest(leg))
         relaxed = SingleStart(0.0)
-        return Births(self._straight[key], relaxed, clock(duration), births.delay, births.accuracy)
+        return Births(straight, relaxed, clock(duration), births.delay, births.accuracy)
+
+
+def _inverse(number: Array) -> Array:
+    """The inverse of a matrix; nan where it has none, as on a panel far wider than a life."""
+    try:
+        return np.asarray(np.linalg.inv(number), dtype=float)
+    except np.linalg.LinAlgError:
+        return np.full(number.shape, np.nan)

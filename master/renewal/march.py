@@ -15,48 +15,44 @@ matrix product a panel. A panel that does not resolve B is halved there and then
 from __future__ import annotations
 
 import time as clock
-from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from master._old.renewal import rule
-from master._old.renewal.births import Births
-from master._old.renewal.kernels import TARGETS, Kernels
+from master.renewal import rule
+from master.renewal.births import Births
+from master.renewal.edges import LEAST_LUMP
+from master.renewal.kernels import TARGETS, Kernels
+from master.renewal.past import Lump, Past
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
 # Panels whose breaks or survivors are fewer than this add nothing to what rounds at 1e-16.
 NOTHING = 1e-18
-# Contacts that break together, fewer than which are left to the rounding of conservation.
-LEAST_LUMP = 1e-15
 # Width of the narrowest panel, in units of the life's grain, below which halving has met a point
 # that no panel resolves.
 NARROWEST = 1e-10
+# The same in heat, of whose lives nobody knows how short they are; in holds, of their duration.
+NARROWEST_IN_HEAT = 1e-18
 # Panels of a first run, and of the longest: a run that fails is solved in vain.
 FIRST, LONGEST = 8, 256
 # Panels narrower than half a grain are doubled at once where they resolve more than is asked;
 # wider ones after so many, since other widths need other kernels.
 PATIENCE = 32
+# Share of the tolerance below which panels in heat are tried twice as wide.
+WIDEN = 1e-2
+# Segments longer than so many of the last panels are tried on wide panels first.
+LONG = 1000.0
+# Panels, as seen from later targets, that are integrated one by one before halving ends: some 20 s.
+MOST_WORK = 3_000_000
+# What solving a panel costs beside, in such pieces.
+RUN_WORK = 100
 # What conservation and force miss between the nodes, times this, bounds the error of a panel: it
-# is looked for at three points, and the largest in between is up to twice as large.
+# is looked for at a few points, and the largest in between is up to twice as large.
 MARGIN = 2.0
-
-
-@dataclass
-class Lump:
-    """Contacts that were born, or stood at t = 0, at one moment.
-
-    time : of the birth; weight : share of all contacts; law : of the stretches at birth
-    holds : whether any of them is left
-    """
-
-    time: float
-    weight: float
-    law: Start
-    holds: bool = True
 
 
 class Run(NamedTuple):
@@ -96,7 +92,10 @@ class March:
     Attributes
     ----------
     begin, width, breaks, force, wrong : lists, one entry a panel
+    since : list, the panels' beginnings since that of their leg, which keeps all digits
     lumps : list of Lump
+    settled : float
+        Time from which on breaks were steady; inf where they never were.
     unfinished : bool
         Whether the march was stopped before the last edge.
     """
@@ -114,7 +113,9 @@ class March:
         self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
         self.life, self.motion = births.life, births.motion
         self.stretch, self.until, self.unfinished = stretch, until, False
+        self.settled = np.inf
         self.begin: list[float] = []
+        self.since: list[float] = []
         self.width: list[float] = []
         self.breaks: list[Array] = []
         self.force: list[Array] = []
@@ -122,11 +123,16 @@ class March:
         self.lumps = [Lump(0.0, 1.0, start)]
         self._alive: list[int] = []  # panels of whose births some may still hold
         self._kernels = Kernels(births)
+        self._past: Past | None = None  # none where single survivals are quickly told
+        if not self.life.quick:
+            given = self.life, births.law, self.motion, births.delay
+            self._past = Past(*given, births.accuracy)
 
     @property
     def life_error(self) -> float:
         """Error of what is left of contacts, which no panel sees."""
-        return max([self.life.error, *self._kernels.errors])
+        past = 0.0 if self._past is None else self._past.error
+        return max([self.life.error, *self._kernels.errors]) + past
 
     def run(self) -> March:
         """Solve all panels."""
@@ -137,15 +143,32 @@ class March:
             if now != leg:
                 leg, speed = now, abs(float(self.motion.speeds[now]))
                 allowed = self.grain / speed if speed else 0.25 * (end - begin)
+                if self._past is not None:
+                    panels = np.array(self.begin), np.array(self.width), np.array(self.breaks)
+                    self._past.close(leg, *panels)
+            since = float(self.motion.times[leg])
+            begin, end = begin - since, end - since
+            if self._past is not None:
+                self._past.enter(leg, begin, end, self.lumps)
             allowed = self._segment(begin, end, allowed, leg)
             if self.unfinished:
                 break
         return self
 
     def _segment(self, begin: float, end: float, allowed: float, leg: int) -> float:
-        """Solve from one edge to the next; returns the width allowed for the next panels."""
-        t, width, count, smooth = begin, 0.0, FIRST, 0
-        narrowest = NARROWEST * min(allowed, end - begin)
+        """Solve from one edge to the next; returns the width allowed for the next panels.
+
+        begin, end : times since the leg's beginning
+        """
+        speed = abs(float(self.motion.speeds[leg]))
+        if speed and end - begin > LONG * allowed:
+            # after a narrow feature: to find the width from above takes fewer panels
+            allowed = min(0.25 * (end - begin), self.life.reach / speed)
+        t, width, count, smooth, wait, widened = begin, 0.0, FIRST, 0, 0, False
+        # in heat contacts break at all rates at once, so that panels may widen as time goes by
+        spare = self.tolerance * (0.5**rule.DEGREE if self.life.quick else WIDEN)
+        finest = NARROWEST if self.life.quick else NARROWEST_IN_HEAT
+        narrowest = finest * (self.grain / speed if speed else end - begin)
         while end - t > 1e-9 * min(allowed, end - begin):
             if clock.monotonic() > self.until:
                 self.unfinished = True
@@ -158,22 +181,28 @@ class March:
                 width = (end - t) / left
             run = self._run(t, width, min(count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
-            if bad.size and width < narrowest:
+            if self.births.work > MOST_WORK:
+                bad = bad[:0]  # what is not resolved by now stays, with its error
+            elif bad.size and width < narrowest:
                 bad = bad[bad > 0]  # no panel resolves this one: it stays, with its error
             good = int(bad[0]) if bad.size else run.wrong.size
-            self._keep(t, width, run, good)
-            t = end - (left - good) * width
+            self._keep(t, width, run, good, leg)
+            t = t + good * width if good < left else end
             if bad.size:
                 hopeless = run.wrong[bad[0]] > 100.0 * self.tolerance
                 allowed, count, smooth = (0.25 if hopeless else 0.5) * width, 1, 0
+                if widened and not self.life.quick:  # it was tried too soon
+                    wait = min(max(2, 2 * wait), PATIENCE)
+                widened = False
                 continue
+            wait, widened = (wait // 2 if widened else wait), False
             count = min(2 * count, LONGEST)
-            needless = run.wrong.max() < max(self.tolerance * 0.5**rule.DEGREE, 1e-14)
+            needless = run.wrong.max() < max(spare, 1e-14)
             smooth = smooth + good if needless else 0
-            speed = abs(float(self.motion.speeds[leg]))
-            patience = PATIENCE if width * speed > 0.5 * self.grain else 0
-            if smooth > patience and width > 0.6 * allowed:
-                allowed, count, smooth = 2.0 * width, max(1, count // 2), 0
+            still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
+            patience = wait if still or width * speed <= 0.5 * self.grain else PATIENCE
+            if self.births.work > MOST_WORK or (smooth > patience and width > 0.6 * allowed):
+                allowed, count, smooth, widened = 2.0 * width, max(1, count // 2), 0, True
                 if speed:
                     allowed = min(allowed, self.life.reach / speed)
         return allowed
@@ -202,20 +231,22 @@ class March:
 
     def _rest(self, t: float, end: float, leg: int) -> None:
         """One panel of steady breaks up to shortly before the end of the leg, then three more."""
+        self.settled = min(self.settled, t)
         memory = self._kernels.longest(leg) + self.births.delay
         rate = self.breaks[-1][-1] / self.width[-1]
         share = np.append(0.0, rule.NODES)
         last = np.full(share.size, self.force[-1].mean())
         wrong = np.full(1, self.wrong[-1] + 0.25 * self.tolerance)
         ends = [t, end - 3.0 * memory, end - 2.0 * memory, end - memory, end]
-        for first, second in zip(ends[:-1], ends[1:], strict=True):
+        for first, second in pairwise(ends):
             breaks = rate * (second - first) * share
-            self._keep(first, second - first, Run(breaks[None], last[None], wrong), 1)
+            self._keep(first, second - first, Run(breaks[None], last[None], wrong), 1, leg)
 
-    def _keep(self, t: float, width: float, run: Run, good: int) -> None:
+    def _keep(self, t: float, width: float, run: Run, good: int, leg: int) -> None:
         """Take over the first panels of a run, and note those of whose births some may hold."""
         first = len(self.begin)
-        self.begin.extend(t + width * np.arange(good))
+        self.begin.extend(self.motion.times[leg] + t + width * np.arange(good))
+        self.since.extend(t + width * np.arange(good))
         self.width.extend([width] * good)
         self.breaks.extend(run.breaks[:good])
         self.force.extend(run.force[:good])
@@ -225,10 +256,11 @@ class March:
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Panels of one width from t on."""
+        self.births.work += RUN_WORK * count
         same = self._same(width, leg)
         kernel = self._kernels.on(leg, width, same + count)
         grid = t + width * (np.arange(count)[:, None] + TARGETS)
-        number, force = self._known(grid, same)
+        number, force = self._known(grid, same, leg)
         apart = min(kernel.number.shape[0], same + count)
         size, nodes = rule.DEGREE + 1, slice(1, rule.DEGREE + 1)
         # farthest panels first, as they stand
@@ -250,7 +282,7 @@ class March:
         number, force = number + added[:, : TARGETS.size], force + added[:, TARGETS.size :]
         lost = np.abs(number[:, size:] - 1.0).max(axis=1)
         bent = np.abs(force[:, :size] @ rule.AT_CHECKS.T - force[:, size:]).max(axis=1)
-        wrong = MARGIN * (lost + bent / self.stretch)
+        wrong = np.nan_to_num(MARGIN * (lost + bent / self.stretch), nan=np.inf)
         return Run(panels[apart - 1 :], force[:, :size], wrong)
 
     def _same(self, width: float, leg: int) -> int:
@@ -262,8 +294,16 @@ class March:
             same += 1
         return same
 
-    def _known(self, grid: Array, same: int) -> tuple[Array, Array]:
-        """Number and force, on panels of times, of lumps and of panels but the last `same`."""
+    def _known(self, grid: Array, same: int, leg: int) -> tuple[Array, Array]:
+        """Number and force, on panels of times, of lumps and of panels but the last `same`.
+
+        grid : times since the leg's beginning
+        """
+        if self._past is not None:
+            number, force = self._past.at(grid)
+            found = self._of_leg(grid, len(self.begin) - same, leg)
+            return number + found[0], force + found[1]
+        grid = self.motion.times[leg] + grid
         number, force, now = np.zeros(grid.shape), np.zeros(grid.shape), float(grid[0, 0])
         middle = grid[:, TARGETS.size // 2]
         for lump in self.lumps:
@@ -291,6 +331,31 @@ class March:
                 number += added[0].reshape(grid.shape)
                 force += added[1].reshape(grid.shape)
         return number, force
+
+    def _of_leg(self, grid: Array, last: int, leg: int) -> Array:
+        """Number and force of births on this leg, and later ones, from panels before `last`."""
+        seen = np.array([panel for panel in self._alive if panel < last], dtype=int)
+        out, now = np.zeros((2, grid.size)), float(grid[0, 0])
+        if seen.size:
+            begin, width = np.array(self.begin)[seen], np.array(self.width)[seen]
+            breaks = np.array([self.breaks[panel] for panel in seen])
+            here = begin >= self.motion.times[leg]
+            begin -= self.motion.times[leg]
+            begin[here] = np.array(self.since)[seen[here]]
+            births = self._kernels.along(leg, float(grid[-1, -1]))
+            lag = now - begin - width - births.delay
+            clear = np.maximum(lag, 0.0)[None]
+            held = births.life.left(births.law, births.motion.history(clear, np.zeros((1, 1))))
+            left = held[0, 0] * np.abs(breaks).max(axis=1)
+            earlier = self.motion.leg(np.array(self.begin)[seen] + 0.5 * width + births.delay) < leg
+            gone = earlier | ((lag > 0.0) & (left < max(1e-3 * births.accuracy, NOTHING)))
+            if gone.any():
+                dead = set(seen[gone].tolist())
+                self._alive = [panel for panel in self._alive if panel not in dead]
+            if not gone.all():
+                kept = ~gone
+                out = births.sums(grid.ravel(), begin[kept], width[kept], breaks[kept])
+        return out.reshape(2, *grid.shape)
 
     def _gone(self, t: float, law: Start, s: Array) -> npt.NDArray[np.bool_]:
         """Whether contacts born at s, shape (n, columns), have all been stretched beyond reach by t.

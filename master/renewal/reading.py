@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master._old.renewal import rule
-from master._old.renewal.march import NOTHING, March
+from master.renewal import rule
+from master.renewal.edges import CLOSE
+from master.renewal.march import NOTHING, March
 
 Array = npt.NDArray[np.float64]
 
@@ -45,7 +46,8 @@ def broken(march: March, t: Array) -> Array:
 
 def _read(march: March, values: Array, t: Array) -> Array:
     begin, width = np.array(march.begin), np.array(march.width)
-    panel = np.clip(np.searchsorted(begin, t, "right") - 1, 0, begin.size - 1)
+    near = begin * (1.0 - CLOSE) - CLOSE * width.min()
+    panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
     share = np.clip((t - begin[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))
 
@@ -94,5 +96,21 @@ def deltas(march: March, t: float) -> Deltas:
             held = lump.weight * float(march.life.left(lump.law, history)[0, 0, 0])
             stretch = float(lump.law.mean() + history.now[0, 0])
             found[stretch] = found.get(stretch, 0.0) + held
+    for leg in np.flatnonzero((motion.speeds == 0.0) & (motion.times[:-1] < t)):
+        stretch, held = _born_in_hold(march, t, int(leg))
+        found[stretch] = found.get(stretch, 0.0) + held
     kept = {stretch: share for stretch, share in found.items() if share > NOTHING}
     return Deltas(np.array(list(kept)), np.array(list(kept.values())))
+
+
+def _born_in_hold(march: March, t: float, leg: int) -> tuple[float, float]:
+    """The one stretch at t of contacts that were born in a hold, and the share of all that they are."""
+    births, motion = march.births, march.motion
+    begin, width = np.array(march.begin), np.array(march.width)
+    own = motion.leg(begin + 0.5 * width + births.delay) == leg
+    own &= begin + births.delay < t
+    stretch = float(births.law.mean() + motion.at(np.array(t)) - motion.positions[leg])
+    if not own.any():
+        return stretch, 0.0
+    breaks = np.array(march.breaks)[own]
+    return stretch, float(births.held(np.array([t]), begin[own], width[own], breaks)[0, 0])

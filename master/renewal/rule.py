@@ -30,10 +30,10 @@ def _radau() -> Array:
 
 
 NODES: Array = _radau()
-# Shares between nodes, early, in the middle and late, at which a panel is tested.
-CHECKS: Array = 0.5 * (NODES[[0, DEGREE // 2 - 1, -2]] + NODES[[1, DEGREE // 2, -1]])
-GAUSS_NODES: Array = 0.5 * (legendre.leggauss(GAUSS)[0] + 1.0)
-GAUSS_WEIGHTS: Array = 0.5 * legendre.leggauss(GAUSS)[1]
+# Shares between nodes, all over the panel, at which it is tested.
+CHECKS: Array = 0.5 * (NODES[:-1:3] + NODES[1::3])
+GAUSS_NODES: Array = np.asarray(0.5 * (legendre.leggauss(GAUSS)[0] + 1.0), dtype=float)
+GAUSS_WEIGHTS: Array = np.asarray(0.5 * legendre.leggauss(GAUSS)[1], dtype=float)
 # Values at share 0 and at the nodes to coefficients of Legendre polynomials.
 TO_LEGENDRE: Array = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0, DEGREE))
 # Values at the Gauss nodes to coefficients of Legendre polynomials.

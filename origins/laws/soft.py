@@ -40,6 +40,7 @@ class SoftRates(RateLaw):
     attempt_frequency: float = 1.0
     name: ClassVar[str] = "soft"
     vanishes_at_threshold: ClassVar[bool] = False
+    separable: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         positive("temperature", self.temperature, TEMPERATURE)
@@ -70,27 +71,13 @@ class SoftRates(RateLaw):
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
         """ln of the integral of h from near to far; -inf where they are one."""
-        arrays = np.broadcast_arrays(near, far, threshold, self._spring(stiffness))
-        shape = arrays[0].shape
-        near, far, threshold, spring = map(np.atleast_1d, arrays)
-        rise = spring * (far - near) * (far + near)
-        length = np.empty(rise.shape)
-        # where the rate hardly changes the difference of two integrals cancels; Gauss nodes, placed
-        # from `far` back, do not
-        flat = (rise < _FLAT) & (near > 0.0)
-        across, most, least = (far - near)[flat], (2.0 * spring * far)[flat], spring[flat]
-        total = np.zeros(across.size)
-        for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS, strict=True):
-            back = node * across
-            total += weight * np.exp(back * (least * back - most))
-        length[flat] = across * total
-        steep = ~flat
-        root, far_steep, near_steep = np.sqrt(spring[steep]), far[steep], near[steep]
-        before = np.exp(-rise[steep]) * dawsn(root * near_steep)
-        length[steep] = (dawsn(root * far_steep) - before) / root
+        near, far, threshold = np.asarray(near), np.asarray(far), np.asarray(threshold)
+        spring = self._spring(stiffness)
+        rise = np.asarray(spring * (far - near) * (far + near))
+        length = _length(rise, near, far, spring)
         with np.errstate(divide="ignore", over="ignore"):
             passed = np.log(length) - spring * (threshold - far) * (threshold + far)
-        return (np.log(self.attempt_frequency) + passed).reshape(shape)[()]
+        return np.log(self.attempt_frequency) + passed
 
     def reached(
         self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
@@ -102,8 +89,31 @@ class SoftRates(RateLaw):
         level = log_share + (0.5 * np.log(spring) + spring * threshold * threshold)
         if np.any(near):
             level = np.logaddexp(level, log_growth(root * near))
-        return np.clip(inverse_log_growth(level) / root, near, threshold)
+        return np.minimum(np.maximum(inverse_log_growth(level) / root, near), threshold)
 
     def _spring(self, stiffness: Numbers) -> Array:
         """b = k_i/2k_BT, per length squared."""
         return np.asarray(stiffness) / (2.0 * self.temperature)
+
+
+def _length(rise: Array, near: Array, far: Array, spring: Array) -> Array:
+    """Integral of h from near to far over h(far), a length; h rises by e^rise. Shape as rise."""
+    near, far, spring = (
+        array if array.shape == rise.shape else np.broadcast_to(array, rise.shape)
+        for array in (near, far, spring)
+    )
+    length = np.empty(rise.shape)
+    flat = (rise < _FLAT) & (near > 0.0)
+    if flat.any():
+        # the difference of two integrals would cancel; Gauss nodes, placed from `far` back, do not
+        across, most, least = (far - near)[flat], (2.0 * spring * far)[flat], spring[flat]
+        total = np.zeros(across.size)
+        for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS, strict=True):
+            back = node * across
+            total += weight * np.exp(back * (least * back - most))
+        length[flat] = across * total
+    steep = ~flat
+    if steep.any():
+        root, end, begin = np.sqrt(spring[steep]), far[steep], near[steep]
+        length[steep] = (dawsn(root * end) - np.exp(-rise[steep]) * dawsn(root * begin)) / root
+    return length

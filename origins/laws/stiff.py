@@ -39,6 +39,7 @@ class StiffRates(RateLaw):
     attempt_frequency: float = 1.0
     name: ClassVar[str] = "stiff"
     vanishes_at_threshold: ClassVar[bool] = True
+    separable: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         positive("temperature", self.temperature, TEMPERATURE)

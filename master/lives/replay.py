@@ -1,0 +1,140 @@
+"""A(x_s): the breaking rate of contacts, integrated over all the moves they have gone through."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from master.motion.motion import Legs
+from origins.rate_law import RateLaw
+
+Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+# ln A of contacts that have spent nothing yet
+_NOTHING = -740.0
+# share of an integral from 0: where a move adds less, the difference of two such has lost 3 digits
+_SHORT = 1e-3
+# relative: stretches that differ by less are one, as no weight of thresholds lies between
+_SAME = 1e-9
+
+
+class Replay:
+    """The rate of n contacts integrated leg by leg: closed integrals on moves, h times a hold.
+
+    Parameters
+    ----------
+    rates : RateLaw
+    stiffness : callable
+        k_i/<k> at thresholds; None where it is 1 for all.
+    born : array of shape (n,)
+        Stretch of each contact at its birth.
+    legs : Legs
+        Of the n contacts; legs on which none of them spends time are left out.
+
+    Attributes
+    ----------
+    least : array of shape (n,)
+        Largest |x| of each contact: its threshold lies above.
+    shoulder : array of shape (n,)
+        The next largest |x| at which a leg ends or begins, 0 where there is none.
+    """
+
+    def __init__(
+        self,
+        rates: RateLaw,
+        stiffness: Callable[[Array], Array] | None,
+        born: Array,
+        legs: Legs,
+    ) -> None:
+        self._rates, self._stiffness = rates, stiffness
+        used = np.flatnonzero((legs.duration > 0.0).any(axis=0))
+        self._near = born[:, None] + legs.displacement[:, used]
+        self._far = born[:, None] + legs.displacement[:, used + 1]
+        self._duration, self._speed = legs.duration[:, used], legs.speed[used]
+        # from a birth on, the time tells the way better than the difference of two positions
+        first = legs.displacement[:, used] == 0.0
+        since = born[:, None] + self._speed * self._duration
+        self._far = np.where(first & (self._speed != 0.0), since, self._far)
+        self._joined = np.append(False, np.diff(used) == 1)
+        ends = np.abs(np.concatenate([born[:, None], self._near, self._far], axis=1))
+        self.least: Array = ends.max(axis=1)
+        below = ends < (1.0 - _SAME) * self.least[:, None]
+        self.shoulder: Array = np.where(below, ends, 0.0).max(axis=1)
+        self._in_proportion: tuple[Array, Array] | None = None
+        if rates.separable and stiffness is None:
+            # A at one threshold tells it at all others
+            with np.errstate(divide="ignore"):
+                log_spent = np.log(self._spent(np.arange(born.size), self.least[:, None])[:, 0])
+            log_rate = rates.log_rate(0.0, self.least, 1.0)
+            self._in_proportion = np.maximum(log_spent, _NOTHING), log_rate
+
+    def log_spent(self, row: Rows, threshold: Array) -> Array:
+        """ln A of the contacts `row`, shape (n,), at thresholds of shape (n, k); finite."""
+        if self._in_proportion is not None:
+            log_spent, log_rate = self._in_proportion
+            level = self._rates.log_rate(0.0, threshold, 1.0) + (log_spent - log_rate)[row, None]
+        else:
+            with np.errstate(divide="ignore"):
+                level = np.log(self._spent(row, threshold))
+        return np.maximum(level, _NOTHING)
+
+    def spent_at(self, threshold: float) -> Array:
+        """A of all contacts at one threshold, which none has passed but by rounding; shape (n,)."""
+        near, far = self._near, self._far
+        self._near, self._far = (np.clip(part, -threshold, threshold) for part in (near, far))
+        every = np.arange(self.least.size)
+        spent = self._spent(every, np.full((every.size, 1), threshold))[:, 0]
+        self._near, self._far = near, far
+        return spent
+
+    def _spent(self, row: Rows, threshold: Array) -> Array:
+        """A of the contacts `row`, shape (n,), at thresholds of shape (n, k)."""
+        stiffness = 1.0 if self._stiffness is None else self._stiffness(threshold)
+        spent = np.zeros(threshold.shape)
+        passed: Array | None = None
+        for leg, speed in enumerate(self._speed):
+            near = self._near[row, leg][:, None]
+            if speed == 0.0:
+                duration = self._duration[row, leg][:, None]
+                spent += self._rates.rate(np.abs(near), threshold, stiffness) * duration
+                passed = None
+                continue
+            if passed is None or not self._joined[leg]:
+                passed = self._passed(near, threshold, stiffness)
+            far = self._far[row, leg][:, None]
+            before, passed = passed, self._passed(far, threshold, stiffness)
+            gone = np.abs(passed - before)
+            short = gone < _SHORT * np.abs(passed)
+            if short.any():
+                way = np.abs(speed) * self._duration[row, leg][:, None]
+                arrays = np.broadcast_arrays(near, far, way, threshold, stiffness)
+                gone[short] = self._short_way(*(array[short] for array in arrays))
+            spent += gone / np.abs(speed)
+        return spent
+
+    def _passed(self, x: Array, threshold: Array, stiffness: Array | float) -> Array:
+        """Integral of h from 0 to x; x of shape (n, 1)."""
+        if not x.any():
+            return np.zeros(threshold.shape)
+        return self._rates.rate_and_passed(x, threshold, stiffness, 1.0)[1]
+
+    def _short_way(
+        self, near: Array, far: Array, way: Array, threshold: Array, stiffness: Array
+    ) -> Array:
+        """The integral of h over a way much shorter than the stretch; all of shape (n,).
+
+        `way` is its length, of which the ends, being rounded, know less.
+        """
+        near, far = np.minimum(np.abs(near), threshold), np.minimum(np.abs(far), threshold)
+        near, far = np.minimum(near, far), np.maximum(near, far)
+        apart = far - near
+        at_rest = apart == 0.0
+        log_passed = self._rates.log_passed(near, far, threshold, stiffness)
+        mean_rate = np.exp(log_passed) / np.where(at_rest, 1.0, apart)
+        if at_rest.any():
+            some = near[at_rest], threshold[at_rest], stiffness[at_rest]
+            mean_rate[at_rest] = self._rates.rate(*some)
+        return mean_rate * way

@@ -1,0 +1,182 @@
+"""Averages over the stretches at birth: a sum over pieces on which nothing bends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import eigh_tridiagonal
+
+from master.motion.motion import History
+from origins.start import Start
+
+Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+# Gauss nodes of a piece, on (0, 1), and the last two Legendre coefficients from values at them
+_SIZE = 12
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_SIZE)
+_LAST = np.linalg.inv(np.polynomial.legendre.legvander(_NODES, _SIZE - 1))[-2:].T
+_NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
+# A sum over Gauss nodes is wrong by about the square of the last coefficient where all is smooth;
+# beside an onset of P_c, where it is not, by some 1e-3 of it
+RESOLVED = 1e-9
+# Nodes of the Gauss rules of a law that are tried before it is cut into pieces
+_RULE, _FEWER = 14, 9
+_HALVINGS = 40
+_PIECES = 4  # of a law's span to begin with: a Gaussian to 8 widths is resolved by twice as many
+_NARROW = 1e-13  # share of the span: narrower pieces hold no weight
+
+
+class Moves(NamedTuple):
+    """What pairs of a birth and a later moment have in common, whatever the stretch at birth.
+
+    now, high, low : arrays of shape (n,), the slider's displacement, its largest and smallest value
+    """
+
+    now: Array
+    high: Array
+    low: Array
+
+    @classmethod
+    def of(cls, history: History) -> Moves:
+        """Of all rows and columns, flat."""
+        parts = np.broadcast_arrays(history.now, history.high, history.low)
+        return cls(*(part.ravel() for part in parts))
+
+    def largest(self, pair: Rows, born: Array) -> Array:
+        """Largest |x| of contacts born at `born`; shape (n,) or (n, k) as `born`."""
+        columns = (slice(None),) + (None,) * (born.ndim - 1)
+        high, low = self.high[pair][columns], self.low[pair][columns]
+        return np.maximum(np.abs(born), np.maximum(born + high, -(born + low)))
+
+
+# Share and force of pairs, by their numbers (n,), born at stretches of shape (n, k); (2, n, k)
+Left = Callable[[Rows, Array], Array]
+
+
+def averaged(
+    law: Start, moves: Moves, reach: float, bends: Array, left: Left, resolved: float = RESOLVED
+) -> Array:
+    """Share and force averaged over the law's stretches below `reach`; shape (2, pairs).
+
+    left : asked for stretches of which each row lies within one smooth piece
+    resolved : last coefficients at which pieces are no longer halved
+    """
+    pieces = _pieces(law, moves, reach, bends)
+    return _summed(pieces, law, reach, moves.now.size, left, resolved)
+
+
+class Rules(NamedTuple):
+    """Two Gauss rules of a law of stretches: nodes of shape (n,) and weights, the fewer last.
+
+    They take a tenth of the nodes that pieces take, and agree where what is left of contacts is
+    smooth over all stretches at birth.
+    """
+
+    nodes: Array
+    weights: Array
+    split: int
+
+    @classmethod
+    def of(cls, law: Start) -> Rules:
+        """The rules of a law with a density, by its discrete sums over narrow pieces."""
+        edges = np.union1d(np.linspace(*law.span, 33), law.breakpoints)
+        length = np.diff(edges)[:, None]
+        x = edges[:-1, None] + length * _NODES
+        share = (law.pdf(x) * length * _WEIGHTS).ravel()
+        middle, scale = 0.5 * sum(law.span), 0.5 * (law.span[1] - law.span[0])
+        z, share = (x.ravel() - middle) / scale, share / share.sum()
+        diagonal, beside = np.zeros(_RULE), np.zeros(_RULE)
+        before, value = np.zeros(z.size), np.ones(z.size)
+        for k in range(_RULE):
+            diagonal[k] = share @ (z * value * value)
+            after = (z - diagonal[k]) * value - (beside[k - 1] if k else 0.0) * before
+            beside[k] = np.sqrt(share @ (after * after))
+            before, value = value, after / beside[k]
+        parts = []
+        for size in (_RULE, _FEWER):
+            nodes, vectors = eigh_tridiagonal(diagonal[:size], beside[: size - 1])
+            parts.append((middle + scale * nodes, vectors[0] ** 2))
+        nodes, weights = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return cls(nodes, weights, _RULE)
+
+    def averaged(self, moves: Moves, reach: float, left: Left, resolved: float) -> _Tried:
+        """The average over stretches by the larger rule, and where the fewer nodes agree."""
+        pair = np.arange(moves.now.size)
+        values = left(pair, np.tile(self.nodes, (pair.size, 1)))
+        many = values[..., : self.split] @ self.weights[: self.split]
+        fewer = values[..., self.split :] @ self.weights[self.split :]
+        change = np.abs(many - fewer)
+        return _Tried(many, np.maximum(change[0], change[1] / reach) <= resolved)
+
+
+class _Tried(NamedTuple):
+    """found : array of shape (2, n); agreed : of shape (n,)."""
+
+    found: Array
+    agreed: npt.NDArray[np.bool_]
+
+
+def missed(law: Start, moves: Moves, reach: float, bends: Array, left: Left, found: Array) -> float:
+    """By how much `found`, the average over the stretches, changes where all pieces are halved."""
+    pair, low, high = _pieces(law, moves, reach, bends)
+    middle = 0.5 * (low + high)
+    halves = _Pieces(np.tile(pair, 2), np.append(low, middle), np.append(middle, high))
+    again = _summed(halves, law, reach, moves.now.size, left, RESOLVED)
+    return float(np.abs(again - found)[0].max(initial=0.0))
+
+
+class _Pieces(NamedTuple):
+    """Pieces of the stretches of pairs, from low to high; arrays of shape (n,)."""
+
+    pair: Rows
+    low: Array
+    high: Array
+
+
+def _pieces(law: Start, moves: Moves, reach: float, bends: Array) -> _Pieces:
+    """Where what is left bends: x is 0, or the largest |x| changes sides or meets a bend."""
+    first, last = max(law.span[0], -reach), min(law.span[1], reach)
+    even = np.linspace(first, last, _PIECES + 1)
+    fixed = [even, law.breakpoints, np.zeros(1), bends, -bends]
+    now, high, low = (part[:, None] for part in moves)
+    moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
+    cuts = [
+        np.tile(np.concatenate(fixed), (moves.now.size, 1)),
+        *moving,
+        bends - high,
+        -bends - low,
+    ]
+    edges = np.sort(np.clip(np.concatenate(cuts, axis=1), first, last), axis=1)
+    pair, piece = np.nonzero(np.diff(edges, axis=1) > _NARROW * (last - first))
+    begin, end = edges[pair, piece], edges[pair, piece + 1]
+    alive = moves.largest(pair, 0.5 * (begin + end)) < reach
+    return _Pieces(pair[alive], begin[alive], end[alive])
+
+
+def _summed(
+    pieces: _Pieces, law: Start, reach: float, pairs: int, left: Left, resolved: float
+) -> Array:
+    """The sum over the pieces, which are halved until a polynomial follows on each."""
+    pair, low, high = pieces
+    kept = law.cdf(reach) - law.cdf(-reach)
+    out = np.zeros((2, pairs))
+    for halving in range(_HALVINGS):
+        length = (high - low)[:, None]
+        born = low[:, None] + length * _NODES
+        values = left(pair, born) * (law.pdf(born) * length / kept)
+        rough = np.abs(values[0] @ _LAST).max(axis=1, initial=0.0) > resolved
+        if halving == _HALVINGS - 1:
+            rough[:] = False
+        for kind in (0, 1):
+            sums = values[kind, ~rough] @ _WEIGHTS
+            out[kind] += np.bincount(pair[~rough], sums, minlength=pairs)
+        pair, low, high = pair[rough], low[rough], high[rough]
+        if not pair.size:
+            break
+        middle = 0.5 * (low + high)
+        pair, low, high = np.tile(pair, 2), np.append(low, middle), np.append(middle, high)
+    return out

@@ -1,0 +1,223 @@
+"""What is left of contacts that break by heat, against sums over time and thresholds."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from heat_references import GAUSS, HEAT, LAWS, PATHS, WEIGHTS, left_by_definition, spent
+from scipy.integrate import quad
+
+from master.lives.mean_rate import MeanRateLife
+from master.lives.thermal import ThermalLife
+from master.motion.motion import Motion
+from origins import (
+    Contacts,
+    StiffRates,
+    Thermal,
+    gaussian,
+    gaussian_start,
+    identical,
+    mixture,
+    rectangular,
+)
+from origins.start import SingleStart
+
+
+def legs_of(path, born):
+    """Stretches and times at the ends of the legs of a contact born at the beginning."""
+    times, positions = (np.array(part) for part in PATHS[path])
+    return born + positions - positions[0], times
+
+
+def left_at_the_end(life, path, born=0.0):
+    """Share and force, at the end of the path, of contacts born at its beginning."""
+    motion = Motion(*(np.array(part) for part in PATHS[path]))
+    start = SingleStart(born) if np.isscalar(born) else born
+    history = motion.history(motion.times[-1:, None], motion.times[:1, None])
+    return life.left(start, history)[:, 0, 0]
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize("heat", HEAT)
+@pytest.mark.parametrize("law", LAWS)
+def test_share_and_force_are_those_of_the_definition(law, heat, path):
+    """Births at 0 and, with linked stiffness, at 0.2."""
+    thermal, rate = HEAT[heat]
+    for born, stiffness in ((0.0, "independent"), (0.2, "linked")):
+        life = ThermalLife(Contacts(LAWS[law], thermal=thermal, stiffness=stiffness))
+        expected = left_by_definition(
+            LAWS[law], rate, *legs_of(path, born), linked=stiffness == "linked"
+        )
+        found = left_at_the_end(life, path, born)
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12)
+        assert life.error < 4e-12
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+@pytest.mark.parametrize("temperature", [1e-6, 1e-3, 1.0, 100.0])
+@pytest.mark.parametrize("attempts", [1e-3, 1e6, 1e18])
+def test_shares_stay_between_all_and_none_at_every_heat(law, temperature, attempts):
+    """And fall with the time since birth; the error is measured and small."""
+    motion = Motion(np.array([0.0, 1.0, 3.0, 4.0]), np.array([0.0, 0.5, 0.5, 1.4]))
+    t = np.array([[0.9], [2.9], [3.9]])
+    for name in LAWS:
+        life = ThermalLife(Contacts(LAWS[name], thermal=Thermal(law, temperature, attempts)))
+        for now in t:
+            lags = np.minimum(np.append(0.0, np.geomspace(1e-14, 0.9, 30)), now)
+            history = motion.history(now[:, None], (now - lags)[:, None])
+            share = life.left(SingleStart(0.0), history)[0, :, 0]
+            assert ((share >= 0.0) & (share <= 1.0)).all()
+            assert share[0] == pytest.approx(1.0, abs=1e-14)
+            assert (np.diff(share) < 1e-12).all()
+        assert life.error < 1e-12
+
+
+@pytest.mark.parametrize("heat", ["soft", "stiff"])
+def test_cold_contacts_break_at_their_thresholds(heat):
+    """So rare are attempts that E = S(m)/S(|r|)."""
+    law = LAWS["gap"]
+    life = ThermalLife(Contacts(law, thermal=Thermal(heat, 0.01, 1e-25)))
+    share, force = left_at_the_end(life, "turns", 0.1)
+    assert share == pytest.approx(law.sf(1.0) / law.sf(0.1), abs=1e-14)
+    assert force == pytest.approx(share * 1.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("closure", ["exact", "paper"])
+def test_exact_thresholds_are_passed_by_rows(closure):
+    """An atom at 0.5 breaks where the middle of the row has passed it, and not before."""
+    law = mixture([identical(0.5), gaussian(2.0, 0.1)], [0.3, 0.7])
+    contacts = Contacts(law, thermal=Thermal("stiff", 0.05, 0.5, closure=closure))
+    life = ThermalLife(contacts) if closure == "exact" else MeanRateLife(contacts)
+    motion = Motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+    rows = np.array([[0.49, 0.495, 0.5], [0.5, 0.505, 0.51]])
+    share = life.left(SingleStart(0.0), motion.history(rows, np.zeros((1, 1))))[0]
+    assert share[0, 2] - share[1, 0] > 0.2
+    assert life.bends[0] == 0.5 and life.atoms[0] == 0.5
+    if closure == "exact":
+
+        def rate(gap, threshold, stiffness):
+            barrier = stiffness * threshold**2 * (gap / threshold) ** 1.5 / 0.1
+            return 0.5 * (gap / threshold) ** 0.5 * np.exp(-barrier)
+
+        x, times = np.array([0.0, 0.49]), np.array([0.0, 0.49])
+        of_atom = np.exp(-spent(rate, x, times, np.array([0.01]), 1.0))[0]
+        rest = left_by_definition(gaussian(2.0, 0.1), rate, x, times, linked=False)[0]
+        assert share[0, 0] == pytest.approx(0.3 * of_atom + 0.7 * rest, abs=1e-13)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("path", ["forward", "turns"])
+@pytest.mark.parametrize("closure", ["exact", "paper"])
+def test_births_at_a_law_of_stretches_are_averaged(law, path, closure):
+    """Against quad over the stretch at birth, of single births."""
+    contacts = Contacts(LAWS[law], thermal=Thermal("soft", 0.1, closure=closure))
+    life = ThermalLife(contacts) if closure == "exact" else MeanRateLife(contacts)
+    born = gaussian_start(0.05, 0.04)
+    share, force = left_at_the_end(life, path, born)
+    x = legs_of(path, 0.0)[0]
+    high, low = x.max(), x.min()
+    kinks = [0.0, -x[-1], -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
+    kinks += [way for mark in life.bends for way in (mark - high, -mark - low, mark, -mark)]
+    first, last = 0.05 - 0.32, 0.05 + 0.32
+    inside = [kink for kink in kinks if first < kink < last]
+    for found, kind in ((share, 0), (force, 1)):
+        expected = quad(
+            lambda r, kind=kind: float(born.pdf(r)) * left_at_the_end(life, path, float(r))[kind],
+            first,
+            last,
+            points=np.unique([*inside, 0.0, 0.05, 0.1]),
+            epsabs=1e-10,
+            epsrel=0.0,
+            limit=60,
+        )[0]
+        assert found == pytest.approx(expected, abs=2e-10)
+    assert life.error < 1e-10
+
+
+def test_single_births_may_differ_by_row():
+    """An array of stretches broadcasts with the history."""
+    life = ThermalLife(Contacts(LAWS["gaussian"], thermal=Thermal("stiff", 0.1)))
+    motion = Motion(*(np.array(part) for part in PATHS["turns"]))
+    history = motion.history(np.full((2, 1), 5.0), np.array([[0.2, 0.5], [0.2, 0.5]]))
+    both = life.left(np.array([[0.0], [0.3]]), history)
+    for row, born in enumerate((0.0, 0.3)):
+        np.testing.assert_array_equal(both[:, row], life.left(SingleStart(born), history)[:, row])
+
+
+@pytest.mark.parametrize("heat", ["soft", "cooler", "stiff", "cooler stiff"])
+@pytest.mark.parametrize("law", LAWS)
+def test_the_mean_rate_is_the_integral_of_rates_and_thresholds(law, heat):
+    """S(m)/S(|r|) times the exponential of H, by quad over thresholds, over the time."""
+    thermal, rate = HEAT[heat]
+    paper = Thermal(thermal.law, thermal.temperature, thermal.attempt_frequency, closure="paper")
+    life = MeanRateLife(Contacts(LAWS[law], thermal=paper))
+    x, times = np.array([0.2, 0.9, 0.9, -0.1]), np.array([0.0, 0.7, 1.1, 3.1])
+
+    def mean_rate(y):
+        top = float(LAWS[law].isf(1e-17)) - y
+        marks = [mark - y for mark in LAWS[law].breakpoints if 0.0 < mark - y < top]
+        cuts = np.unique([0.0, top, *marks, *np.geomspace(1e-9, top, 60)])
+        cuts = np.unique([*cuts, *np.linspace(0.0, top, 60)])
+        roots = np.sqrt(cuts)
+        root = (roots[:-1, None] + np.diff(roots)[:, None] * GAUSS).ravel()
+        weight = (np.diff(roots)[:, None] * WEIGHTS).ravel() * 2.0 * root
+        return float(weight @ (LAWS[law].pdf(y + root**2) * rate(root**2, y + root**2, 1.0)))
+
+    marks = [*LAWS[law].breakpoints, 1e-3, 0.05, 0.1, 0.2, 0.5, 0.89]
+
+    def grown(y):
+        edges = np.unique([0.0, y, *(mark for mark in marks if mark < y)])
+        parts = pairwise(edges)
+        return sum(quad(mean_rate, *ends, epsabs=1e-10, epsrel=1e-10)[0] for ends in parts)
+
+    amount = grown(0.9) - grown(0.2) + 0.4 * mean_rate(0.9) + 2.0 * (grown(0.9) + grown(0.1))
+    motion = Motion(times, x)
+    share, force = life.left(SingleStart(0.2), motion.history(times[-1:, None], np.zeros((1, 1))))
+    expected = LAWS[law].sf(0.9) / LAWS[law].sf(0.2) * np.exp(-amount)
+    assert share[0, 0] == pytest.approx(expected, abs=1e-9)
+    assert force[0, 0] == pytest.approx(-0.1 * expected, abs=1e-9)
+    assert life.error < 1e-10
+
+
+class Smoothed(StiffRates):
+    """Stiff contacts that deny that their rate vanishes at the threshold."""
+
+    vanishes_at_threshold = False
+
+
+@pytest.mark.parametrize("path", ["forward", "hold", "on after a hold", "turns"])
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("attempts", [1.0, 5.0])
+def test_the_measured_error_bounds_that_of_a_law_that_tells_wrongly(path, law, attempts):
+    """A root that the nodes are not told of: wrong sums, and the error says so.
+
+    It bounds what the sums miss on average; in some contacts, not looked at, they miss more.
+    """
+    motion = Motion(*(np.array(part) for part in PATHS[path]))
+    born = np.linspace(0.0, 0.95 * motion.times[-1], 3000)
+    history = motion.history(motion.times[-1:, None], born[:, None])
+    wrong = ThermalLife(Contacts(LAWS[law], thermal=Smoothed(0.1, attempts)))
+    right = ThermalLife(Contacts(LAWS[law], thermal=StiffRates(0.1, attempts)))
+    found, expected = (life.left(SingleStart(0.0), history)[0] for life in (wrong, right))
+    true = np.abs(found - expected)
+    assert right.error < 1e-12
+    assert true.max() > 1e-10
+    assert wrong.error > max(true.mean(), 0.02 * true.max())
+
+
+def test_the_measured_error_bounds_that_of_a_jump_not_told():
+    """P_c jumps at a point of which the law says nothing."""
+    told = mixture([rectangular(0.6, 0.9), gaussian(0.75, 0.2)], [0.2, 0.8])
+    x = np.linspace(0.0, 0.7, 200)
+
+    class Untold(type(told)):
+        breakpoints = np.array([0.0])
+        panels = None
+
+    silent = Untold.__new__(Untold)
+    silent.__dict__.update(told.__dict__)
+    motion = Motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+    history = motion.history(x[:, None], np.zeros((1, 1)))
+    lives = [ThermalLife(Contacts(law, thermal=Thermal("soft", 0.05))) for law in (told, silent)]
+    right, wrong = (life.left(SingleStart(0.0), history)[0] for life in lives)
+    assert lives[1].error >= np.abs(right - wrong).max() - 1e-14
