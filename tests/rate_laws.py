@@ -50,7 +50,7 @@ class Tilted(RateLaw):
 class Loose:
     """The same without RateLaw as a base, and with all that it would inherit."""
 
-    name, scale, vanishes_at_threshold = "loose", 1.0, False
+    name, scale, vanishes_at_threshold, separable = "loose", 1.0, False, False
 
     def __init__(self) -> None:
         law = Tilted()

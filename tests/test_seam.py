@@ -7,7 +7,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from master._old.explicit import explicit
 from rate_laws import Careless, Endless, Even, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
 from scipy import stats
 
@@ -15,6 +14,7 @@ import eq_model
 import master
 import origins
 from eq_model.closest import closest
+from master.paper.explicit import explicit
 from origins import Contacts, Delay, InputError, SoftRates, StiffRates, Thermal, ThresholdLaw
 from origins.contacts import LAWS
 from origins.laws import RATE_LAWS
@@ -209,7 +209,7 @@ SOLVERS = {
     "master.phase_line": lambda contacts: master.phase_line(contacts, velocity=[1.0, 2.0]),
     "master.kinetic_curve": lambda contacts: master.kinetic_curve(contacts, velocity=[1.0, 2.0]),
     "master.decoherence_spectrum": master.decoherence_spectrum,
-    "master.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
+    "master.paper.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
     "eq_model.simulate": lambda contacts: eq_model.simulate(contacts, PATH, n_contacts=10),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }

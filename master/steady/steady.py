@@ -27,6 +27,8 @@ Array = npt.NDArray[np.float64]
 
 # Relative round-off of closed moments, and of sums over what is left of contacts.
 MOMENTS, SUMS = 4e-16, 1e-13
+# Survival of the thresholds beyond which lives of contacts with heat count none.
+RAREST = 1e-30
 # Panels on which the density of stretches is averaged over the stretches of re-forming.
 PANELS = 12
 
@@ -221,6 +223,8 @@ def _beyond(contacts: Contacts, travel: Travel) -> tuple[float, float]:
     None holds beyond its threshold, and the tail falls as its power at the end of the table says.
     """
     law, power, far = contacts.thresholds, _power(contacts), travel.far
+    if contacts.thermal is not None:  # rarer ones are left out of E itself
+        far = max(far, float(law.isf(RAREST)))
     held, twice = float(law.sf(far)), float(law.sf(2.0 * far))
     weight = (far / contacts.mean_threshold) ** (power - 2)
     if not held * weight * (far / travel.typical) ** 2 > NONE:

@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 
 # How far F is followed: so many typical lives, and as far as more than one in a million of those
 # that hold at a time have come, but at most so many typical lives or twice the longest.
-LIVES, FEW, MOST_LIVES = 10.0, 1e-6, 300.0
+LIVES, FEW, MOST_LIVES = 10.0, 1e-6, 1000.0
 # How far F is followed beyond the last break of a generation, in mean thresholds.
 AFTER = 0.01
 # A polynomial of degree n that is off by e on a panel of width w has a slope that is off by up to

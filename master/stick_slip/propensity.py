@@ -65,7 +65,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         v > 0, length per time; only rates, ageing and delay tell.
 
     F(X) is followed for ten typical lives of a contact, and beyond the one that one in a million of
-    those that hold exceed (at most 300; what may come beyond is in the errors).
+    those that hold exceed (at most 1,000; what may come beyond is in the errors).
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and
     where contacts form again so far behind x = 0 that the kinetic force is not above 0.
