@@ -173,4 +173,6 @@ def test_the_shortest_paths_at_a_temperature(start, path) -> None:  # type: igno
 def test_where_nothing_is_broken_but_by_rounding_an_error_is_a_number() -> None:
     contacts = Contacts(gaussian(1.0, 0.07864858122250983), reforming=1.2557986627165292)
     solution = master.solve(contacts, np.linspace(0.0, 0.804, 122), 5e-7)
-    assert solution.success and 0.0 < solution.force_error < 1e-11
+    assert solution.success and 0.0 < solution.force_error <= 5e-7
+    finer = master.solve(contacts, solution.path, 1e-12)
+    assert np.abs(solution.force - finer.force).max() <= solution.force_error + finer.force_error
