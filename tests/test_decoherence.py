@@ -103,17 +103,13 @@ def test_two_peaks_decay_at_the_rate_of_their_leading_root() -> None:
     assert 1.0 / rate == pytest.approx(found.decay_length[0], rel=1e-3)
 
 
-def test_exact_values_with_a_common_divisor_keep_a_sawtooth_and_others_decay() -> None:
-    common = Contacts(mixture([identical(0.95), identical(1.05)], [0.5, 0.5]))
-    # a sawtooth of 0.05, once the other modes have faded; the last of them fades over 81 thresholds
-    late = np.linspace(180.0, 180.2, 81) + 1e-4
-    force = master.solve(common, late, 1e-8).force
-    kinetic = master.steady_state(common).force
-    assert np.abs(force - kinetic - ((late % 0.05) - 0.025)).max() < 0.01
+def test_exact_values_without_a_common_divisor_decay() -> None:
+    """Those with one keep a sawtooth for ever: test_solve follows it value by value."""
     apart = Contacts(mixture([identical(0.95), identical(1.05 + 0.01 * np.sqrt(2.0))], [0.5, 0.5]))
     window = np.linspace(0.0, 2.0, 401)
     swings = [np.ptp(master.solve(apart, begin + window, 1e-6).force) for begin in (5.0, 15.0, 45.0)]
-    assert swings[2] < 0.8 * swings[1] < 0.7 * swings[0]
+    # 10 thresholds further a third is gone at least, 30 further half of the rest
+    assert swings[1] < swings[0] / 1.5 and swings[2] < 0.5 * swings[1]
 
 
 def test_narrow_thresholds_keep_the_damping_of_their_own() -> None:
