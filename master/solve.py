@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from master.lives.cold import ColdLife
+from master.lives.make import life_of
 from master.outcome import Progress, unheard
 from master.rigid import solve_rigid
 from master.soft.solution import SoftSolution, solve_soft
@@ -96,10 +96,9 @@ def solve(
         wall_time = positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     in_time = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
-    if drive.spring is None and not in_time:
-        life = ColdLife(contacts)
-        if life.bends.size <= MOST_BENDS:
-            return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
+    life = life_of(contacts, tolerance) if drive.spring is None else None
+    if life is not None and (in_time or life.bends.size <= MOST_BENDS):
+        return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
     if drive.spring is not None and not in_time and contacts.delay is None:
         return solve_soft(contacts, drive, tolerance, progress, wall_time)
     from master._old.solve import solve as solve_old
