@@ -23,9 +23,9 @@ import numpy.typing as npt
 
 from master.renewal import known, rule
 from master.renewal.births import MOST_WORK, Births
+from master.renewal.earlier import Panels
 from master.renewal.edges import LEAST_LUMP
 from master.renewal.kernels import TARGETS, Kernels
-from master.renewal.leg_births import Panels
 from master.renewal.lumps import NOTHING, Lump, breaking
 from master.renewal.pace import NARROWEST, NARROWEST_IN_TIME, ROUNDED, Pace
 from master.renewal.past import Past

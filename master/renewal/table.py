@@ -24,7 +24,7 @@ DEPTH = 50
 _END = 100.0
 
 
-class _Basis(NamedTuple):
+class Basis(NamedTuple):
     """Nodes of a panel, as shares of it; from values there to coefficients, and these to both ends."""
 
     nodes: Array
@@ -33,12 +33,12 @@ class _Basis(NamedTuple):
 
 
 @lru_cache
-def _basis(size: int) -> _Basis:
+def basis_of(size: int) -> Basis:
     """That of polynomials with so many coefficients."""
     z = legendre.leggauss(size)[0]
     to_legendre = np.linalg.inv(legendre.legvander(z, size - 1)).T
     at_ends = legendre.legvander(np.array([-1.0, 1.0]), size - 1).T
-    return _Basis(0.5 * (z + 1.0), np.asarray(to_legendre, dtype=float), at_ends)
+    return Basis(0.5 * (z + 1.0), np.asarray(to_legendre, dtype=float), at_ends)
 
 
 class Table:
@@ -59,6 +59,8 @@ class Table:
         the first node is seen there.
     size : int
         Coefficients of the polynomials.
+    first_cut : float
+        Share of itself at which the first panel is cut.
     goes_on : callable
         Whether there is time for panels to be halved.
 
@@ -76,9 +78,10 @@ class Table:
         shortest: float,
         ends: bool = False,
         size: int = SIZE,
+        first_cut: float = 0.5,
         goes_on: Callable[[], bool] = lambda: True,
     ) -> None:
-        basis = _basis(size)
+        basis = basis_of(size)
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
         kept, self.error = [], 0.0
         for _ in range(DEPTH):
@@ -100,7 +103,7 @@ class Table:
             low, high = low[open_], high[open_]
             if not low.size:
                 break
-            middle = 0.5 * (low + high)
+            middle = low + np.where(low == edges[0], first_cut, 0.5) * (high - low)
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
         begin = np.concatenate([part[0] for part in kept])
         order = np.argsort(begin)
