@@ -15,12 +15,12 @@ Array = npt.NDArray[np.float64]
 
 # Survival to which the table is refined, in contacts; forces, over the reach, likewise.
 ACCURACY = 1e-13
-# Halvings of the longest time, to see lives that are much shorter: the digits of a time.
-_RUNGS = 52
+# Halvings of the longest time, to see lives that are much shorter.
+_RUNGS = 64
 # Share of its time within which a moment is that of an exact threshold.
 _TIE = 1e-11
-# The narrowest panel of the table, of its length.
-SHORTEST = 1e-12
+# The narrowest panel of the table, of its length; lives may be far shorter in heat.
+SHORTEST, SHORTEST_IN_HEAT = 1e-12, 1e-20
 
 
 class StraightLife:
@@ -72,7 +72,8 @@ class StraightLife:
         self.longest, moving = longest, bends_of(life, born, speed)
         self.bends: Array = moving[moving < longest]
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
-        self.table = Table(found, edges, accuracy, SHORTEST * longest, ends=not life.quick)
+        shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest
+        self.table = Table(found, edges, accuracy, shortest, ends=not life.quick)
         self.error = life.error + self.table.error
         ways = bends_of(life, born, speed, life.atoms) if self.atoms.size else np.empty(0)
         self._jumps = ways[ways < longest]

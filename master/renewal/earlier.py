@@ -114,6 +114,11 @@ class EarlierBirths:
         speeds, last = self._births.motion.speeds, self._legs[-1]
         return bool(leg == last + 1 and speeds[leg] * speeds[last] > 0.0)
 
+    @property
+    def in_hold(self) -> bool:
+        """Whether these are the births of a hold, which share one stretch."""
+        return bool(self._births.motion.speeds[self._legs[-1]] == 0.0)
+
     def seen_from(self, motion: Motion, negligible: float) -> bool:
         """Count times from now on as this motion does, which begins with a later leg at t = 0.
 

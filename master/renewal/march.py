@@ -154,7 +154,8 @@ class March:
             allowed = min(0.25 * (end - begin), most)
         in_time = self._past is not None
         narrowest = NARROWEST_IN_TIME if in_time else NARROWEST
-        narrowest = max(narrowest * (self.grain / speed if speed else end - begin), ROUNDED * end)
+        narrowest *= self.grain / speed if speed else end - begin
+        narrowest = max(narrowest, ROUNDED * (begin if in_time else end))
         return Pace(allowed, self.grain, speed, most, narrowest, self.tolerance, in_time)
 
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
@@ -175,7 +176,7 @@ class March:
             bad, hurried = np.flatnonzero(run.wrong > self.tolerance), self.births.work > MOST_WORK
             if hurried:
                 bad = bad[:0]  # what is not resolved by now stays, with its error
-            elif width < pace.narrowest:
+            elif width < max(pace.narrowest, ROUNDED * t):
                 bad = bad[bad > 0]  # no panel resolves this one: it stays, with its error
             good = int(bad[0]) if bad.size else run.wrong.size
             self.keep(self.motion.times[leg] + t, width, run, good, t)
@@ -294,5 +295,6 @@ class March:
             return
         before, after = t - 0.5 * self.width[-1], t + 0.5 * (end - t)
         lost = breaking(self.births, self.lumps, before, t, after)
+        lost += 0.0 if self._past is None else self._past.breaking(t)
         if lost > LEAST_LUMP:
             self.lumps.append(Lump(t + self.births.delay, lost, self.births.law))

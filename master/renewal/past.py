@@ -35,7 +35,9 @@ SIZE, SIZE_OF_SHORT, SHORT = 18, 7, 0.25
 # Contacts that a leg or a lump may have left to be let go, in units of that error: many are felt.
 NEGLIGIBLE = 1e-3
 # Share of a leg below which its table is not halved.
-SHORTEST = 1e-14
+SHORTEST = 1e-20
+# How far beside an exact threshold a panel is looked at, as a share of it.
+BESIDE = 1e-7
 # Share of a leg's first panel at which it is cut.
 FIRST_CUT = 1.0 / 16.0
 
@@ -86,6 +88,10 @@ class Past:
         scale = np.array([1.0, 1.0 / self._births.life.reach])[:, None, None]
 
         def found(x: Array) -> Array:
+            if self._births.life.atoms.size:
+                # at an edge the births of a hold may meet an exact threshold, all at once
+                inside = BESIDE * np.ptp(x, axis=1, keepdims=True)
+                x = np.clip(x, x[:, :1] + inside, x[:, -1:] - inside)
             return np.add.reduce(self._parts(x, holding)) * scale
 
         given = found, np.unique(edges), self._accuracy, SHORTEST * float(edges[-1])
@@ -108,6 +114,17 @@ class Past:
             for lump, left in zip(own, held, strict=True):
                 lump.holds = bool(left * lump.weight > NOTHING)
         return [lump for lump in lumps if lump.holds]
+
+    def breaking(self, t: float) -> float:
+        """Share of all contacts that were born in holds and reach an exact threshold at t.
+
+        t : an edge, on this leg
+        """
+        t -= self._late
+        near = t - BESIDE * min(t, self._births.life.grain) * np.array([2.0, 1.0, 0.0])
+        held = [own.sums(near)[0] for own in self._earlier if own.in_hold] if t > 0.0 else []
+        # less what breaks at a rate
+        return float(sum(-np.diff(part, n=2)[0] for part in held))
 
     def _goes_on(self) -> bool:
         """Whether there is work and time left."""

@@ -47,7 +47,7 @@ _APART = 12.0
 # in units of the accuracy, and where that is rounding
 _SLIGHT, _LEAST_SLIGHT = 1e3, 1e-8
 # lengths in units of the threshold: narrower panels hold no weight that could be told from rounding
-_NARROW = 4e-16
+_NARROW = 1e-15
 _DEAD = 7.0  # ln A: e^-A is 0
 _AT_ONCE = 512  # panels summed together: their nodes stay in the processor's cache
 
@@ -167,6 +167,7 @@ class Above:
                 part = np.minimum(np.square(0.5 * _FALL / np.maximum(grown, _FALL)), 0.5)
                 at[beside] = panels.low[beside] + part * (panels.high - panels.low)[beside]
                 at = np.minimum(at, panels.low + self._widest(panels, replay))
+                at = np.maximum(at, panels.low + _NARROW * panels.high)
             level = replay.log_spent(panels.row, at[:, None])[:, 0]
             top = np.maximum(np.maximum(panels.first, panels.last), level)
             # of ln A, as if it fell all along as fast as on the steeper part
