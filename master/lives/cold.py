@@ -73,10 +73,12 @@ class ColdLife:
         # halving then never ends by chance at a corner that the law does not declare
         odd = self.reach * (0.5 * 5.0**0.5 - 0.5)
         # a narrow law breaks between `quiet` and `reach` alone, where nodes of wider panels see none
+        self._end = self.reach
         edges = np.unique(np.concatenate([[0.0, self.quiet, odd, self.reach], self.bends]))
         if self.reach > HEAVY * float(law.isf(FEW[0])):
             far = law.isf(FEW)
             edges = np.union1d(edges, far[(far > 0.0) & (far < self.reach)])
+            self._end = float(upper)  # so few as hold beyond may bear a force that counts
         shortest = 1e-9 * self._mean
         self._table = Table(lambda x: self._smooth(x)[None], edges, 1e-12, shortest)
         lost = -np.diff(self._smooth(self._table.edges))
@@ -201,7 +203,7 @@ class ColdLife:
         )
         first, last = born.span
         out = np.zeros((2, now.size))
-        near = np.flatnonzero(np.maximum(first + high, -(last + low))[:, 0] < self.reach)
+        near = np.flatnonzero(np.maximum(first + high, -(last + low))[:, 0] < self._end)
         now, high, low = now[near], high[near], low[near]
         pieces = int(np.clip(np.ceil((last - first) / (4.0 * self.grain)), 5, 64))
         own = np.concatenate([np.linspace(first, last, pieces + 1), born.breakpoints, [0.0]])
@@ -228,7 +230,7 @@ class ColdLife:
             born.cdf(self.reach) - born.cdf(-self.reach) if max(last, -first) > self.reach else 1.0
         )
         share /= kept * np.bincount(row, share.sum(axis=1), now.size)[row, None]
-        alive = (m.min(axis=1) < self.reach) & (np.abs(r).max(axis=1) < self.reach)
+        alive = (m.min(axis=1) < self._end) & (np.abs(r).max(axis=1) < self.reach)
         row, r, m, share = row[alive], r[alive], m[alive], share[alive]
         middle = r.shape[1] // 2
         share = share / self._held(np.abs(r), np.abs(r[:, middle, None]))
