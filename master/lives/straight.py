@@ -71,6 +71,7 @@ class StraightLife:
                 longest, ladder = float(ladder[dead[0]]), ladder[: dead[0]]
         self.longest, moving = longest, bends_of(life, born, speed)
         self.bends: Array = moving[moving < longest]
+        self.bend_sizes: Array = np.ones(self.bends.size)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
         shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest
         self.table = Table(found, edges, accuracy, shortest, ends=not life.quick)

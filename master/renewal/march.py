@@ -24,7 +24,7 @@ import numpy.typing as npt
 from master.renewal import known, rule
 from master.renewal.births import MOST_WORK, Births
 from master.renewal.earlier import Panels
-from master.renewal.edges import LEAST_LUMP
+from master.renewal.edges import LEAST_LUMP, UNFELT
 from master.renewal.kernels import TARGETS, Kernels
 from master.renewal.lumps import NOTHING, Lump, breaking
 from master.renewal.pace import NARROWEST, NARROWEST_IN_TIME, ROUNDED, Pace
@@ -90,8 +90,7 @@ class March:
         self.life, self.motion = births.life, births.motion
         self.stretch, self.until, self.unfinished = stretch, until, False
         self.settled = np.inf
-        self.begin: list[float] = []
-        self.since: list[float] = []
+        self.begin, self.since = list[float](), list[float]()
         self.width: list[float] = []
         self.breaks: list[Array] = []
         self.force: list[Array] = []
@@ -171,11 +170,12 @@ class March:
                 break
             left = max(1, int(np.ceil((end - t) / pace.allowed * (1.0 - 1e-9))))
             if abs((end - t) / left - width) > 1e-9 * width:
-                width = (end - t) / left
+                unfelt = UNFELT * self.tolerance * self.grain / left
+                width = self.kernels.known_width(leg, (end - t) / left, unfelt)
             run = self._run(t, width, min(pace.count, left), leg)
             bad, hurried = np.flatnonzero(run.wrong > self.tolerance), self.births.work > MOST_WORK
-            if hurried:
-                bad = bad[:0]  # what is not resolved by now stays, with its error
+            if hurried:  # what is not resolved by now stays, with its error
+                bad = bad[:0]
             elif width < max(pace.narrowest, ROUNDED * t):
                 bad = bad[bad > 0]  # no panel resolves this one: it stays, with its error
             good = int(bad[0]) if bad.size else run.wrong.size
