@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from master.lives.cold import ColdLife
+from master.lives.make import life_of
 from master.outcome import Progress, unheard
 from master.rigid import solve_rigid
 from master.soft.solution import SoftSolution, solve_soft
@@ -39,9 +39,10 @@ def solve(
     work: `rigid` turns contacts and drive into a motion (motion.motion) and a life (lives.cold, ...:
     what is left of contacts born together); renewal.edges says where panels end, renewal.march
     solves them one after the other with what renewal.births and renewal.kernels say of earlier
-    births, by the polynomials of renewal.rule; renewal.reading reads force and holding share. Under
-    a spring soft.solution follows the same march from slip to slip. How that equation follows from
-    (Q5a) stands in docs/equations.md; the paper's own scheme is master.paper.explicit.
+    births, by the polynomials of renewal.rule; renewal.reading reads force and holding share. With
+    heat renewal.past keeps what was born on earlier legs of the path. Under a spring soft.solution
+    follows the same march from slip to slip. How that equation follows from (Q5a) stands in
+    docs/equations.md; the paper's own scheme is master.paper.explicit.
 
     Parameters
     ----------
@@ -72,12 +73,12 @@ def solve(
         Called as progress(error), in mean thresholds, with the error estimate.
     wall_time : float, optional
         Seconds after which the solution ends with what it has, success being False: the path is cut
-        there. Taken at T = 0 and without delay under a spring.
+        there. Taken but where contacts age or grow, and under a spring at T = 0 without delay.
 
     Returns
     -------
-    Solution, TimedSolution where contacts have rates or age and the path turns round or takes its
-    own time, SoftSolution where there is a spring, AgeingTransient for the paper's closure of ageing
+    Solution, TimedSolution where contacts age or grow and the path turns round or takes its own
+    time, SoftSolution where there is a spring, AgeingTransient for the paper's closure of ageing
         With success = False and the reason in `message` where the tolerance was not reached.
 
     Raises
@@ -92,8 +93,9 @@ def solve(
         wall_time = positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     in_time = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
-    if drive.spring is None and not in_time:
-        return solve_rigid(contacts, drive, ColdLife(contacts), tolerance, progress, wall_time)
+    life = life_of(contacts, tolerance) if drive.spring is None else None
+    if life is not None:
+        return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
     if drive.spring is not None and not in_time and contacts.delay is None:
         return solve_soft(contacts, drive, tolerance, progress, wall_time)
     from master._old.solve import solve as solve_old

@@ -47,6 +47,7 @@ class GrainLife:
 
     quiet = 0.0
     bends: Array = np.empty(0)
+    bend_sizes: Array = np.empty(0)
     error = ERROR
 
     def __init__(self, contacts: Contacts, longest: float) -> None:

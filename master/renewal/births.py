@@ -31,6 +31,11 @@ CLOSE = 1e-13
 ROUNDING = 8.0 * float(np.finfo(float).eps)
 # Targets times panels that are integrated at once: some 100 MB of arrays.
 CHUNK = 40_000
+# What a survival after moves of several legs costs in heat, in pieces on one leg; and one averaged
+# over the stretches at birth.
+PAIR_WORK, PAIR_WORK_SPREAD = 6, 250
+# Pieces, as seen from later targets, that are integrated one by one before halving ends: some 10 s.
+MOST_WORK = 6_000_000
 # Halvings of a piece whose survival no polynomial follows.
 DEPTH = 40
 
@@ -74,6 +79,8 @@ class Births:
     ----------
     work : int
         Pieces that were integrated so far.
+    dear : int
+        What one survival after moves of several legs costs, in such pieces.
     """
 
     def __init__(
@@ -81,6 +88,7 @@ class Births:
     ) -> None:
         self.life, self.law, self.motion, self.delay = life, law, motion, delay
         self.accuracy, self.work = accuracy, 0
+        self.dear = PAIR_WORK if law.is_single else PAIR_WORK_SPREAD
 
     def blocks(self, t: Array, begin: float, width: float) -> Array:
         """Number and force at times t per value of the breaks at the nodes of one panel.

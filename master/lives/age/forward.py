@@ -59,6 +59,7 @@ class ForwardAgeing:
     """
 
     bends: Array = np.empty(0)
+    bend_sizes: Array = np.empty(0)
     quiet = 0.0
 
     def __init__(self, contacts: Contacts, velocity: float, accuracy: float = 1e-10) -> None:
