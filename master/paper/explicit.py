@@ -69,7 +69,7 @@ def explicit(
     *,
     velocity: float = 1.0,
 ) -> ExplicitSolution:
-    """(Q2)-(Q6), (Q5adelay), (temper4): F(X) on a rigid slider that moves forward, dx = dX = step.
+    """F(X) on a rigid slider that moves forward, step by step, dx = dX = step (paper, Eq. Q4).
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def explicit(
 
 
 def shift_and_break(shares: Array, fraction: Array) -> float:
-    """(Q2), (Q3): move all contacts on by one node, break some, in place; the share that broke."""
+    """Move all contacts on by one node, break some (paper, Eq. Q2), in place; what share broke."""
     shares[1:] = shares[:-1].copy()
     shares[0] = 0.0
     broken = fraction * shares
@@ -170,7 +170,7 @@ def _reach(contacts: Contacts, end: float) -> tuple[float, float]:
 
 
 def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
-    """(Q5b): the share of the contacts at each node at X = 0; they add up to 1."""
+    """The share of the contacts at each node at X = 0 (paper, Eq. Q5b); they add up to 1."""
     start = contacts.start
     if start.is_single:  # two nodes share it, so that its mean stays
         share = np.maximum(1.0 - np.abs(x - start.mean()) / step, 0.0)
@@ -181,7 +181,7 @@ def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
 
 
 def broken_fraction(thresholds: Thresholds, x: Array, step: float, breaking: Breaking) -> Array:
-    """(Q3), (PcP): the fraction of the contacts now at each node that breaks in this step."""
+    """The fraction of contacts at each node that breaks in a step (paper, Eqs. Q3 and PcP)."""
     fraction = np.ones(x.size)
     if breaking == "survival":
         before = thresholds.logsf(x - step)

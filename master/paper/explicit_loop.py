@@ -31,7 +31,7 @@ Array = npt.NDArray[np.float64]
 def explicit_loop(
     contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Breaking = "survival"
 ) -> ExplicitSolution:
-    """(Q2)-(Q6), (Q3back)-(Q5aback): F along a path that may turn round, T = 0, dx = dX = step.
+    """F along a path that turns, T = 0, dx = dX = step (paper, Eqs. Q3back, Q4back and Q5aback).
 
     Parameters
     ----------

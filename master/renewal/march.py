@@ -56,7 +56,7 @@ MARGIN = 2.0
 
 @dataclass
 class Lump:
-    """Contacts that were born, or stood at t = 0, at one moment.
+    """Contacts that were born, or stood at t = 0, at one moment (paper, Eqs. Q7b and Q6e).
 
     time : of the birth; weight : share of all contacts; law : of the stretches at birth
     holds : whether any of them is left
@@ -83,7 +83,7 @@ class Run(NamedTuple):
 
 
 class March:
-    """Breaks and force on panels, found one run after the other.
+    """Breaks and force on panels, by number conservation (paper, Eq. Q5c), run after run.
 
     Parameters
     ----------
