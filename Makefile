@@ -28,6 +28,7 @@ bench: $(READY)
 
 lint: $(READY)
 	$(BIN)/ruff check .
+	$(BIN)/python tests/shape.py
 	$(BIN)/mypy
 
 clean:
