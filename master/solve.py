@@ -33,7 +33,7 @@ def solve(
     progress: Progress = unheard,
     wall_time: float | None = None,
 ) -> Solution | TimedSolution | SoftSolution | AgeingTransient:
-    """Force on a slider from X = 0 along a path (paper Eqs. Q5a-Q6, Secs. IV and V, App. C, Sec. III D).
+    """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
 
     Solved by number conservation, written with survivals, on panels. In the order in which they
     work: `rigid` turns contacts and drive into a motion (motion.motion) and a life (lives.cold, ...:

@@ -16,7 +16,7 @@ _NEAR, _JUMP = 1e4, 1e-6  # roundings of x beside a point, and what the logarith
 
 
 class Ageing:
-    """Fresh thresholds P_ci diffuse towards P_cf ~ exp(-Ũ): ∂P/∂t = D ∂_x (Ũ' + ∂_x) P (paper, Eqs. L and B).
+    """Fresh thresholds P_ci diffuse towards P_cf ~ exp(-Ũ): ∂P/∂t = D ∂_x (Ũ' + ∂_x) P (paper, Eq. B).
 
     Parameters
     ----------

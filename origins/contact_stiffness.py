@@ -33,7 +33,9 @@ def mindlin_stiffness(
 
 
 def column_stiffness(youngs_modulus: float, aspect: float | None = None, height: float | None = None) -> PowerLaw:
-    """k = (3 pi/4) E_c r_c (r_c/h)³ of a cylinder of radius r_c = (A/pi)^(1/2) and length h bent sideways (Eq. eq15).
+    """k = (3 pi/4) E_c r_c (r_c/h)³ of a cylinder bent sideways (paper, Eqs. eq15 and eq15a).
+
+    Its radius is r_c = (A/pi)^(1/2), its length h.
 
     A thin beam: shear and the bodies' own compliance are left out, so that it is too stiff where r_c is not below h.
 

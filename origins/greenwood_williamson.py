@@ -245,7 +245,7 @@ def pressure_of_separation(
 
 
 def thresholds_of_compression(summits: Summits, material: Material, law: str) -> tuple[Bend, Bend]:
-    """x_s in m and f_s in N against delta in m, under a threshold law; see rough_contact.from_topography.
+    """x_s in m and f_s in N against delta in m (paper, Eqs. GW1 and GW2); see rough_contact.from_topography.
 
     Raises InputError where x_s would fall or stay as delta grows: where k grows as f_s or faster than that.
     """

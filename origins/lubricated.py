@@ -12,7 +12,7 @@ _SLOWEST = 0.1
 
 
 def lubricated(width: float, power: float = 3.0, decay: float = 2.0) -> Thresholds:
-    """P_c ~ x^power exp(-(x/width)^decay), a generalised gamma law; left out, the paper's fit (Eq. Pcrotate).
+    """P_c ~ x^power exp(-(x/width)^decay), a generalised gamma law; left out, the fit (paper, Eq. Pcrotate).
 
     width is a length above zero, power a number above -1 and up to 100, decay one from 0.1 to 100; else InputError.
     Forces distributed as f^a exp(-f/f0) with f_s = c x_s² give power = 2a + 1, decay = 2 and width = (f0/c)^(1/2).

@@ -6,7 +6,7 @@ from origins.thresholds import Array, Thresholds
 
 
 class Powered(Thresholds):
-    """The law of scale * y**exponent, y from `base`; scale and exponent above zero.
+    """The law of scale * y**exponent, y from `base` (paper, Eqs. fsvsxs and PxPf); both above zero.
 
     Everything is the base's, taken where y stands, so that nothing of its accuracy is lost.
     """

@@ -17,7 +17,7 @@ LARGEST_EXPONENT = 650.0
 
 @runtime_checkable
 class RateLaw(Protocol):
-    """The rate h(x; x_s) at which a contact breaks below its threshold, and its integral.
+    """The rate h(x; x_s) at which a contact breaks below its threshold (paper, Eq. temper1).
 
     Every method takes numbers or arrays that broadcast, and answers in their common shape; that of
     stiffness need not count in a law that does not depend on it. Nothing is checked, and no method

@@ -7,7 +7,7 @@ from origins.thresholds import Array, Thresholds
 
 
 def rectangular(lower: float, upper: float) -> Thresholds:
-    """P_c constant on (lower, upper), lengths with 0 <= lower < upper, else InputError."""
+    """P_c constant on (lower, upper), lengths with 0 <= lower < upper, else InputError (paper, Eq. Q22a)."""
     lower, upper = non_negative("lower", lower), positive("upper", upper)
     if not upper > lower:
         refuse("upper", upper, f"must lie above lower = {lower:g}; for one value take identical, value = {lower:g}")

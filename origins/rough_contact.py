@@ -265,6 +265,6 @@ def _on_patches(
 
 
 def _friction(thresholds: Thresholds, density: float, stiffness: float, pressure: float) -> float:
-    """N<k> <x_s²>/(2<x_s>) over the pressure: the steady state's force, k_i independent of x_i (paper, Eq. Q6)."""
+    """N<k> <x_s²>/(2<x_s>) over the pressure: the steady state's force, k_i independent of x_i, as in (Q6)."""
     kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
     return density * stiffness * kinetic / pressure

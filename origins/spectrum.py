@@ -14,7 +14,7 @@ from origins.spectral_moments import SpectralMoments
 def moments_of_spectrum(
     wavevectors: npt.ArrayLike, power: npt.ArrayLike, convention: str = "isotropic"
 ) -> SpectralMoments:
-    """Profile moments m0, m2, m4 of an isotropic surface from its radially averaged power spectrum.
+    """Profile moments m0, m2, m4 of an isotropic surface from its power spectrum (paper, Eq. PcPersson2).
 
     Between two points the spectrum is the power law through both, integrated exactly; beyond the first and the last
     it is zero. h'_rms² = 2 m2 and m4 are the work of the largest wavevectors: state where the spectrum was cut.

@@ -13,7 +13,7 @@ from origins.rate_law import RateLaw
 
 @dataclass(frozen=True)
 class Thermal(BreakingRate):
-    """Contacts also break below their threshold, at the rate h(x; x_s) per time (paper, Sec. IV).
+    """Contacts also break below their threshold, at the rate h(x; x_s) (paper, Eq. temper5).
 
         soft   h = ω exp[-κ (x_s² - x²) / 2T]                             (Eqs. temper5, temper8)
         stiff  h = ω s^(1/2) exp[-κ x_s² s^(3/2) / 2T], s = 1 - |x|/x_s   (Eqs. temper9, temper10)

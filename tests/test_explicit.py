@@ -8,7 +8,8 @@ from scipy.stats import expon
 
 import master
 import origins
-from master.paper.explicit import MOST_NODES, explicit, mean_rate
+from master.lives.heat.mean_rate import MeanRateLife
+from master.paper.explicit import MOST_NODES, explicit
 from origins.frozen import as_thresholds
 
 PATH = np.linspace(0.0, 5.0, 501)
@@ -87,7 +88,8 @@ def test_mean_rate_is_the_integral_of_temper3(law, temperature):
     x = np.array([0.0, 0.4, 0.83, 1.0, 1.3])
     for thresholds in (origins.gaussian(1.0, 0.1), origins.rectangular(0.5, 1.5)):
         known = [mean_rate_by_quadrature(thresholds, thermal, at) for at in x.tolist()]
-        np.testing.assert_allclose(mean_rate(thresholds, thermal, x), known, rtol=1e-8, atol=1e-13)
+        found = MeanRateLife(origins.Contacts(thresholds, thermal=thermal)).table.rate(x)
+        np.testing.assert_allclose(found, known, rtol=1e-8, atol=1e-13)
 
 
 def test_identical_thresholds_on_the_grid_stay_an_exact_sawtooth():

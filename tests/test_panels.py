@@ -75,7 +75,17 @@ def test_stretches_add_up_to_what_holds_and_to_the_force(name: str) -> None:
     for position, force, holding in zip(path, found.force, found.holding, strict=True):
         spread = found.distribution(float(position))
         # births at X = 0 and now, and the start's own stretches, make corners of the density
-        corners = [-0.7, -0.2, 0.0, 0.1, position - 0.5, position - 0.2, position, position + 0.6, 3.9]
+        corners = [
+            -0.7,
+            -0.2,
+            0.0,
+            0.1,
+            position - 0.5,
+            position - 0.2,
+            position,
+            position + 0.6,
+            3.9,
+        ]
         edges = np.unique(np.concatenate([np.linspace(-0.7, 3.9, 231), corners]))
         half = 0.5 * np.diff(edges)[:, None]
         x = 0.5 * (edges[1:] + edges[:-1])[:, None] + half * nodes
@@ -103,6 +113,31 @@ def test_wall_time_ends_a_solution_with_what_there_is() -> None:
     assert found.path.size == found.force.size < path.size
     with pytest.raises(origins.InputError, match="wall_time"):
         master.solve(contacts, path, wall_time=0.0)
+
+
+@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
+def test_moments_on_one_leg_are_told_alike_beside_the_knot_that_it_begins_with(order) -> None:
+    """In any order, what is left at each of them is what it is by itself."""
+    contacts = origins.Contacts(origins.gw_elastic(1.0), reforming=-0.04)
+    life, law = ColdLife(contacts), contacts.reforming.law
+    motion = Motion(np.array([0.0, 0.4, 1.0]), np.array([0.0, 0.4, -0.2]))
+    t = np.array([0.4, 0.4, 0.43, 0.7])[order, None]
+    together = life.left(law, motion.history(t, np.array([[0.37]])))
+    alone = [life.left(law, motion.history(one[None], np.array([[0.37]]))) for one in t]
+    np.testing.assert_allclose(together[:, :, 0].T, np.array(alone)[:, :, 0, 0], rtol=1e-14)
+    births = Births(life, law, motion)
+    panel = np.zeros(1), np.full(1, 0.4), np.linspace(0.0, 0.3, 17)[None]
+    found = births.sums(np.array([0.4, 0.402, 0.41]), *panel)
+    assert found[:, 1:] == pytest.approx(births.sums(np.array([0.402, 0.41]), *panel), abs=1e-12)
+
+
+def test_contacts_that_re_form_behind_on_a_path_that_turns() -> None:
+    """No panel is narrow: a minute's work for 1e-5, when births were told by the leg before."""
+    contacts = origins.Contacts(origins.gw_elastic(1.0), reforming=-0.04)
+    found = master.solve(contacts, [0.0, 0.4, -0.2], 1e-6)
+    best = master.solve(contacts, [0.0, 0.4, -0.2], 1e-11)
+    assert found.success and found.nodes < 2000
+    assert np.abs(found.force - best.force).max() <= found.force_error + best.force_error
 
 
 def test_corners_that_a_law_does_not_declare_are_found_to_rounding() -> None:

@@ -39,7 +39,7 @@ _NODES = _NODES + 0.5
 
 
 class ColdLife:
-    """The life of contacts without heat and without ageing; a Life.
+    """The life of contacts without heat and without ageing (paper, Eq. Nik04); a Life.
 
     `grain` is the length over which the survival has to be resolved: the mean width, weighted by
     the contacts that break there, of the panels on which a polynomial follows it.

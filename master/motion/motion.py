@@ -87,6 +87,10 @@ class Motion:
         found = np.searchsorted(self.times, t) - 1
         return np.clip(found, 0, self.speeds.size - 1)
 
+    def leg_of_all(self, t: Array) -> int:
+        """Index of the leg on which all t lie; the first may be the knot that it begins with."""
+        return int(self.leg(0.5 * (float(t.min()) + float(t.max()))))
+
     def at(self, t: Array) -> Array:
         """X(t), same shape as t."""
         return np.interp(t, self.times, self.positions)
@@ -97,7 +101,7 @@ class Motion:
         All t lie on one leg; X(t) itself counts. Both have shape (n, m).
         """
         now = self.at(t)[:, None]
-        last = int(self.leg(float(t[t.size // 2])))
+        last = self.leg_of_all(t)
         highest, lowest = _extremes(self.positions, last)
         seen = np.minimum(born, last)
         return np.maximum(now, highest[seen]), np.minimum(now, lowest[seen])
@@ -142,8 +146,7 @@ class History:
         shape = np.broadcast_shapes(self.t.shape, self.s.shape)
         middle = shape[1] // 2
         s = self.s[:, min(middle, self.s.shape[1] - 1)]
-        t = self.t.ravel()[self.t.size // 2]
-        last = int(self.motion.leg(t))
+        last = self.motion.leg_of_all(self.t)
         return last, np.broadcast_to(np.minimum(self.motion.leg(s), last), shape[:1])
 
     def legs(self) -> Legs:

@@ -15,16 +15,15 @@ smoothly, every generation comes dX/2 late.
 
 import time
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.heat.mean_rate import MeanRateLife
 from origins import Contacts, Drive
-from origins.breaking_rate import BreakingRate
 from origins.contacts import check_contacts
 from origins.errors import positive, refuse
-from origins.quadrature import gauss, panel_edges
 from origins.thresholds import Thresholds
 
 Array = npt.NDArray[np.float64]
@@ -34,9 +33,6 @@ Breaking = Literal["survival", "printed"]
 MOST_NODES = 2**22
 # Share of the contacts that may stretch beyond the grid's end: below the round-off of their sum.
 TAIL = 1e-18
-# The mean rate is integrated over panels that halve towards x_s = x, where barriers vanish and the
-# rate of stiff contacts has a root: 2^-40 = 1e-12 of the whole range is left beside it.
-_HALVINGS = 0.5 ** np.arange(41.0)
 
 
 @dataclass(frozen=True)
@@ -69,7 +65,7 @@ def explicit(
     *,
     velocity: float = 1.0,
 ) -> ExplicitSolution:
-    """(Q2)-(Q6), (Q5adelay), (temper4): F(X) on a rigid slider that moves forward, dx = dX = step.
+    """F(X) on a rigid slider that moves forward, step by step, dx = dX = step (paper, Eq. Q4).
 
     Parameters
     ----------
@@ -105,20 +101,15 @@ def explicit(
         refuse("contacts.thermal.closure", thermal.closure, rule)
     drive = Drive(path, velocity).only_forward("the explicit scheme")
     end = float(drive.path[-1])
-    lowest, highest = _reach(contacts, end)
-    step = check_step(step, max(end, highest - lowest), breaking)
-
-    zero = -int(np.floor(lowest / step))  # index of x = 0
-    x: Array = step * np.arange(-zero, int(np.ceil(highest / step)) + 2, dtype=float)
-    shares = starting_shares(contacts, x, step)
-    fraction = broken_fraction(contacts.thresholds, x, step, breaking)
+    lowest = max(min(contacts.start.span[0], 0.0), -contacts.thresholds.support()[1])
+    span = lowest, largest_stretch(contacts, end)
+    step, zero, x, shares, fraction = make_grid(contacts, span, end, step, breaking)
     if thermal is not None:
-        heat = mean_rate(contacts.thresholds, thermal, np.abs(x)) / drive.velocity * step
+        heat = MeanRateLife(contacts).table.rate(np.abs(x)) / drive.velocity * step
         if breaking == "survival":
             fraction = 1.0 - (1.0 - fraction) * np.exp(-heat)
         else:
             fraction = np.minimum(fraction + heat, 1.0)
-    fraction[-1] = 1.0  # what would leave the grid breaks at its end
 
     steps = int(np.ceil(end / step * (1.0 - 1e-12)))  # a path of whole steps ends on one
     late = 0 if delay is None else round(delay.time * drive.velocity / step)
@@ -139,7 +130,7 @@ def explicit(
 
 
 def shift_and_break(shares: Array, fraction: Array) -> float:
-    """(Q2), (Q3): move all contacts on by one node, break some, in place; the share that broke."""
+    """Move all contacts on by one node, break some (paper, Eq. Q2), in place; what share broke."""
     shares[1:] = shares[:-1].copy()
     shares[0] = 0.0
     broken = fraction * shares
@@ -147,30 +138,48 @@ def shift_and_break(shares: Array, fraction: Array) -> float:
     return float(broken.sum())
 
 
-def check_step(step: float, longest: float, breaking: str) -> float:
-    """The step, if it is above zero and cuts `longest` (a length) into few enough nodes."""
+class Grid(NamedTuple):
+    """Stretches x, all multiples of the step, and the contacts on them at X = 0.
+
+    zero : index of x = 0; shares : of the contacts at each node, of sum 1
+    fraction : of the contacts now at each node that breaks in this step
+    """
+
+    step: float
+    zero: int
+    x: Array
+    shares: Array
+    fraction: Array
+
+
+def make_grid(
+    contacts: Contacts, span: tuple[float, float], travel: float, step: float, breaking: Breaking
+) -> Grid:
+    """The grid between two stretches (lengths); InputError for a step too small for the travel."""
     step = positive("step", step)
     if breaking not in ("survival", "printed"):
         refuse("breaking", breaking, 'must be "survival" or "printed"')
+    longest = max(travel, span[1] - span[0])
     if longest / step > MOST_NODES:
-        rule = (
-            f"needs more than {MOST_NODES:,} steps or nodes; write step={longest / 1e4:.3g} or so"
-        )
-        refuse("step", step, rule)
-    return step
+        example = f"write step={longest / 1e4:.3g} or so"
+        refuse("step", step, f"needs more than {MOST_NODES:,} steps or nodes; {example}")
+    zero = 1 - int(np.floor(span[0] / step))  # as many nodes below it as above, if the span is even
+    x: Array = step * np.arange(-zero, int(np.ceil(span[1] / step)) + 2, dtype=float)
+    fraction = broken_fraction(contacts.thresholds, x, step, breaking)
+    fraction[-1] = 1.0  # what would leave the grid breaks at its end
+    return Grid(step, zero, x, starting_shares(contacts, x, step), fraction)
 
 
-def _reach(contacts: Contacts, end: float) -> tuple[float, float]:
-    """The lowest and the highest stretch of all but 1e-18 of the contacts on the way to X = end."""
+def largest_stretch(contacts: Contacts, way: float) -> float:
+    """The largest |x| of all but 1e-18 of the contacts while the slider goes a way; lengths."""
     low, high = contacts.start.span
-    upper = contacts.thresholds.support()[1]
-    low, high = max(low, -upper), min(max(high, 0.0), upper)
-    tail = TAIL * float(contacts.thresholds.sf(high))
-    return min(low, 0.0), min(high + end, float(contacts.thresholds.isf(tail)))
+    furthest = min(max(-low, high, 0.0), contacts.thresholds.support()[1])
+    tail = TAIL * float(contacts.thresholds.sf(furthest))
+    return max(min(furthest + way, float(contacts.thresholds.isf(tail))), furthest)
 
 
 def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
-    """(Q5b): the share of the contacts at each node at X = 0; they add up to 1."""
+    """The share of the contacts at each node at X = 0 (paper, Eq. Q5b); they add up to 1."""
     start = contacts.start
     if start.is_single:  # two nodes share it, so that its mean stays
         share = np.maximum(1.0 - np.abs(x - start.mean()) / step, 0.0)
@@ -181,7 +190,7 @@ def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
 
 
 def broken_fraction(thresholds: Thresholds, x: Array, step: float, breaking: Breaking) -> Array:
-    """(Q3), (PcP): the fraction of the contacts now at each node that breaks in this step."""
+    """The fraction of contacts at each node that breaks in a step (paper, Eqs. Q3 and PcP)."""
     fraction = np.ones(x.size)
     if breaking == "survival":
         before = thresholds.logsf(x - step)
@@ -197,21 +206,3 @@ def broken_fraction(thresholds: Thresholds, x: Array, step: float, breaking: Bre
     fraction[some] = np.minimum(hazard * step, 1.0)
     fraction[x <= 0.0] = 0.0
     return fraction
-
-
-def mean_rate(thresholds: Thresholds, thermal: BreakingRate, x: Array) -> Array:
-    """(temper3): H(x), the integral of h(x; x_s) P_c(x_s) over all x_s > x; per time, x >= 0."""
-    law_edges = panel_edges(thresholds)
-    atoms, weights = thresholds.atoms
-    rate = np.zeros(x.size)
-    for i, stretch in enumerate(x):
-        edges = law_edges[law_edges > stretch]
-        if edges.size:
-            beside = stretch + (edges[-1] - stretch) * _HALVINGS
-            edges = np.unique(np.concatenate([[max(stretch, law_edges[0])], edges, beside]))
-            edges = edges[edges >= law_edges[0]]
-            nodes, width = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
-            rate[i] = (width * thresholds.pdf(nodes)) @ thermal.rate(stretch, nodes)
-        above = atoms > stretch
-        rate[i] += weights[above] @ thermal.rate(stretch, atoms[above])
-    return rate

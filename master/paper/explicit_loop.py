@@ -13,13 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from master.paper.explicit import (
-    TAIL,
     Breaking,
     ExplicitSolution,
-    broken_fraction,
-    check_step,
+    largest_stretch,
+    make_grid,
     shift_and_break,
-    starting_shares,
 )
 from origins import Contacts
 from origins.contacts import check_contacts
@@ -31,7 +29,7 @@ Array = npt.NDArray[np.float64]
 def explicit_loop(
     contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Breaking = "survival"
 ) -> ExplicitSolution:
-    """(Q2)-(Q6), (Q3back)-(Q5aback): F along a path that may turn round, T = 0, dx = dX = step.
+    """F along a path that turns, T = 0, dx = dX = step (paper, Eqs. Q3back, Q4back and Q5aback).
 
     Parameters
     ----------
@@ -51,14 +49,9 @@ def explicit_loop(
     check_contacts(contacts, "master.paper.explicit_loop")
     positions = finite_array("path", path)
     travel = np.cumsum(np.abs(np.diff(positions, prepend=0.0)))
-    reach = _reach(contacts, positions)
-    step = check_step(step, max(float(travel[-1]), 2.0 * reach), breaking)
-
-    zero = int(np.ceil(reach / step)) + 1  # index of x = 0
-    x: Array = step * np.arange(-zero, zero + 1, dtype=float)
-    shares = starting_shares(contacts, x, step)
-    fraction = broken_fraction(contacts.thresholds, x, step, breaking)
-    fraction[-1] = 1.0  # what would leave the grid breaks at its end
+    reach = largest_stretch(contacts, float(np.ptp(np.append(positions, 0.0))))
+    grid = make_grid(contacts, (-reach, reach), float(travel[-1]), step, breaking)
+    step, zero, x, shares, fraction = grid
 
     corners = _corners(positions)  # where the path turns, and its end
     steps = np.diff(np.rint(positions[corners] / step), prepend=0.0).astype(int)
@@ -88,13 +81,3 @@ def _corners(path: Array) -> npt.NDArray[np.intp]:
     moving = np.flatnonzero(moves)
     turns = np.flatnonzero(np.diff(np.sign(moves[moving])))  # moves before a turn
     return np.append(moving[turns], path.size - 1)
-
-
-def _reach(contacts: Contacts, path: Array) -> float:
-    """The largest |x| of all but 1e-18 of the contacts on the way."""
-    low, high = contacts.start.span
-    upper = contacts.thresholds.support()[1]
-    furthest = min(max(-low, high), upper)
-    tail = TAIL * float(contacts.thresholds.sf(furthest))
-    span = max(float(path.max()), 0.0) - min(float(path.min()), 0.0)
-    return max(min(furthest + span, float(contacts.thresholds.isf(tail))), furthest)

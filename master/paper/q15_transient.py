@@ -180,7 +180,7 @@ def paper_transient(
 def solve_q15(
     contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
 ) -> AgeingTransient:
-    """(Q15) along drive.path: steps are halved until the force, extrapolated in h², changes by less
+    """F along drive.path (paper, Eq. Q15): steps are halved until it, extrapolated, changes by less
     than `tolerance` (in mean fresh thresholds), or the work is too much; the error says which."""
     began = time.perf_counter()
     step = _COARSEST * _narrowest(contacts)

@@ -19,7 +19,7 @@ NOTHING = 1e-18
 
 @dataclass
 class Lump:
-    """Contacts that were born, or stood at t = 0, at one moment.
+    """Contacts that were born, or stood at t = 0, at one moment (paper, Eqs. Q7b and Q6e).
 
     time : of the birth; weight : share of all contacts; law : of the stretches at birth
     holds : whether any of them is left

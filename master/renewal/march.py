@@ -41,7 +41,7 @@ RUN_WORK = 100
 
 
 class March:
-    """Breaks and force on panels, found one run after the other.
+    """Breaks and force on panels, by number conservation (paper, Eq. Q5c), run after run.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ def _felt(march: March, t: Array) -> Array:
 
 
 def force(march: March, t: Array) -> Array:
-    """Force at times t, shape (n,); where it jumps, after the jump."""
+    """Force at times t, shape (n,) (paper, Eq. Q6); where it jumps, after the jump."""
     t = _felt(march, t)
     return _read(march, np.array(march.force), t)
 

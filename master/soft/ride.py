@@ -18,7 +18,7 @@ SAME = 1e-12
 
 
 class Ride:
-    """A soft slider that is pulled along a path of the drive.
+    """A soft slider that is pulled along a path of the drive (paper, Eq. Q16x2).
 
     Attributes
     ----------

@@ -90,7 +90,7 @@ class SteadyState:
     _velocity: float = field(repr=False)
 
     def distribution(self, x: npt.ArrayLike) -> Array:
-        """Q_s(x) per length at stretches x (lengths), of all contacts; same shape as x."""
+        """Q_s(x) per length at stretches x (paper, Eq. Q11a), of all contacts; same shape as x."""
         x = np.asarray(x, dtype=float)
         at, births, reach = x.ravel(), self._births, self._life.reach
         out = np.zeros(at.size)
@@ -131,7 +131,7 @@ class SteadyState:
 def steady_state(
     contacts: Contacts, *, velocity: float = 1.0
 ) -> SteadyState | OldSteadyState | AgeingSteadyState:
-    """Kinetic force and distribution of stretches in steady sliding (paper Eqs. Q11a-Q11d).
+    """Kinetic force and stretches in steady sliding (paper, Eqs. Q10, Q11c and Q11d).
 
     Parameters
     ----------

@@ -112,7 +112,7 @@ def unit_of(contacts: Contacts, travel: Travel) -> float:
 
 
 def _of(march: March, typical: float) -> Extremes:
-    """K* and F_s from the polynomials of F on the panels; `typical` is the way to a break."""
+    """K* and F_s (paper, Eq. Q6b) from F on the panels; `typical` is the way to a break."""
     width = np.array(march.width)
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
     wrong = np.maximum(march.wrong, ROUND_OFF) + march.life_error

@@ -21,7 +21,7 @@ _FLAT = 1.0  # logarithm: over ways on which h changes by less than e, eight Gau
 
 @dataclass(frozen=True)
 class SoftRates(RateLaw):
-    """Rate of soft contacts, whose barrier is b (x_s² - x²) with b = k_i/2k_BT, per length squared.
+    """Rate of soft contacts: barrier b (x_s² - x²), b = k_i/2k_BT per length² (paper, Eq. temper8).
 
     With Dawson's integral D the integral of h from 0 to x is h(x) D(b^(1/2) x) / b^(1/2).
 

@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class StiffRates(RateLaw):
-    """Rate of stiff contacts, whose barrier c u vanishes at the threshold as s^(3/2) = u does.
+    """Rate of stiff contacts, whose barrier vanishes as s^(3/2) (paper, Eqs. temper9 and temper10).
 
     c = k_i x_s²/2k_BT is the barrier at x = 0, and u falls from 1 to 0 on the way to the threshold.
     The integral of h is (2 ω x_s/3c) (e^(-c u_far) - e^(-c u_near)).

@@ -202,8 +202,12 @@ def speed_cases() -> Iterator[Case]:
 
 def scheme_cases() -> Iterator[Case]:
     """The paper's own explicit schemes, forward and on loops."""
-    from master.paper.explicit import explicit
-    from master.paper.explicit_loop import explicit_loop
+    try:
+        from master.paper.explicit import explicit
+        from master.paper.explicit_loop import explicit_loop
+    except ImportError:  # the older tree, where these stand one folder above
+        from master.explicit import explicit
+        from master.explicit_loop import explicit_loop
 
     start = origins.gaussian_start(0.1, 0.025)
     path, loop = np.linspace(0.0, 4.0, 81), along_turns([0.0, 3.0, -3.0, 3.0], 61)

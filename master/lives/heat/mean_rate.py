@@ -47,7 +47,7 @@ _LARGEST_SLOPE = 1.0 / np.e  # of e^-A over ln A: what a relative error of A is 
 
 
 class MeanRateLife(ReplayedLife):
-    """What is left of contacts with P_T = P + H/v, a Life: not conditioned on survival.
+    """What is left of contacts with P_T = P + H/v (paper, Eqs. temper2 and temper4); a Life.
 
     H(x), the integral of h(x; x_s) P_c(x_s) over x_s > |x|, is the rate of all contacts, and
 

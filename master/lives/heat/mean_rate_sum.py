@@ -19,7 +19,7 @@ _NEVER = -1e300  # ln h of contacts that do not break
 
 
 def mean_rate(above: Above, x: Array, parts: int = 1) -> Array:
-    """H at x >= 0, per time, of the continuous part of P_c; shape (n,).
+    """H at x >= 0, per time, of the continuous part of P_c (paper, Eq. temper3); shape (n,).
 
     above : Above, of independent stiffness
     parts : every panel is cut in so many more: 1, or 2 to see what the sum misses

@@ -1,0 +1,115 @@
+"""docs/code-map.md: for each equation of the paper the one place in the code where it stands.
+
+    python tests/code_map.py            # writes the page anew
+
+A function or class says that an equation stands in it by the first lines of its docstring, up to
+the first empty one: "... (paper, Eq. Q5a)" or "... (paper, Eqs. GW3 and GW4; more)". Numbers are
+those that LaTeX counts in the paper (arXiv 1009.2856): each `equation`, and each line of an
+`eqnarray` without a \\nonumber; in the appendices with the appendix's letter.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "code-map.md"
+ROOMS = ("origins", "master", "eq_model", "toolkit")
+REPLACED = Path("master", "_old")  # holds what is being replaced, and stands here twice until then
+
+EQUATIONS = """
+1 Q14e, 2 Q5c, 3 Q6, 4 Q2, 5 Q3, 6 PcP, 7 Q4, 8 Q5a, 9 Q5b, 10 Q6b, 11 Q10, 12 Q11a, 13 Nik04,
+14 Q11c, 15 Q11d, 19 PcPx2, 20 Q17, 21 Q18, 22 Q19, 23 Q20, 24 Q16x2, 28 Q16, 29 temper1,
+30 temper2, 31 temper3, 32 temper4, 33 temper5, 34 temper8, 35 temper11, 36 temper9, 37 temper10,
+38 temper12, 39 L, 40 B, 41 Q15, 42 fitFv, 43 fsvsxs, 44 PxPf, 45 GW1, 46 GW2, 47 GW3, 48 GW4,
+49 PcPersson, 50 PcPersson2, 51 PcPersson3, 52 Pcrotateh, 53 Pcrotate, 54 LS1, 55 LS2, A1 eq15,
+A2 eq15a, B1 Q14a, B2 Q14b, B3 Q14d, B4 Q14c, B5 Q22a, B6 Q22b, C1 Q3back, C2 Q4back, C3 Q5aback,
+D1 Q5adelay, E1 Q7b, E2 Q6e
+"""
+# Label by number, in the paper's order; equations without a label (16 to 18, 25 to 27, 56, B7, B8)
+# are steps from one of these to the next.
+LABELS = dict(pair.split() for pair in EQUATIONS.replace("\n", " ").split(","))
+
+# Why an equation stands nowhere.
+NOWHERE = {
+    "PcPx2": "(PcP) the other way round: thresholds are given by P_c",
+    "Q17": "a special start by hand; the general solution contains it",
+    "Q18": "as (Q17)",
+    "Q19": "as (Q17)",
+    "Q20": "as (Q17)",
+    "temper11": "(temper3) of soft contacts: one integral serves every law of rates",
+    "temper12": "(temper3) of stiff contacts: one integral serves every law of rates",
+    "fitFv": "a fit to the paper's curve",
+    "Pcrotateh": "a rough fit to islands, whose own law is computed; it is a Weibull law, as (GW4)",
+    "Q14a": "an example; any P_c is taken",
+    "Q14b": "as (Q14a)",
+    "Q14d": "as (Q14a)",
+    "Q14c": "as (Q14a)",
+    "Q22b": "the hazard that follows from (Q22a)",
+}
+
+HEAD = """# Where each equation of the paper stands
+
+Made by `python tests/code_map.py` from the first lines of docstrings, and held by tests/test_code_map.py. Numbers are
+those that LaTeX counts; equations without a label are steps from one of these to the next. How the equation that is
+solved follows from (Q5a): [equations.md](equations.md).
+
+| number | label | where |
+|---|---|---|
+"""
+
+
+class Place(NamedTuple):
+    """A function or class, as file:name, and the labels of the equations that stand there."""
+
+    name: str
+    labels: list[str]
+
+
+def labels_of(docstring: str) -> list[str]:
+    """The labels that the first lines of a docstring name."""
+    first = " ".join(docstring.split("\n\n")[0].split())
+    found = re.findall(r"\(paper, Eqs?\. ([^);]*)", first)
+    return [label for group in found for label in re.split(r", | and ", group)]
+
+
+def places() -> Iterator[Place]:
+    """All that say they are the place of an equation."""
+    for room in ROOMS:
+        for file in sorted((ROOT / room).rglob("*.py")):
+            inside = file.relative_to(ROOT)
+            if REPLACED in inside.parents:
+                continue
+            for name, node in named(ast.parse(file.read_text(encoding="utf-8"))):
+                labels = labels_of(ast.get_docstring(node) or "")
+                if labels:
+                    yield Place(f"{inside.as_posix()}:{name}", labels)
+
+
+def named(
+    tree: ast.Module | ast.ClassDef, before: str = ""
+) -> Iterator[tuple[str, ast.FunctionDef | ast.ClassDef]]:
+    """Functions, classes and methods, by their names."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield before + node.name, node
+        if isinstance(node, ast.ClassDef):
+            yield from named(node, f"{before}{node.name}.")
+
+
+def page() -> str:
+    """The page as it should be."""
+    found = {label: place.name for place in places() for label in place.labels}
+    rows = []
+    for number, label in LABELS.items():
+        where = f"`{found[label]}`" if label in found else NOWHERE.get(label, "?")
+        rows.append(f"| {number} | {label} | {where} |\n")
+    return HEAD + "".join(rows)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

@@ -1,0 +1,131 @@
+"""The shape that master keeps: small files in small folders, imports that go down, few constants.
+
+    python tests/shape.py       # part of `make lint`; exit status 1 where a limit is passed
+
+Lines are counted after `ruff format` at 100 columns, on a copy. Imports for type checking and
+those of a folder's __init__ count. What passes a limit today stands in ALLOWED with its size: it may
+only shrink, and goes from the list once it keeps the limit. master/_old, which holds what is being
+replaced, is left out but for imports.
+"""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from shutil import copytree
+
+ROOT = Path(__file__).resolve().parents[1]
+ROOM, REPLACED = "master", "_old"
+LINES, FILES, CONSTANTS, ALL_LINES = 300, 20, 200, 7500
+# What passes a limit today: files with the lines that they may have, and the number of constants.
+ALLOWED = {"master/renewal/march.py": 385}
+CONSTANTS_TODAY = 312
+
+Graph = dict[str, set[str]]
+
+
+def trees(room: Path) -> dict[str, tuple[str, ast.Module]]:
+    """Text and syntax of all files, by their place in the repository."""
+    found = {}
+    for file in sorted(room.rglob("*.py")):
+        text = file.read_text(encoding="utf-8")
+        found[file.relative_to(room.parent).as_posix()] = text, ast.parse(text)
+    return found
+
+
+def module_of(file: str) -> str:
+    """The name by which a file is imported."""
+    return file.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
+def imports(files: dict[str, tuple[str, ast.Module]]) -> Graph:
+    """Which modules of the room each one imports; to import from a folder imports its __init__."""
+    modules = {module_of(file) for file in files}
+    graph: Graph = {}
+    for file, (_, tree) in files.items():
+        found: set[str] = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                found.update(alias.name for alias in node.names)
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                inner = {f"{node.module}.{alias.name}" for alias in node.names}
+                found |= inner & modules
+                found |= {node.module} if inner - modules else set()
+            elif isinstance(node, ast.ImportFrom):
+                raise SystemExit(f"{file}: {ast.unparse(node)}: imports name the whole path")
+        graph[module_of(file)] = (found & modules) - {module_of(file)}
+    return graph
+
+
+def circles(graph: Graph) -> list[set[str]]:
+    """Sets of modules that import one another, each once."""
+    reach = {name: set(to) for name, to in graph.items()}
+    for middle in graph:
+        for name in graph:
+            if middle in reach[name]:
+                reach[name] |= reach[middle]
+    round_trips = {name: {to for to in reach[name] if name in reach[to]} for name in graph}
+    return [set(names) for names in {frozenset(names) for names in round_trips.values() if names}]
+
+
+def constants(tree: ast.Module) -> int:
+    """Names of a module in capital letters that it sets."""
+    found = 0
+    for node in tree.body:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        targets = [node.target] if isinstance(node, ast.AnnAssign) else targets
+        names = [name for target in targets for name in ast.walk(target)]
+        found += sum(isinstance(name, ast.Name) and name.id.isupper() for name in names)
+    return found
+
+
+def faults(files: dict[str, tuple[str, ast.Module]]) -> Iterator[str]:
+    """What passes a limit, a line each."""
+    kept = {file: tree for file, tree in files.items() if REPLACED not in Path(file).parts}
+    for file, (text, _) in kept.items():
+        lines, most = len(text.splitlines()), max(LINES, ALLOWED.get(file, 0))
+        if lines > most:
+            yield f"{file}: {lines} lines, at most {most}"
+        elif file in ALLOWED and lines <= LINES:
+            yield f"{file}: {lines} lines; take it from the list of longer ones"
+    yield from (f"{file}: is no more; take it from the list" for file in set(ALLOWED) - set(kept))
+    for folder, count in Counter(Path(file).parent.as_posix() for file in kept).items():
+        if count > FILES:
+            yield f"{folder}: {count} files, at most {FILES}"
+    for circle in circles(imports(files)):
+        new = sorted(name for name in circle if REPLACED not in name.split("."))
+        if new:
+            yield f"import one another: {', '.join(sorted(circle))}"
+    count = sum(constants(tree) for _, tree in kept.values())
+    if count > max(CONSTANTS, CONSTANTS_TODAY):
+        yield f"{count} constants, at most {max(CONSTANTS, CONSTANTS_TODAY)}"
+
+
+def main() -> int:
+    """Print lines, constants and faults; 1 where there are any."""
+    with tempfile.TemporaryDirectory() as folder:
+        room = Path(copytree(ROOT / ROOM, Path(folder) / ROOM))
+        ruff = [sys.executable, "-m", "ruff", "format", "--quiet", "--line-length", "100"]
+        subprocess.run([*ruff, str(room)], check=True)
+        files = trees(room)
+    kept = {file: tree for file, tree in files.items() if REPLACED not in Path(file).parts}
+    lines, old = (
+        sum(len(text.splitlines()) for text, _ in some.values())
+        for some in (kept, {file: files[file] for file in files if file not in kept})
+    )
+    count = sum(constants(tree) for _, tree in kept.values())
+    aim = f"at most {ALL_LINES} together when {REPLACED} is gone"
+    print(f"{ROOM}: {len(kept)} files, {lines} lines, {old} in {REPLACED}; {aim}")
+    print(f"{ROOM}: {count} constants, at most {CONSTANTS} in the end")
+    found = list(faults(files))
+    print(*found, sep="\n", end="\n" if found else "")
+    return bool(found)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

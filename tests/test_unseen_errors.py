@@ -1,0 +1,215 @@
+"""Errors that the panels' own rule cannot see, planted one by one: `force_error` has to hold them.
+
+The rule looks at polynomials and at number conservation, both of which a wrong E satisfies as well
+as the right one. Each test has a control: where nobody counts what was planted, the force is
+further off than it claims.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import uniform
+
+import master
+from master.lives.cold import ColdLife
+from master.lives.heat.mean_rate import MeanRateLife
+from master.lives.heat.thermal import ThermalLife
+from master.outcome import unheard
+from master.rigid import solve_rigid
+from origins import (
+    Contacts,
+    Delay,
+    Drive,
+    StiffRates,
+    gaussian,
+    gaussian_start,
+    mixture,
+    persson,
+    rectangular,
+)
+from origins.start import Start
+
+LOOP = np.concatenate([np.linspace(0.0, 1.3, 27), np.linspace(1.28, -0.6, 40)])
+BOX, WIDE = rectangular(0.5, 1.5), gaussian(1.0, 0.2)
+
+
+def solved(contacts, life, path=LOOP, tolerance=1e-8, time=None):
+    """What `solve` does with a life of the test's own."""
+    return solve_rigid(contacts, Drive(path, 1.0, time, None, "reset"), life, tolerance, unheard)
+
+
+def apart(one, other):
+    """Largest difference of two forces."""
+    return float(np.abs(one.force - other.force).max())
+
+
+class Wrong(ColdLife):
+    """A life whose E is smooth, and wrong by up to a millionth; it says so, or not."""
+
+    def __init__(self, contacts, says):
+        super().__init__(contacts)
+        self.error = 1e-6 if says else 0.0
+
+    def left(self, born, history):
+        share, force = super().left(born, history)
+        wrong = 1.0 + 4e-6 * (1.0 - share) if np.ndim(share) else 1.0
+        return np.stack([share * wrong, force * wrong])
+
+
+def test_an_error_of_the_survival_is_in_the_error_of_the_force():
+    contacts = Contacts(gaussian(1.0, 0.1))
+    right = master.solve(contacts, LOOP, 1e-10)
+    silent, honest = (solved(contacts, Wrong(contacts, says)) for says in (False, True))
+    assert apart(silent, right) > 10.0 * silent.force_error
+    assert apart(honest, right) <= honest.force_error
+    assert not honest.success
+
+
+class Unrooted(StiffRates):
+    """Stiff contacts that deny that their rate vanishes at the threshold: sums over it go wrong."""
+
+    vanishes_at_threshold = False
+
+
+@pytest.mark.parametrize("temperature", [0.1, 0.3])
+@pytest.mark.parametrize("life", [ThermalLife, MeanRateLife])
+def test_a_wrong_sum_over_thresholds_is_in_the_error_of_the_force(life, temperature):
+    """The error that the right sums claim, panels and all, would not hold it."""
+    path, forces = np.linspace(0.0, 1.2, 7), []
+    for law in (Unrooted, StiffRates):
+        contacts = Contacts(WIDE, thermal=law(temperature, 1.0))
+        forces.append(solved(contacts, life(contacts), path, 1e-7))
+    wrong, right = forces
+    assert right.force_error < apart(wrong, right) <= wrong.force_error
+
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
+
+
+class FixedNodes(ColdLife):
+    """A life that stands for a law of stretches by a few fixed ones, and says nothing of it."""
+
+    def __init__(self, contacts, count):
+        super().__init__(contacts)
+        self.nodes, self.weights = np.polynomial.legendre.leggauss(count)
+
+    def left(self, born, history):
+        if not isinstance(born, Start) or born.is_single:
+            return super().left(born, history)
+        first, last = born.span
+        stretch = 0.5 * (first + last) + 0.5 * (last - first) * self.nodes
+        weight = self.weights * born.pdf(stretch)
+        parts = [super(FixedNodes, self).left(np.array([[r]]), history) for r in stretch]
+        return np.tensordot(weight / weight.sum(), parts, 1)
+
+
+def mean_over_starts(law, start, path, cuts):
+    """F from a start with a width: the mean of F from each of its stretches, at the path's end.
+
+    Contacts do not know of each other, so that F is linear in the start; as a function of the start
+    it bends at the cuts.
+    """
+    ends = np.unique(np.clip([*start.span, *np.linspace(*start.span, 5), *cuts], *start.span))
+    low, width = ends[:-1, None], np.diff(ends)[:, None]
+    stretch = (low + 0.5 * width * (NODES + 1.0)).ravel()
+    weight = (0.5 * width * WEIGHTS).ravel() * start.pdf(stretch)
+    kept = weight > 1e-12
+    forces = [master.solve(Contacts(law, r), path, 1e-9).force[-1] for r in stretch[kept]]
+    return float(weight[kept] @ forces / weight[kept].sum())
+
+
+@pytest.mark.parametrize("turns", [False, True])
+def test_a_wide_start_on_a_law_with_jumps_is_as_good_as_it_claims(turns):
+    """Fixed nodes for the start see no bend of E: they are 1e-4 off with a claim of 1e-8."""
+    start, path = gaussian_start(0.1, 0.08), np.array([0.0, 0.35, 0.7])
+    if turns:
+        path = np.array([0.0, 0.55, 0.2, -0.6])
+    high, low = path.max(), path.min()
+    cuts = [
+        sign * mark - end for mark in (0.5, 1.0, 1.5) for end in (high, low) for sign in (-1, 1)
+    ]
+    cuts += [-0.5 * (high + low), -0.5 * high, -high - low, 0.0]
+    exact = mean_over_starts(BOX, start, path, cuts)
+    contacts = Contacts(BOX, start)
+    found = master.solve(contacts, path, 1e-7)
+    assert found.success and abs(found.force[-1] - exact) <= found.force_error + 1e-9
+    planted = solved(contacts, FixedNodes(contacts, 16), path, 1e-7)
+    assert abs(planted.force[-1] - exact) > 10.0 * planted.force_error
+
+
+def by_midpoints(law, again, path, cells):
+    """F at the end of a path from relaxed contacts at T = 0: number conservation by midpoints.
+
+    Broken contacts form again at stretches spread evenly between the two of `again`.
+    """
+    knots = np.append(0.0, np.abs(np.diff(path)).cumsum())
+    ways = np.linspace(0.0, knots[-1], cells + 1)
+    places = np.interp(ways, knots, path)
+    born = np.interp(0.5 * (ways[1:] + ways[:-1]), knots, path)
+    low, high = again
+    r = low + (high - low) * (np.arange(150) + 0.5) / 150
+    share = 1.0 / law.sf(np.abs(r)) / r.size
+    broken, up, down = np.zeros(cells), np.zeros(cells), np.zeros(cells)
+    for k, place in enumerate(places[1:]):
+        gone = slice(0, k + 1)
+        up[gone] = np.maximum(up[gone], place - born[gone])
+        down[gone] = np.minimum(down[gone], place - born[gone])
+        most = np.maximum(r + up[gone, None], -(r + down[gone, None]))
+        left = law.sf(np.maximum(np.abs(r), most)) * share
+        held = left.sum(axis=1)
+        whole = law.sf(np.abs(places[: k + 2]).max())
+        broken[k] = (1.0 - whole - broken[:k] @ held[:-1]) / held[-1]
+    pull = (left * (r + (places[-1] - born)[:, None])).sum(axis=1)
+    return float(whole * places[-1] + broken @ pull)
+
+
+def test_re_forming_with_a_width_on_a_law_with_jumps_is_as_good_as_it_claims():
+    """On a path that turns; with one node for all stretches, F is 4e-3 off with a claim of 1e-8."""
+    path, again = np.array([0.0, 0.9, 0.1, 0.8]), (-0.1, 0.3)
+    coarse, fine = (by_midpoints(BOX, again, path, cells) for cells in (480, 960))
+    exact, off = fine + (fine - coarse) / 3.0, abs(fine - coarse)
+    contacts = Contacts(BOX, reforming=uniform(again[0], again[1] - again[0]))
+    found = master.solve(contacts, path, 1e-6)
+    assert off < 1e-5 and found.success
+    assert abs(found.force[-1] - exact) <= found.force_error + off
+    planted = solved(contacts, FixedNodes(contacts, 1), path, 1e-6)
+    assert abs(planted.force[-1] - exact) > 100.0 * (planted.force_error + off)
+
+
+TOLD = mixture([rectangular(0.6, 0.9), gaussian(0.75, 0.2)], [0.2, 0.8])
+
+
+class Untold(type(TOLD)):
+    """The same thresholds, that say nothing of where P_c jumps."""
+
+    breakpoints = np.array([0.0])
+    panels = None
+
+
+def untold():
+    law = Untold.__new__(Untold)
+    law.__dict__.update(TOLD.__dict__)
+    return law
+
+
+@pytest.mark.parametrize(("delay", "tolerance"), [(0.17, 1e-4), (0.6, 1e-6)])
+def test_errors_of_breaks_are_seen_again_a_delay_later(delay, tolerance):
+    """Panels that do not know where breaks bend err, and what they err by is born a delay later."""
+    path = np.concatenate([LOOP, np.linspace(-0.55, 1.1, 30)])
+    exact = master.solve(Contacts(TOLD, delay=Delay(delay)), path, 1e-10)
+    assert exact.success
+    found = master.solve(Contacts(untold(), delay=Delay(delay)), path, tolerance)
+    assert apart(found, exact) <= found.force_error + exact.force_error
+    assert found.success == (found.force_error <= tolerance)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_delays_on_turning_paths_are_as_good_as_they_claim(seed):
+    rng = np.random.default_rng(seed)
+    path = np.interp(np.linspace(0, 4, 81), np.arange(5), [0.0, *rng.uniform(-1.6, 1.6, 4)])
+    contacts = Contacts(persson(1.0, rng.uniform(0.3, 1.0)), delay=Delay(rng.uniform(0.05, 1.5)))
+    exact = master.solve(contacts, path, 1e-11)
+    for tolerance in (1e-5, 1e-7):
+        found = master.solve(contacts, path, tolerance)
+        assert found.success and apart(found, exact) <= found.force_error + exact.force_error
