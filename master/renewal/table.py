@@ -14,6 +14,8 @@ Array = npt.NDArray[np.float64]
 SIZE = 12
 # Panels that are still halved at once, beside those to begin with: more of them follow rounding.
 MOST = 1024
+# Width of a panel over its place, below which its nodes are one by rounding.
+NARROWEST = 1e-15
 # Halvings of a panel: 2^-50 of it is rounding.
 DEPTH = 50
 
@@ -50,7 +52,8 @@ class Table:
             nodes = low[:, None] + (high - low)[:, None] * _NODES
             coefficients = function(nodes) @ _TO_LEGENDRE
             tail = np.abs(coefficients[..., -2:]).max(axis=(0, 2))
-            open_ = (tail > accuracy) & (high - low > shortest) & (low.size <= MOST + edges.size)
+            least = np.maximum(shortest, NARROWEST * np.abs(high))
+            open_ = (tail > accuracy) & (high - low > least) & (low.size <= MOST + edges.size)
             kept.append((low[~open_], high[~open_], coefficients[:, ~open_]))
             self.error = max(self.error, float(tail[~open_].max(initial=0.0)))
             low, high = low[open_], high[open_]
