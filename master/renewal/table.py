@@ -16,6 +16,8 @@ Array = npt.NDArray[np.float64]
 SIZE = 12
 # Panels that are still halved at once, beside those to begin with: more of them follow rounding.
 MOST = 1024
+# Width of a panel over its place, below which its nodes are one by rounding.
+NARROWEST = 1e-15
 # Halvings of a panel: 2^-50 of it is rounding.
 DEPTH = 50
 
@@ -96,7 +98,8 @@ class Table:
                     axis=(0, 2)
                 )
                 tail = np.maximum(tail, missed / _END)
-            open_ = (tail > accuracy) & (high - low > shortest) & (low.size <= MOST + edges.size)
+            least = np.maximum(shortest, NARROWEST * np.abs(high))
+            open_ = (tail > accuracy) & (high - low > least) & (low.size <= MOST + edges.size)
             open_ &= goes_on()
             kept.append((low[~open_], high[~open_], coefficients[:, ~open_]))
             self.error = max(self.error, float(tail[~open_].max(initial=0.0)))

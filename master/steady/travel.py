@@ -22,8 +22,11 @@ from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
-# Accuracy of tables whose integrals alone are asked for.
-ACCURACY = 1e-8
+# Accuracy of tables whose integrals alone are asked for: of births at one stretch, and at many,
+# which take some hundred times as long and are smoother.
+ACCURACY, OF_MANY = 1e-9, 1e-8
+# The coarsest that is taken where E itself is known to no more.
+COARSEST = 1e-7
 # The narrowest panel, of the typical way from a birth to its break.
 SHORTEST = 1e-13
 # Ways that differ by less than this share are one.
@@ -33,6 +36,8 @@ STEEP = 0.01
 # Distance of the outermost Gauss nodes from a panel's end, in its width: steps may hide there. How
 # large these are at least, of E and of K, and how often they are closed in upon by a factor of 50.
 OUTER, STEP, SEARCHES = 0.01, 1e-6, 8
+# By so many times the accuracy polynomials differ at the ends of panels, without any step.
+ROUGH = 10.0
 # Ratio of the ways at which survival is looked at to find out between which of them contacts break,
 # and how many are looked at together, from the longest down.
 RATIO, TOGETHER = 4.0, 6
@@ -40,9 +45,9 @@ RATIO, TOGETHER = 4.0, 6
 NEAREST = 1e-150
 # A length over the life's reach beyond which not even the heaviest tail is followed.
 FURTHEST = 1e120
-# Shares of contacts: of those that hold at once, so few broken count as none; survivals that count
-# as hardly any; and what is none of the integrals.
-UNBROKEN, FEW, NONE = 1e-3, 1e-9, 1e-17
+# Shares of contacts: of those that hold at once, so few broken count as none; few, of which what is
+# left is known to a share and not only to a number; and what is none of the integrals.
+UNBROKEN, FEW, NONE = 1e-3, 1e-4, 1e-17
 # Share of contacts that break between two of the ways, from which on it is cut into so many parts:
 # one sum over many ways takes less time than several sums over few.
 MANY, PARTS = 0.05, 8
@@ -69,7 +74,7 @@ class Travel:
         The stretches at which contacts are born.
     velocity : float
         v > 0, length per time.
-    accuracy : float
+    accuracy : float, optional
         Last coefficients of E, and of K over `scale`, at which a panel is not halved: sums
         over Gauss nodes are then off by about the square of it.
 
@@ -100,10 +105,14 @@ class Travel:
     """
 
     def __init__(
-        self, life: Life, born: Start, velocity: float, accuracy: float = ACCURACY
+        self, life: Life, born: Start, velocity: float, accuracy: float | None = None
     ) -> None:
+        if accuracy is None:
+            accuracy = ACCURACY if born.is_single else OF_MANY
         self._life, self.born, self._velocity, self.accuracy = life, born, velocity, accuracy
         ways = self._ladder()
+        # panels that follow E more closely than it is known would follow its rounding
+        accuracy = max(accuracy, min(life.error, COARSEST))
         self.bends: Array = velocity * bends_of(life, born, velocity)
         self.atoms: Array = life.atoms - born.mean() if born.is_single else np.empty(0)
         edges = np.concatenate([ways, self.bends, self._steep()])
@@ -120,19 +129,21 @@ class Travel:
                 break
             at, before, after = (part[steps] for part in self._ends())
             close = np.concatenate([at - 2.0 * OUTER * before, at + 2.0 * OUTER * after])
-            edges = np.union1d(edges, close[close < ways[-1]])
+            before_now, edges = edges.size, np.union1d(edges, close[close < ways[-1]])
+            if edges.size == before_now:
+                break
         self.most = float(np.abs(self.table(self.table.edges)[1]).max()) * self.scale
         length, area = self.table.integrals()
         _, before, after = self._ends()
-        length_off, area_off = self.table.missed() + OUTER * (unseen @ (before + after))
-        # an error of E itself counts up to where hardly any holds
-        some = self.table(self.table.begin)[0] > FEW
-        last = float(self.table.end[some].max(initial=self.typical))
+        hidden = np.maximum(unseen - ROUGH * accuracy, 0.0)
+        length_off, area_off = self.table.missed() + OUTER * (hidden @ (before + after))
+        # an error of E itself, which is one of its share where few hold
+        weights = np.minimum(self.table(self.table.begin)[0] / FEW, 1.0) * self.table.widths
         self.longest = float(ways[-1])
         self.far = self.longest + born.span[0]
         beyond = self._scaled(ways[-1:, None])[:, 0, 0] * ways[-1]
-        length_off += life.error * last + abs(beyond[0])
-        area_off += life.error * last * last / self.scale + abs(beyond[1])
+        length_off += life.error * weights.sum() + abs(beyond[0])
+        area_off += life.error * float(weights @ self.table.end) / self.scale + abs(beyond[1])
         self.length, self.length_error = float(length), float(length_off)
         self.area, self.area_error = float(area) * self.scale, float(area_off) * self.scale
 

@@ -30,10 +30,14 @@ _NEVER = 1e-35
 # Roundings of a barrier: h is rounded by so many times it, and halving does not help.
 _ROUNDINGS = 16.0 * float(np.finfo(float).eps)
 _HALVINGS = 60
+# Panels that are still halved at once, beside those to begin with: more of them follow rounding.
+_MOST = 256
 # of the reach: no length is told to less
 _NARROW = 1e-13
-# of the reach: in proportion to its width a panel narrower than this matters less
+# of the reach, and of L: in proportion to its width, or to what it adds, a panel matters less
 _FELT = 1e-3
+# median thresholds: the reach of all laws but those with a heavy tail is about that
+_SPAN = 4.0
 # Gauss nodes along a short move: exact for the polynomials of the table
 _SHORT_Z, _SHORT_W = legendre.leggauss(8)
 _SHORT_Z, _SHORT_W = 0.5 * (_SHORT_Z + 1.0), 0.5 * _SHORT_W
@@ -77,7 +81,10 @@ class MeanRateLife(ReplayedLife):
         once, again = self._mean_rate(at), self._mean_rate(at, parts=2)
         most = np.maximum(self.table.largest(), _NEVER * rates.scale)
         wrong = np.abs(again - once) + np.abs(self.table.rate(at) - again)
-        felt = np.minimum(1.0, (self.table.high - self.table.low) / (_FELT * self.reach))
+        # on a panel that adds little to L, H is felt only by contacts that slow down there
+        span = min(self.reach, _SPAN * float(contacts.thresholds.isf(0.5)))
+        share = np.minimum(self.table.added(), (self.table.high - self.table.low) / span)
+        felt = np.minimum(1.0, share / _FELT)
         self.error = _LARGEST_SLOPE * float((felt * wrong / most).max(initial=0.0))
 
     def _mean_rate(self, x: Array, parts: int = 1) -> Array:
@@ -169,7 +176,7 @@ class RateTable:
             # beside a bend the panels get narrow, and what they add to L gets little
             rough = tail > _ACCURACY / np.minimum(1.0, width[:, 0] / (_FELT * edges[-1]))
             rough &= (tail > rounding) | (tail < 0.3 * before)
-            rough &= width[:, 0] > _NARROW * edges[-1]
+            rough &= (width[:, 0] > _NARROW * edges[-1]) & (low.size <= _MOST + edges.size)
             kept.append((low[~rough], high[~rough], series[~rough]))
             low, high, before = low[rough], high[rough], np.tile(tail[rough], 2)
             if not low.size:
@@ -193,6 +200,11 @@ class RateTable:
         signs = (-1.0) ** np.arange(_SIZE)[:, None]
         ends = np.stack([self._rate.sum(axis=0), (signs * self._rate).sum(axis=0), self._rate[0]])
         return np.abs(ends).max(axis=0)
+
+    def added(self) -> Array:
+        """Share of L at the end of each panel that the panel adds, shape (panels,)."""
+        grown = np.maximum(self._before[1:], np.finfo(float).tiny)
+        return np.diff(self._before) / grown
 
     def _at(self, x: Array) -> tuple[Rows, Array]:
         """Panel of each x >= 0, and the place on it between -1 and 1."""
