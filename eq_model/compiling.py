@@ -13,22 +13,28 @@ _HERE = Path(__file__).parent
 _ORIGINS = ("hot_cells", "quantile", "streams")  # whose constants are compiled in
 
 
-def compiled(function: Callable[..., Any]) -> Any:
+def compiled(function: Callable[..., Any], **options: Any) -> Any:
     """`function` compiled when first called and kept on disk; in memory only where no folder can be written."""
     try:
-        made: Any = njit(cache=True, error_model="numpy")(function)
+        made: Any = njit(cache=True, error_model="numpy", **options)(function)
     except RuntimeError:  # numba found no folder for its cache
-        return njit(error_model="numpy")(function)
+        return njit(error_model="numpy", **options)(function)
     # numba compares a kernel's own file alone with what is on disk; it calls others, in other files
     file = made._cache._cache_file
     file._source_stamp = file._source_stamp, sources()
     return made
 
 
+def bare(function: Callable[..., Any]) -> Any:
+    """`compiled` for a function that allocates nothing: numba then counts no references, which costs several ns each
+    time an array in a NamedTuple is used. Threads may run it side by side."""
+    return compiled(function, nogil=True, _nrt=False)
+
+
 @cache
 def sources() -> str:
     """What tells these kernels from those of another version."""
-    files = [*sorted(_HERE.glob("*kernel.py")), *(_HERE.parent / f"origins/{name}.py" for name in _ORIGINS)]
+    files = [*sorted(_HERE.rglob("*kernel.py")), *(_HERE.parent / f"origins/{name}.py" for name in _ORIGINS)]
     return sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
