@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.coupled import slide_kernel
 from eq_model.coupled.draws import Draws
-from eq_model.coupled.queue_kernel import Queue, clear, make_queue
-from eq_model.coupled.slide_kernel import SLIDER, Pull, Returns, Told, make_kernels
 from origins import Contacts, Drive
 from origins.errors import InputError
+
+if TYPE_CHECKING:
+    from eq_model.coupled.queue_kernel import Queue
+    from eq_model.coupled.slide_kernel import Pull
 
 Array = npt.NDArray[np.float64]
 
@@ -53,6 +55,8 @@ class Follower:
     def __init__(
         self, contacts: Contacts, drive: Drive, n: int, key: tuple[int, int], slip_fraction: float
     ) -> None:
+        from eq_model.coupled.slide_kernel import make_kernels
+
         assert drive.spring is not None
         self.contacts, self.drive, self.n, self._spring = contacts, drive, n, drive.spring
         self._draws = Draws(contacts, n, key)
@@ -71,6 +75,10 @@ class Follower:
 
         Raises InputError where contacts would break while the drive moves back to its first point.
         """
+        from eq_model.coupled import slide_kernel
+        from eq_model.coupled.queue_kernel import make_queue
+        from eq_model.coupled.slide_kernel import SLIDER, Returns, Told
+
         queue, slider = make_queue(self.n, self._mean), np.zeros(1, SLIDER)
         pull = self._begin(replica, slider, queue)
         thresholds, stretches = self._draws.thresholds(replica), self._draws.stretches(replica)
@@ -93,6 +101,8 @@ class Follower:
 
     def _begin(self, replica: int, slider: npt.NDArray[np.void], queue: Queue) -> Pull:
         """All contacts form at X = 0; the drive stands where it balances them."""
+        from eq_model.coupled.slide_kernel import Pull
+
         drive, unit = self.drive, self._unit
         spring = self._spring * self.n
         nothing = np.empty(0)
@@ -122,6 +132,8 @@ class Follower:
 
     def _reset(self, slider: npt.NDArray[np.void], queue: Queue) -> None:
         """No contact holds, no return is due, and X = X_T: all are about to form there."""
+        from eq_model.coupled.queue_kernel import clear
+
         s = slider[0]
         drive = s["pulled"] / (self._spring * self.n)
         s["size"], s["after"], s["force_after"] = s["broken"], drive, 0.0

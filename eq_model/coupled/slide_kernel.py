@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, inlined
-from eq_model.coupled.draws import draw
+from eq_model.coupled.draws_kernel import draw
 from eq_model.coupled.queue_kernel import next_break, open_next, take_next, wait
 
 MOST_TRIES = 10_000  # thresholds drawn until one exceeds the stretch at which a contact forms again

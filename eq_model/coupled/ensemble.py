@@ -1,0 +1,204 @@
+"""Replicas of coupled contacts, N of them on one soft slider each, spread over ranks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import reduce
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from eq_model import layout
+from eq_model.coupled.replica import Followed, Follower
+from eq_model.coupled.result import CoupledResult, CoupledState, mean_of, slips_of
+from origins import Contacts, Drive
+from origins.contacts import check_contacts
+from origins.drive import SlipRule
+from origins.errors import InputError, positive, refuse, whole
+from origins.streams import MOST_REPLICAS, key_of
+
+# Share of the contacts that an avalanche breaks at least to be a slip. Before a slip the largest
+# avalanches break some N^(-1/3) of the contacts, 0.06 at N = 4,000; slips of a spring well below K*
+# break most of them.
+SLIP_FRACTION = 0.1
+MOST_CONTACTS = 1 << 31  # of a replica
+_PILOT = 16  # contacts of what is followed to compile
+_HARDLY = 1e-3  # of the thresholds exceed a stretch at which contacts form again in ordinary numbers
+
+
+class CoupledEnsemble:
+    """Replicas under way: iterate to work through them, then ask for the result.
+
+        ensemble = CoupledEnsemble(contacts, path, spring=0.5, n_contacts=100_000, n_replicas=16)
+        for done, total in ensemble:
+            ...                       # contacts this rank has done, of its share
+        result = ensemble.result()    # all ranks together
+
+    Parameters and errors as for `eq_model.simulate` with a spring; `earlier` are the states of all
+    ranks of an ensemble of the same parameters that was cut short: replicas that are finished there
+    are not followed again, and the result is the same to the last bit.
+
+    Attributes: `total`, contacts of all replicas; `expected`, the same; `clock` and `comm`.
+    """
+
+    clock: Callable[[], float] = staticmethod(perf_counter)
+
+    def __init__(
+        self,
+        contacts: Contacts,
+        path: npt.ArrayLike,
+        *,
+        spring: float,
+        slip: SlipRule = "reset",
+        slip_fraction: float = SLIP_FRACTION,
+        velocity: float = 1.0,
+        time: npt.ArrayLike | None = None,
+        n_contacts: int = 100_000,
+        n_replicas: int = 1,
+        seed: int = 0,
+        wall_time: float | None = None,
+        earlier: Iterable[CoupledState] = (),
+        comm: Any = None,
+    ) -> None:
+        self.drive = Drive(path, velocity, time, spring, slip)
+        check_coupled(contacts, self.drive)
+        if comm is not None and not hasattr(comm, "Get_rank"):
+            refuse("comm", comm, "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process")
+        self.comm, self._key = comm, key_of(seed)
+        self.n_contacts, self.n_replicas = whole("n_contacts", n_contacts, 1), whole("n_replicas", n_replicas, 1)
+        if self.n_replicas >= MOST_REPLICAS:
+            refuse("n_replicas", n_replicas, f"must be below {MOST_REPLICAS}; take more contacts instead")
+        if self.n_contacts > MOST_CONTACTS:
+            refuse("n_contacts", n_contacts, f"must be at most {MOST_CONTACTS} on one soft slider")
+        self.slip_fraction = positive("slip_fraction", slip_fraction)
+        if self.slip_fraction > 1.0:
+            refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts, such as 0.1")
+        self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
+        self.total = self.expected = self.n_contacts * self.n_replicas
+        self._stopped = False
+        started = self.clock()
+        self._follower = Follower(contacts, self.drive, self.n_contacts, self._key, self.slip_fraction)
+        ready = self.clock() - started
+        started = self.clock()
+        layout.in_turn(comm, lambda: self._compile(contacts))
+        self.compile_time = self.clock() - started
+        found = list(earlier)
+        self._before = frozenset[int]().union(*(state.replicas for state in found))
+        # what was found before counts on one rank
+        nothing = CoupledState(self.n_contacts, run_time=ready)
+        first = layout.rank_and_size(comm)[0] == 0
+        self._state = reduce(CoupledState.joined, found, nothing) if first else nothing
+
+    def __iter__(self) -> Iterator[tuple[int, int]]:
+        """Follow this rank's share of the replicas, once; now and then (contacts done, contacts in the share).
+
+        A replica under way counts as far as its drive has come. All ranks must go on to the end.
+        """
+        rank, ranks = layout.rank_and_size(self.comm)
+        mine = [r for r in range(self.n_replicas) if r not in self._before][rank::ranks]
+        begun, total = self.clock(), len(mine) * self.n_contacts
+        for number, replica in enumerate(mine):
+            started, steps = self.clock(), self._follower.follow(replica)
+            while True:
+                try:
+                    share = next(steps)
+                except StopIteration as end:
+                    seconds = self.clock() - started
+                    # one assignment: whatever interrupts, the state is that of whole replicas
+                    self._state = self._state.after(replica, end.value, seconds)
+                    break
+                if self._stopped:
+                    break
+                yield int((number + share) * self.n_contacts), total
+            if self._late(begun):
+                break
+            yield (number + 1) * self.n_contacts, total
+        for _ in layout.meeting(self.comm):
+            yield total, total
+
+    def _late(self, begun: float) -> bool:
+        return self._stopped or (self._wall_time is not None and self.clock() - begun > self._wall_time)
+
+    def stop(self) -> None:
+        """Follow this rank's share no further: the result will be that of the finished replicas."""
+        self._stopped = True
+
+    @property
+    def state(self) -> CoupledState:
+        """What this rank has found so far, to go on from in another run: see `earlier`."""
+        return self._state
+
+    def result(self) -> CoupledResult:
+        """What all ranks found; every rank must call, and gets the same bits."""
+        states = [self._state] if self.comm is None else self.comm.allgather(self._state)
+        rows: dict[int, Followed] = {}
+        for state in states:
+            rows.update(state.found)
+        if not rows:
+            raise InputError("ensemble: no replica is finished yet; iterate over it first, or give it more wall_time")
+        order = [rows[replica] for replica in sorted(rows)]
+        position, position_error = mean_of(row.position for row in order)
+        force, force_error = mean_of(row.force for row in order)
+        holding, holding_error = mean_of(row.holding for row in order)
+        done = f"{len(rows)} replicas of {self.n_contacts:,} contacts"
+        whole_run = len(rows) == self.n_replicas
+        return CoupledResult(
+            path=self.drive.path,
+            position=position,
+            force=force,
+            position_standard_error=position_error,
+            force_standard_error=force_error,
+            positions=np.array([row.position for row in order]),
+            forces=np.array([row.force for row in order]),
+            holding=holding,
+            holding_standard_error=holding_error,
+            slips=slips_of(rows),
+            avalanches=np.array([row.avalanches for row in order]),
+            slip_fraction=self.slip_fraction,
+            contacts=len(rows) * self.n_contacts,
+            breaks=sum(row.breaks for row in order),
+            breaks_per_rank=[state.breaks for state in states],
+            run_time=max(state.run_time for state in states),
+            compile_time=self.compile_time,
+            success=whole_run,
+            message=done if whole_run else f"{done}: stopped before all {self.n_replicas} were followed",
+            step_error=np.zeros(self.drive.path.size),
+        )
+
+    def _compile(self, contacts: Contacts) -> None:
+        """Follow a few contacts on a short way, which compiles what the laws need."""
+        assert self.drive.spring is not None
+        reach = contacts.mean_threshold + max(map(abs, contacts.start.span))
+        drive = Drive([4.0 * reach * (1.0 + 1.0 / self.drive.spring)], 1.0, None, self.drive.spring, self.drive.slip)
+        for _ in Follower(contacts, drive, _PILOT, self._key, 1.0).follow(0):
+            pass
+
+
+def check_coupled(contacts: Contacts, drive: Drive) -> None:
+    """Raise InputError for what is not followed on a soft slider: laws, and ways that turn."""
+    solver = "eq_model.simulate with a spring"
+    if isinstance(contacts, Contacts) and contacts.thermal is not None:
+        raise InputError(
+            f"contacts.thermal: {solver} takes T = 0: the slider's speed hangs on all contacts at once, so that none "
+            "can draw its break beforehand; leave thermal out, or use master.solve"
+        )
+    check_contacts(contacts, solver, ("delay", "reforming", "stiffness"))
+    if contacts.reforming is not None:
+        again = contacts.reforming.law
+        if drive.slip != "instant" or contacts.delay is not None:
+            raise InputError(
+                'contacts.reforming: contacts that form again stretched after an avalanche would pull the slider once '
+                f'more; {solver} takes them with slip = "instant" and no delay'
+            )
+        furthest = abs(again.mean()) if again.is_single else max(abs(again.ppf(_HARDLY)), abs(again.isf(_HARDLY)))
+        if contacts.thresholds.sf(furthest) < _HARDLY:
+            raise InputError(
+                f"contacts.reforming: less than {_HARDLY:g} of the thresholds exceed |x| = {float(furthest):g}, at "
+                f"which contacts form again, and {solver} draws until one does; use smaller stretches"
+            )
+    back = np.flatnonzero(np.diff(drive.path) < 0.0)
+    if back.size:
+        at = int(back[0]) + 1
+        refuse(f"path[{at}]", drive.path[at], f"lies behind path[{at - 1}]; {solver} takes a drive that does not turn")
