@@ -100,6 +100,8 @@ class CoupledEnsemble:
         mine = [r for r in range(self.n_replicas) if r not in self._before][rank::ranks]
         begun, total = self.clock(), len(mine) * self.n_contacts
         for number, replica in enumerate(mine):
+            if self._late(begun):
+                break
             started, steps = self.clock(), self._follower.follow(replica)
             while True:
                 try:
@@ -112,7 +114,7 @@ class CoupledEnsemble:
                 if self._stopped:
                     break
                 yield int((number + share) * self.n_contacts), total
-            if self._late(begun):
+            if self._stopped:
                 break
             yield (number + 1) * self.n_contacts, total
         for _ in layout.meeting(self.comm):

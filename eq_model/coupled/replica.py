@@ -55,21 +55,12 @@ class Follower:
     def __init__(
         self, contacts: Contacts, drive: Drive, n: int, key: tuple[int, int], slip_fraction: float
     ) -> None:
-        from eq_model.coupled.slide_kernel import make_kernels
-
         assert drive.spring is not None
         self.contacts, self.drive, self.n, self._spring = contacts, drive, n, drive.spring
         self._draws = Draws(contacts, n, key)
         self._unit = self._draws.unit
         self._mean = contacts.mean_threshold / self._unit
         self._slip = max(int(np.ceil(slip_fraction * n)), 1)
-        self._kernels = make_kernels(
-            drive.slip,
-            contacts.stiffness == "linked",
-            contacts.reforming is not None,
-            contacts.delay is not None,
-        )
-
     def follow(self, replica: int) -> Generator[float, None, Followed]:
         """Yields now and then the share of the drive's path that is done.
 
@@ -88,7 +79,7 @@ class Follower:
         returns = Returns(np.empty(room), np.empty(room, np.int64))
         slips = list[list[float]]()
         while True:
-            why = self._kernels.slide(slider, queue, thresholds, stretches, pull, told, returns)
+            why = slide_kernel.slide(slider, queue, thresholds, stretches, pull, told, returns)
             if why == slide_kernel.PATH_DONE:
                 return self._followed(s, told, slips)
             if why == slide_kernel.BUCKETS_PASSED:
@@ -96,19 +87,19 @@ class Follower:
                 continue
             if why == slide_kernel.RESET_DUE:
                 self._reset(slider, queue)
-                self._kernels.form_all(slider, queue, thresholds, stretches, pull, self.n)
+                slide_kernel.form_all(slider, queue, thresholds, stretches, pull, self.n)
             slips.append([float(s[name]) for name in _OF_A_SLIP])
 
     def _begin(self, replica: int, slider: npt.NDArray[np.void], queue: Queue) -> Pull:
         """All contacts form at X = 0; the drive stands where it balances them."""
-        from eq_model.coupled.slide_kernel import Pull
+        from eq_model.coupled.slide_kernel import begin
 
         drive, unit = self.drive, self._unit
         spring = self._spring * self.n
         nothing = np.empty(0)
-        pull = Pull(spring, nothing, nothing, nothing, nothing, 0.0, self._mean, self._slip)
+        pull = self._pull(nothing, nothing, nothing, nothing)
         back = max(
-            self._kernels.begin(slider, queue, pull, *part) for part in self._draws.begin(replica)
+            begin(slider, queue, pull, *part) for part in self._draws.begin(replica)
         )
         s, path = slider[0], drive.path / unit
         balance = s["force"] / spring
@@ -127,8 +118,28 @@ class Follower:
         clock, places = clock[apart], places[apart]
         # at the end the drive rests
         clock, places = np.append(clock, clock[-1] + 1.0), np.append(places, places[-1])
-        wait = 0.0 if self.contacts.delay is None else self.contacts.delay.time
-        return Pull(spring, spring * path, time, clock, places, wait, self._mean, self._slip)
+        return self._pull(spring * path, time, clock, places)
+
+    def _pull(self, path: Array, time: Array, clock: Array, places: Array) -> Pull:
+        from eq_model.coupled.slide_kernel import Pull
+
+        contacts, rule = self.contacts, self.drive.slip
+        delay = contacts.delay
+        return Pull(
+            spring=self._spring * self.n,
+            path=path,
+            time=time,
+            clock=clock,
+            clock_drive=places,
+            wait=0.0 if delay is None else delay.time,
+            mean=self._mean,
+            slip=self._slip,
+            at_once=rule == "instant" and delay is None,
+            resets=rule == "reset",
+            linked=contacts.stiffness == "linked",
+            reforming=contacts.reforming is not None,
+            delayed=delay is not None,
+        )
 
     def _reset(self, slider: npt.NDArray[np.void], queue: Queue) -> None:
         """No contact holds, no return is due, and X = X_T: all are about to form there."""

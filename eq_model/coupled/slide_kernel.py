@@ -8,9 +8,7 @@ break if that comes first.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -53,7 +51,8 @@ class Pull(NamedTuple):
 
     spring : K in <k>; path, time : K X_T of the points, and when; clock, clock_drive : times and X_T
     between which the drive moves straight; wait : the delay; mean : threshold at which k_i = <k>;
-    slip : breaks that make an avalanche a slip.
+    slip : breaks that make an avalanche a slip; at_once, resets : the rule; linked, reforming,
+    delayed : the laws that are there.
     """
 
     spring: float
@@ -64,6 +63,11 @@ class Pull(NamedTuple):
     wait: float
     mean: float
     slip: int
+    at_once: bool
+    resets: bool
+    linked: bool
+    reforming: bool
+    delayed: bool
 
 
 class Told(NamedTuple):
@@ -82,16 +86,6 @@ class Returns(NamedTuple):
     count: npt.NDArray[np.int64]
 
 
-class Kernels(NamedTuple):
-    """begin(slider, queue, pull, stretches, thresholds) with arrays, at X = 0; form_all(slider,
-    queue, thresholds, stretches, pull, n) with supplies; slide(slider, queue, thresholds,
-    stretches, pull, told, returns), which returns one of the four reasons to stop."""
-
-    begin: Callable[..., Any]
-    form_all: Callable[..., Any]
-    slide: Callable[..., Any]
-
-
 @inlined
 def move(s, b):  # type: ignore[no-untyped-def]
     """The slider moves to b, and nothing breaks."""
@@ -99,156 +93,155 @@ def move(s, b):  # type: ignore[no-untyped-def]
     s.at = b
 
 
-@cache
-def make_kernels(rule: str, linked: bool, reforming: bool, delayed: bool) -> Kernels:
-    """Kernels for a slip rule and for the laws that are there; what is not there costs nothing."""
-    at_once, resets = rule == "instant" and not delayed, rule == "reset"
+@inlined
+def form(s, queue, thresholds, stretches, pull):  # type: ignore[no-untyped-def]
+    """A contact forms at X, with a threshold that exceeds its stretch."""
+    x = max(draw(thresholds), np.int64(1))
+    r = np.int64(0)
+    if pull.reforming:
+        r, tries = draw(stretches), 0
+        while x <= abs(r):
+            x, tries = draw(thresholds), tries + 1
+            if tries == MOST_TRIES:  # r lies beyond every threshold
+                r, tries = draw(stretches), 0
+    k = np.float64(x) / pull.mean if pull.linked else 1.0
+    s.held += 1
+    s.stiffness += k
+    if pull.reforming:
+        s.force += k * np.float64(r)
+    wait(queue, s.at - r + x, x)
 
-    @inlined
-    def form(s, queue, thresholds, stretches, pull):  # type: ignore[no-untyped-def]
-        """A contact forms at X, with a threshold that exceeds its stretch."""
-        x = max(draw(thresholds), np.int64(1))
-        r = np.int64(0)
-        if reforming:
-            r, tries = draw(stretches), 0
-            while x <= abs(r):
-                x, tries = draw(thresholds), tries + 1
-                if tries == MOST_TRIES:  # r lies beyond every threshold
-                    r, tries = draw(stretches), 0
-        k = np.float64(x) / pull.mean if linked else 1.0
-        s.held += 1
-        s.stiffness += k
-        if reforming:
-            s.force += k * np.float64(r)
-        wait(queue, s.at - r + x, x)
 
-    @bare
-    def begin(s, queue, pull, stretches, thresholds):  # type: ignore[no-untyped-def]
-        """Contacts begin so stretched, with these thresholds; how far back one breaks first."""
-        back = np.int64(-(1 << 62))
-        for i in range(stretches.size):
-            r, x = stretches[i], thresholds[i]
-            k = np.float64(x) / pull.mean if linked else 1.0
-            s[0].held += 1
-            s[0].stiffness += k
-            s[0].force += k * np.float64(r)
-            wait(queue, x - r, x)
-            back = max(back, -r - x)
-        return back
+@bare
+def begin(s, queue, pull, stretches, thresholds):  # type: ignore[no-untyped-def]
+    """Contacts begin so stretched, with these thresholds; how far back one breaks first."""
+    back = np.int64(-(1 << 62))
+    for i in range(stretches.size):
+        r, x = stretches[i], thresholds[i]
+        k = np.float64(x) / pull.mean if pull.linked else 1.0
+        s[0].held += 1
+        s[0].stiffness += k
+        s[0].force += k * np.float64(r)
+        wait(queue, x - r, x)
+        back = max(back, -r - x)
+    return back
 
-    @bare
-    def form_all(s, queue, thresholds, stretches, pull, n):  # type: ignore[no-untyped-def]
-        """n contacts form at X."""
-        for _ in range(n):
-            form(s[0], queue, thresholds, stretches, pull)
 
-    @bare
-    def time_of(s, pull, drive):  # type: ignore[no-untyped-def]
-        """When the drive comes to X_T first."""
-        while s[0].leg + 2 < pull.clock.size and pull.clock_drive[s[0].leg + 1] < drive:
-            s[0].leg += 1
-        leg = s[0].leg
-        way = pull.clock_drive[leg + 1] - pull.clock_drive[leg]
-        share = (drive - pull.clock_drive[leg]) / way if way > 0.0 else 1.0
-        return pull.clock[leg] + share * (pull.clock[leg + 1] - pull.clock[leg])
+@bare
+def form_all(s, queue, thresholds, stretches, pull, n):  # type: ignore[no-untyped-def]
+    """n contacts form at X."""
+    for _ in range(n):
+        form(s[0], queue, thresholds, stretches, pull)
 
-    @bare
-    def drive_at(s, pull, time):  # type: ignore[no-untyped-def]
-        """X_T when the next return comes."""
-        while s[0].return_leg + 2 < pull.clock.size and pull.clock[s[0].return_leg + 1] < time:
-            s[0].return_leg += 1
-        leg = s[0].return_leg
-        share = (time - pull.clock[leg]) / (pull.clock[leg + 1] - pull.clock[leg])
-        step = pull.clock_drive[leg + 1] - pull.clock_drive[leg]
-        return pull.clock_drive[leg] + share * step
 
-    @inlined
-    def tell(s, pull, told, b, load, level, time):  # type: ignore[no-untyped-def]
-        """F and X at the points that the drive passes before K X_T = level, there before this time.
+@bare
+def time_of(s, pull, drive):  # type: ignore[no-untyped-def]
+    """When the drive comes to X_T first."""
+    while s[0].leg + 2 < pull.clock.size and pull.clock_drive[s[0].leg + 1] < drive:
+        s[0].leg += 1
+    leg = s[0].leg
+    way = pull.clock_drive[leg + 1] - pull.clock_drive[leg]
+    share = (drive - pull.clock_drive[leg]) / way if way > 0.0 else 1.0
+    return pull.clock[leg] + share * (pull.clock[leg + 1] - pull.clock[leg])
 
-        load : F + K X at b if nothing breaks before.
-        """
-        while s.point < pull.path.size and (
-            pull.path[s.point] < level
-            or (pull.path[s.point] == level and pull.time[s.point] < time)
-        ):
-            x = b - (load - pull.path[s.point]) / (pull.spring + s.stiffness)
-            told.position[s.point] = x
-            told.force[s.point] = pull.path[s.point] - pull.spring * x
-            told.held[s.point] = s.held
-            s.point += 1
 
-    @bare
-    def slide(slider, queue, thresholds, stretches, pull, told, returns):  # type: ignore[no-untyped-def]
-        """Move on until there is something to do that is done elsewhere."""
-        s, passed = slider[0], 0
-        while True:
-            is_break, b = next_break(queue)
-            load = s.force + s.stiffness * np.float64(b - s.at) + pull.spring * np.float64(b)
-            if s.broken == 0:  # stuck
-                level, back, time = load, False, -np.inf
-                if delayed and s.returning < s.returns:
-                    due = returns.time[s.returning % returns.time.size]
-                    comes = pull.spring * drive_at(slider, pull, due)
-                    if comes < level:
-                        back, level, time = True, comes, due
-                tell(s, pull, told, b, load, level, time)
-                if s.point == pull.path.size:
-                    return PATH_DONE
-                if back:
-                    x = b - (load - level) / (pull.spring + s.stiffness)
-                    move(s, min(max(np.int64(np.rint(x)), s.at), b))
-                    n = returns.count[s.returning % returns.time.size]
-                    s.returning += 1
-                    for _ in range(n):
+@bare
+def drive_at(s, pull, time):  # type: ignore[no-untyped-def]
+    """X_T when the next return comes."""
+    while s[0].return_leg + 2 < pull.clock.size and pull.clock[s[0].return_leg + 1] < time:
+        s[0].return_leg += 1
+    leg = s[0].return_leg
+    share = (time - pull.clock[leg]) / (pull.clock[leg + 1] - pull.clock[leg])
+    step = pull.clock_drive[leg + 1] - pull.clock_drive[leg]
+    return pull.clock_drive[leg] + share * step
+
+
+@inlined
+def tell(s, pull, told, b, load, level, time):  # type: ignore[no-untyped-def]
+    """F and X at the points that the drive passes before K X_T = level, there before this time.
+
+    load : F + K X at b if nothing breaks before.
+    """
+    while s.point < pull.path.size and (
+        pull.path[s.point] < level
+        or (pull.path[s.point] == level and pull.time[s.point] < time)
+    ):
+        x = b - (load - pull.path[s.point]) / (pull.spring + s.stiffness)
+        told.position[s.point] = x
+        told.force[s.point] = pull.path[s.point] - pull.spring * x
+        told.held[s.point] = s.held
+        s.point += 1
+
+
+@bare
+def slide(slider, queue, thresholds, stretches, pull, told, returns):  # type: ignore[no-untyped-def]
+    """Move on until there is something to do that is done elsewhere."""
+    s, passed = slider[0], 0
+    while True:
+        is_break, b = next_break(queue)
+        load = s.force + s.stiffness * np.float64(b - s.at) + pull.spring * np.float64(b)
+        if s.broken == 0:  # stuck
+            level, back, time = load, False, -np.inf
+            if pull.delayed and s.returning < s.returns:
+                due = returns.time[s.returning % returns.time.size]
+                comes = pull.spring * drive_at(slider, pull, due)
+                if comes < level:
+                    back, level, time = True, comes, due
+            tell(s, pull, told, b, load, level, time)
+            if s.point == pull.path.size:
+                return PATH_DONE
+            if back:
+                x = b - (load - level) / (pull.spring + s.stiffness)
+                move(s, min(max(np.int64(np.rint(x)), s.at), b))
+                n = returns.count[s.returning % returns.time.size]
+                s.returning += 1
+                for _ in range(n):
+                    form(s, queue, thresholds, stretches, pull)
+                continue
+            s.pulled = max(s.pulled, level)
+            s.before = np.float64(b)
+            s.force_before = load - pull.spring * np.float64(b)
+        elif load > s.pulled:  # the avalanche ends before b
+            s.size, s.broken = s.broken, 0
+            if not pull.at_once or s.size >= pull.slip:
+                s.after = b - (load - s.pulled) / (pull.spring + s.stiffness)
+                s.force_after = s.pulled - pull.spring * s.after
+            if not pull.at_once:
+                move(s, min(max(np.int64(np.rint(s.after)), s.at), b))
+                if pull.delayed:
+                    last = s.returns % returns.time.size
+                    now = time_of(slider, pull, s.pulled / pull.spring)
+                    returns.time[last] = now + pull.wait
+                    returns.count[last] = s.out
+                    s.returns += 1
+                else:
+                    for _ in range(s.out):
                         form(s, queue, thresholds, stretches, pull)
-                    continue
-                s.pulled = max(s.pulled, level)
-                s.before = np.float64(b)
-                s.force_before = load - pull.spring * np.float64(b)
-            elif load > s.pulled:  # the avalanche ends before b
-                s.size, s.broken = s.broken, 0
-                if not at_once or s.size >= pull.slip:
-                    s.after = b - (load - s.pulled) / (pull.spring + s.stiffness)
-                    s.force_after = s.pulled - pull.spring * s.after
-                if not at_once:
-                    move(s, min(max(np.int64(np.rint(s.after)), s.at), b))
-                    if delayed:
-                        last = s.returns % returns.time.size
-                        now = time_of(slider, pull, s.pulled / pull.spring)
-                        returns.time[last] = now + pull.wait
-                        returns.count[last] = s.out
-                        s.returns += 1
-                    else:
-                        for _ in range(s.out):
-                            form(s, queue, thresholds, stretches, pull)
-                    s.out = 0
-                if s.size >= pull.slip:
-                    return SLIP_ENDED
-                size, kind = s.size, 0
-                while size > 1:
-                    size, kind = size >> 1, kind + 1
-                told.avalanches[kind] += 1
-                continue
-            move(s, b)
-            if not is_break:
-                open_next(queue)
-                passed += 1
-                if passed == OFTEN:
-                    return BUCKETS_PASSED
-                continue
-            x = take_next(queue)
-            k = np.float64(x) / pull.mean if linked else 1.0
-            s.force -= k * np.float64(x)
-            s.stiffness -= k
-            s.held -= 1
-            s.broken += 1
-            s.breaks += 1
-            if at_once:
-                form(s, queue, thresholds, stretches, pull)
-            else:
-                s.out += 1
-            if resets and s.broken >= pull.slip:
-                return RESET_DUE
-
-    return Kernels(begin, form_all, slide)
+                s.out = 0
+            if s.size >= pull.slip:
+                return SLIP_ENDED
+            size, kind = s.size, 0
+            while size > 1:
+                size, kind = size >> 1, kind + 1
+            told.avalanches[kind] += 1
+            continue
+        move(s, b)
+        if not is_break:
+            open_next(queue)
+            passed += 1
+            if passed == OFTEN:
+                return BUCKETS_PASSED
+            continue
+        x = take_next(queue)
+        k = np.float64(x) / pull.mean if pull.linked else 1.0
+        s.force -= k * np.float64(x)
+        s.stiffness -= k
+        s.held -= 1
+        s.broken += 1
+        s.breaks += 1
+        if pull.at_once:
+            form(s, queue, thresholds, stretches, pull)
+        else:
+            s.out += 1
+        if pull.resets and s.broken >= pull.slip:
+            return RESET_DUE
