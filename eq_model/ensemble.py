@@ -256,10 +256,10 @@ def _points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
 
 
 @overload
-def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: float, **others: Any) -> CoupledResult: ...
+def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: float, **more: Any) -> CoupledResult: ...
 @overload
-def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: None = None, **others: Any) -> EnsembleResult: ...
-def simulate(
+def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: None = None, **more: Any) -> EnsembleResult: ...
+def simulate(  # type: ignore[misc]  # the arguments are told once, below
     contacts: Contacts,
     path: npt.ArrayLike,
     *,

@@ -23,7 +23,10 @@ CONTACTS = {
     "heavy tail": origins.Contacts(scipy.stats.lognorm(1.5)),
     "delayed": origins.Contacts(NARROW, delay=origins.Delay(0.3)),
 }
-HOLDS = {"path": [1.0, 2.0, 2.0, 2.0, 2.0, 5.0, 5.0, 9.0], "time": [1.0, 2.0, 2.1, 2.2, 2.4, 10.0, 20.0, 21.0]}
+HOLDS = {
+    "path": [1.0, 2.0, 2.0, 2.0, 2.0, 5.0, 5.0, 9.0],
+    "time": [1.0, 2.0, 2.1, 2.2, 2.4, 10.0, 20.0, 21.0],
+}
 
 
 def pulled(contacts, path, spring=0.7, slip="reset", n=300, replicas=1, seed=3, **other):
@@ -83,7 +86,11 @@ def test_identical_thresholds_are_a_sawtooth(slip, spring):
     path = np.linspace(0.003, 0.997, 331) * (to + 4.0 * period)
     result = pulled(origins.Contacts(origins.identical(1.0)), path, spring, slip, n=1000)
     if slip == "instant":
-        x = np.where(path < to, path * spring / (1.0 + spring), (spring * path + np.ceil(path - to)) / (1.0 + spring))
+        x = np.where(
+            path < to,
+            path * spring / (1.0 + spring),
+            (spring * path + np.ceil(path - to)) / (1.0 + spring),
+        )
         x = np.where(path < to, path / to, x)
         exact = spring * (path - x)
     else:
@@ -94,13 +101,22 @@ def test_identical_thresholds_are_a_sawtooth(slip, spring):
     assert clear.all()
     assert np.abs(result.position - x).max() < 1e-7 * to
     assert np.abs(result.force - exact).max() < 1e-7
-    assert np.abs(result.slips.drive - (to + period * np.arange(result.slips.drive.size))).max() < 1e-7 * to
+    assert (
+        np.abs(result.slips.drive - (to + period * np.arange(result.slips.drive.size))).max()
+        < 1e-7 * to
+    )
     assert (result.slips.breaks == (100 if slip == "reset" else 1000)).all()
 
 
 def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
     path = np.linspace(0.0, 6.0, 61)
-    arguments = {"spring": 0.7, "slip": "reform-after", "n_contacts": 500, "n_replicas": 7, "seed": 11}
+    arguments = {
+        "spring": 0.7,
+        "slip": "reform-after",
+        "n_contacts": 500,
+        "n_replicas": 7,
+        "seed": 11,
+    }
     whole = eq_model.simulate(CONTACTS["narrow"], path, **arguments)
     first = eq_model.CoupledEnsemble(CONTACTS["narrow"], path, **arguments)
     for done, total in first:
@@ -108,9 +124,9 @@ def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
         if done >= 3 * 500:
             break
     state = type(first.state).of_arrays(first.state.arrays())
-    assert state.done == [range(0, 1500)] and state.contacts == 1500
+    assert state.done == [range(1500)] and state.contacts == 1500
     rest = eq_model.CoupledEnsemble(CONTACTS["narrow"], path, **arguments, earlier=[state])
-    assert [done for done in rest][-1] == (4 * 500, 4 * 500)
+    assert list(rest)[-1] == (4 * 500, 4 * 500)
     result = rest.result()
     for name in ("forces", "positions", "force", "force_standard_error", "avalanches", "breaks"):
         assert np.all(getattr(result, name) == getattr(whole, name))
@@ -119,11 +135,15 @@ def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
 
 
 def test_a_run_that_stops_early_has_whole_replicas_and_says_so():
-    ensemble = eq_model.CoupledEnsemble(CONTACTS["narrow"], [4.0], spring=0.7, n_contacts=500, n_replicas=5)
+    ensemble = eq_model.CoupledEnsemble(
+        CONTACTS["narrow"], [4.0], spring=0.7, n_contacts=500, n_replicas=5
+    )
     for _ in ensemble:
         ensemble.stop()
     result = ensemble.result()
-    assert not result.success and result.contacts == 500 and "stopped before all 5" in result.message
+    assert (
+        not result.success and result.contacts == 500 and "stopped before all 5" in result.message
+    )
     assert np.isinf(result.force_standard_error).all()
 
 
@@ -175,7 +195,10 @@ def test_what_is_not_followed_is_refused():
     warm = origins.Thermal("soft", 0.1)
     again = origins.gaussian_start(0.0, 0.1)
     refused("thermal", contacts=origins.Contacts(NARROW, thermal=warm))
-    refused("ageing", contacts=origins.Contacts(NARROW, ageing=origins.Ageing(origins.gaussian(1.2, 0.05), 1e-3)))
+    refused(
+        "ageing",
+        contacts=origins.Contacts(NARROW, ageing=origins.Ageing(origins.gaussian(1.2, 0.05), 1e-3)),
+    )
     refused("reforming", contacts=origins.Contacts(NARROW, reforming=again), slip="reset")
     refused("reforming", contacts=origins.Contacts(NARROW, reforming=1.35), slip="instant")
     refused(r"path\[2\].*does not turn", path=[0.0, 2.0, 1.0])

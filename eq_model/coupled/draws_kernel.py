@@ -17,18 +17,18 @@ class Supply(NamedTuple):
     """Draws of one law for one replica, 4 LANES at a time.
 
     table : quantiles, in whole units; key, second, tail : of the streams; block, lane : counters;
-    words, count, base, cell, place, got : scratch; ready : draws in whole units; at : the next of
+    words, counts, base, cell, place, got : scratch; ready : draws in whole units; at : the next of
     them, and how often they were drawn.
     """
 
     table: tuple[Any, ...]
-    key: tuple[np.uint64, np.uint64]
+    key: tuple[np.uint64, ...]
     second: npt.NDArray[np.uint64]
     tail: np.uint64
     block: npt.NDArray[np.uint32]
     lane: npt.NDArray[np.uint64]
     words: npt.NDArray[np.uint32]
-    count: npt.NDArray[np.uint32]
+    counts: npt.NDArray[np.uint32]
     base: npt.NDArray[np.uint32]
     cell: npt.NDArray[np.uint32]
     place: npt.NDArray[np.float64]
@@ -37,7 +37,9 @@ class Supply(NamedTuple):
     at: Whole
 
 
-def make_supply(table: tuple[Any, ...], key: tuple[np.uint64, np.uint64], second: int, tail: int) -> Supply:
+def make_supply(
+    table: tuple[Any, ...], key: tuple[np.uint64, ...], second: int, tail: int
+) -> Supply:
     """Draws of a law with this table, from the stream `second`, and far in the tails `tail` too, of a key."""
     return Supply(
         table=table,
@@ -47,7 +49,7 @@ def make_supply(table: tuple[Any, ...], key: tuple[np.uint64, np.uint64], second
         block=np.empty(LANES, np.uint32),
         lane=np.arange(LANES, dtype=np.uint64),
         words=np.empty(4 * ROW, np.uint32),
-        count=np.empty(LANES, np.uint32),
+        counts=np.empty(LANES, np.uint32),
         base=np.empty(LANES, np.uint32),
         cell=np.empty(LANES, np.uint32),
         place=np.empty(LANES),
@@ -64,7 +66,7 @@ def refill(s):  # type: ignore[no-untyped-def]
     s.block[:] = np.uint32(s.at[1])
     _draw(LANES, s.block, s.second, s.lane, s.key[0], s.key[1], s.words)
     for k in range(4):
-        _find(LANES, k, s.words, shift, hot, pieces, s.count, s.base, s.cell, s.place, s.got)
+        _find(LANES, k, s.words, shift, hot, pieces, s.counts, s.base, s.cell, s.place, s.got)
         _values(LANES, s.got, s.place, factor, np.uint64(k * LANES), s.ready)
         for i in range(LANES):
             if s.ready[i + k * LANES] >= MISSING:

@@ -25,7 +25,9 @@ from origins.streams import MOST_REPLICAS, key_of
 SLIP_FRACTION = 0.1
 MOST_CONTACTS = 1 << 31  # of a replica
 _PILOT = 16  # contacts of what is followed to compile
-_HARDLY = 1e-3  # of the thresholds exceed a stretch at which contacts form again in ordinary numbers
+_HARDLY = (
+    1e-3  # of the thresholds exceed a stretch at which contacts form again in ordinary numbers
+)
 
 
 class CoupledEnsemble:
@@ -65,27 +67,44 @@ class CoupledEnsemble:
         self.drive = Drive(path, velocity, time, spring, slip)
         check_coupled(contacts, self.drive)
         if comm is not None and not hasattr(comm, "Get_rank"):
-            refuse("comm", comm, "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process")
+            refuse(
+                "comm",
+                comm,
+                "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process",
+            )
         self.comm, self._key = comm, key_of(seed)
-        self.n_contacts, self.n_replicas = whole("n_contacts", n_contacts, 1), whole("n_replicas", n_replicas, 1)
+        self.n_contacts, self.n_replicas = (
+            whole("n_contacts", n_contacts, 1),
+            whole("n_replicas", n_replicas, 1),
+        )
         if self.n_replicas >= MOST_REPLICAS:
-            refuse("n_replicas", n_replicas, f"must be below {MOST_REPLICAS}; take more contacts instead")
+            refuse(
+                "n_replicas",
+                n_replicas,
+                f"must be below {MOST_REPLICAS}; take more contacts instead",
+            )
         if self.n_contacts > MOST_CONTACTS:
             refuse("n_contacts", n_contacts, f"must be at most {MOST_CONTACTS} on one soft slider")
         self.slip_fraction = positive("slip_fraction", slip_fraction)
         if self.slip_fraction > 1.0:
-            refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts, such as 0.1")
+            refuse(
+                "slip_fraction",
+                slip_fraction,
+                "must be at most 1, a share of the contacts, such as 0.1",
+            )
         self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
         self.total = self.expected = self.n_contacts * self.n_replicas
         self._stopped = False
         started = self.clock()
-        self._follower = Follower(contacts, self.drive, self.n_contacts, self._key, self.slip_fraction)
+        self._follower = Follower(
+            contacts, self.drive, self.n_contacts, self._key, self.slip_fraction
+        )
         ready = self.clock() - started
         started = self.clock()
         layout.in_turn(comm, lambda: self._compile(contacts))
         self.compile_time = self.clock() - started
         found = list(earlier)
-        self._before = frozenset[int]().union(*(state.replicas for state in found))
+        self._before = {replica for state in found for replica in state.found}
         # what was found before counts on one rank
         nothing = CoupledState(self.n_contacts, run_time=ready)
         first = layout.rank_and_size(comm)[0] == 0
@@ -108,8 +127,9 @@ class CoupledEnsemble:
                     share = next(steps)
                 except StopIteration as end:
                     seconds = self.clock() - started
-                    # one assignment: whatever interrupts, the state is that of whole replicas
-                    self._state = self._state.after(replica, end.value, seconds)
+                    # whatever interrupts, the state is that of whole replicas
+                    self._state.run_time += seconds
+                    self._state.found[replica] = end.value
                     break
                 if self._stopped:
                     break
@@ -121,7 +141,9 @@ class CoupledEnsemble:
             yield total, total
 
     def _late(self, begun: float) -> bool:
-        return self._stopped or (self._wall_time is not None and self.clock() - begun > self._wall_time)
+        return self._stopped or (
+            self._wall_time is not None and self.clock() - begun > self._wall_time
+        )
 
     def stop(self) -> None:
         """Follow this rank's share no further: the result will be that of the finished replicas."""
@@ -137,9 +159,11 @@ class CoupledEnsemble:
         states = [self._state] if self.comm is None else self.comm.allgather(self._state)
         rows: dict[int, Followed] = {}
         for state in states:
-            rows.update(state.found)
+            rows.update(state.here)
         if not rows:
-            raise InputError("ensemble: no replica is finished yet; iterate over it first, or give it more wall_time")
+            raise InputError(
+                "ensemble: no replica is finished yet; iterate over it first, or give it more wall_time"
+            )
         order = [rows[replica] for replica in sorted(rows)]
         position, position_error = mean_of(row.position for row in order)
         force, force_error = mean_of(row.force for row in order)
@@ -159,13 +183,16 @@ class CoupledEnsemble:
             slips=slips_of(rows),
             avalanches=np.array([row.avalanches for row in order]),
             slip_fraction=self.slip_fraction,
+            balance=float(np.mean([row.balance for row in order])),
             contacts=len(rows) * self.n_contacts,
             breaks=sum(row.breaks for row in order),
             breaks_per_rank=[state.breaks for state in states],
             run_time=max(state.run_time for state in states),
             compile_time=self.compile_time,
             success=whole_run,
-            message=done if whole_run else f"{done}: stopped before all {self.n_replicas} were followed",
+            message=done
+            if whole_run
+            else f"{done}: stopped before all {self.n_replicas} were followed",
             step_error=np.zeros(self.drive.path.size),
         )
 
@@ -173,7 +200,13 @@ class CoupledEnsemble:
         """Follow a few contacts on a short way, which compiles what the laws need."""
         assert self.drive.spring is not None
         reach = contacts.mean_threshold + max(map(abs, contacts.start.span))
-        drive = Drive([4.0 * reach * (1.0 + 1.0 / self.drive.spring)], 1.0, None, self.drive.spring, self.drive.slip)
+        drive = Drive(
+            [4.0 * reach * (1.0 + 1.0 / self.drive.spring)],
+            1.0,
+            None,
+            self.drive.spring,
+            self.drive.slip,
+        )
         for _ in Follower(contacts, drive, _PILOT, self._key, 1.0).follow(0):
             pass
 
@@ -191,10 +224,14 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
         again = contacts.reforming.law
         if drive.slip != "instant" or contacts.delay is not None:
             raise InputError(
-                'contacts.reforming: contacts that form again stretched after an avalanche would pull the slider once '
+                "contacts.reforming: contacts that form again stretched after an avalanche would pull the slider once "
                 f'more; {solver} takes them with slip = "instant" and no delay'
             )
-        furthest = abs(again.mean()) if again.is_single else max(abs(again.ppf(_HARDLY)), abs(again.isf(_HARDLY)))
+        furthest = (
+            abs(again.mean())
+            if again.is_single
+            else max(abs(again.ppf(_HARDLY)), abs(again.isf(_HARDLY)))
+        )
         if contacts.thresholds.sf(furthest) < _HARDLY:
             raise InputError(
                 f"contacts.reforming: less than {_HARDLY:g} of the thresholds exceed |x| = {float(furthest):g}, at "
@@ -203,4 +240,8 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     back = np.flatnonzero(np.diff(drive.path) < 0.0)
     if back.size:
         at = int(back[0]) + 1
-        refuse(f"path[{at}]", drive.path[at], f"lies behind path[{at - 1}]; {solver} takes a drive that does not turn")
+        refuse(
+            f"path[{at}]",
+            drive.path[at],
+            f"lies behind path[{at - 1}]; {solver} takes a drive that does not turn",
+        )

@@ -20,7 +20,15 @@ class PlainReplica:
     Lengths are the user's; force and stiffness are sums over the contacts, k_i in <k>.
     """
 
-    def __init__(self, contacts: Contacts, drive: Drive, n: int, seed: int, slip_fraction: float, replica: int) -> None:
+    def __init__(
+        self,
+        contacts: Contacts,
+        drive: Drive,
+        n: int,
+        seed: int,
+        slip_fraction: float,
+        replica: int,
+    ) -> None:
         assert drive.spring is not None
         draws = Draws(contacts, n, key_of(seed))
         self.contacts, self.drive, self.n, self.slip_fraction = contacts, drive, n, slip_fraction
@@ -29,7 +37,9 @@ class PlainReplica:
         self.held, self.breaks, self.arrival = 0, 0, 0
         self.waiting = list[tuple[float, int, float]]()  # where it breaks, arrival, threshold
         for stretches, thresholds in draws.begin(replica):
-            for stretch, threshold in zip(stretches * draws.unit, thresholds * draws.unit, strict=True):
+            for stretch, threshold in zip(
+                stretches * draws.unit, thresholds * draws.unit, strict=True
+            ):
                 self.form(float(threshold), float(stretch))
 
     @staticmethod
@@ -44,7 +54,11 @@ class PlainReplica:
     def form(self, threshold: float, stretch: float = 0.0) -> None:
         """A contact forms at X."""
         k = float(self.contacts.relative_stiffness(threshold))
-        self.held, self.stiffness, self.force = self.held + 1, self.stiffness + k, self.force + k * stretch
+        self.held, self.stiffness, self.force = (
+            self.held + 1,
+            self.stiffness + k,
+            self.force + k * stretch,
+        )
         self.arrival += 1
         heapq.heappush(self.waiting, (self.x - stretch + threshold, self.arrival, threshold))
 
@@ -111,7 +125,11 @@ class PlainReplica:
             # what comes first: a point of the path, a return or a break
             first = self.load(self.waiting[0][0]) if self.waiting else np.inf
             due = self.returns[0][0] if self.returns else np.inf
-            back = spring * np.interp(due, self.clock, self.places) if due <= self.clock[-1] else np.inf
+            back = (
+                spring * np.interp(due, self.clock, self.places)
+                if due <= self.clock[-1]
+                else np.inf
+            )
             time, point = points[0]
             if (point, time) < min((first, -np.inf), (back, due)):
                 x = self.balance(point)
@@ -132,4 +150,5 @@ class PlainReplica:
                 else:
                     avalanches[broken.bit_length() - 1] += 1
         position, force_told, holding = np.array(told).T
-        return Followed(position, force_told, holding, np.reshape(slips, (-1, 6)), avalanches, self.breaks)
+        table, balance = np.reshape(slips, (-1, 6)), float(self.places[0])
+        return Followed(position, force_told, holding, table, avalanches, self.breaks, balance)

@@ -29,7 +29,7 @@ _THRESHOLD, _DIGIT = _U((1 << THRESHOLD_BITS) - 1), _U((1 << DIGIT) - 1)
 class Queue(NamedTuple):
     """Buckets as chains of chunks, and a list of what lies beyond them.
 
-    shift : bits of a bucket's width; count : breaks of each bucket; last : its chunk that fills;
+    shift : bits of a bucket's width; many : breaks of each bucket; last : its chunk that fills;
     before : the chunk before a chunk; free : free[0] chunks are free, and lie behind it; keys :
     shape (chunks, CHUNK); far : positions and thresholds; far_size : how many; open : sorted keys
     of the bucket in which the slider is; spare : to sort them; digits : how many of each digit; at :
@@ -37,7 +37,7 @@ class Queue(NamedTuple):
     """
 
     shift: np.int64
-    count: npt.NDArray[np.int32]
+    many: npt.NDArray[np.int32]
     last: npt.NDArray[np.int32]
     before: npt.NDArray[np.int32]
     free: npt.NDArray[np.int32]
@@ -61,7 +61,7 @@ def make_queue(n: int, mean: float) -> Queue:
     zeros = np.zeros(buckets, np.int32)
     queue = Queue(
         shift=np.int64(shift),
-        count=zeros,
+        many=zeros,
         last=zeros.copy(),
         before=np.empty(chunks, np.int32),
         free=free,
@@ -79,7 +79,7 @@ def make_queue(n: int, mean: float) -> Queue:
 
 def clear(queue: Queue, position: int) -> None:
     """Forget all breaks; the slider is at `position`, and the bucket before its own is open."""
-    queue.count[:] = 0
+    queue.many[:] = 0
     queue.free[0] = queue.free.size - 1
     queue.free[1:] = np.arange(queue.free.size - 2, -1, -1)
     queue.far_size[0] = 0
@@ -107,8 +107,8 @@ def wait(queue, b, x):  # type: ignore[no-untyped-def]
     """A break at b, of threshold x, waits; b lies in the open bucket or beyond."""
     ahead = (b >> queue.shift) - queue.at[2]
     key = (_U(b & ((np.int64(1) << queue.shift) - np.int64(1))) << _U(THRESHOLD_BITS)) | _U(x)
-    if ahead > 0 and ahead < queue.count.size:
-        _push(queue, (b >> queue.shift) & np.int64(queue.count.size - 1), key)
+    if ahead > 0 and ahead < queue.many.size:
+        _push(queue, (b >> queue.shift) & np.int64(queue.many.size - 1), key)
     elif ahead > 0:
         queue.far[queue.far_size[0], 0] = b
         queue.far[queue.far_size[0], 1] = x
@@ -119,14 +119,14 @@ def wait(queue, b, x):  # type: ignore[no-untyped-def]
 
 @inlined
 def _push(queue, k, key):  # type: ignore[no-untyped-def]
-    slot = _U(queue.count[k]) & _U(CHUNK - 1)
+    slot = _U(queue.many[k]) & _U(CHUNK - 1)
     if slot == _U(0):
         chunk = queue.free[queue.free[0]]
         queue.free[0] -= 1
         queue.before[chunk] = queue.last[k]
         queue.last[k] = chunk
     queue.keys[_U(queue.last[k]), slot] = key
-    queue.count[k] += 1
+    queue.many[k] += 1
 
 
 @bare
@@ -149,8 +149,8 @@ def _insert(queue, key):  # type: ignore[no-untyped-def]
 @bare
 def _take(queue, into):  # type: ignore[no-untyped-def]
     """Empty the open bucket's chunks; how many breaks there were, and how many of each digit."""
-    k = queue.at[2] & np.int64(queue.count.size - 1)
-    n, m = np.int64(queue.count[k]), np.int64(0)
+    k = queue.at[2] & np.int64(queue.many.size - 1)
+    n, m = np.int64(queue.many[k]), np.int64(0)
     chunk = np.int64(queue.last[k])
     fill = n - (n - 1) // CHUNK * CHUNK
     queue.digits[:] = 0
@@ -165,22 +165,20 @@ def _take(queue, into):  # type: ignore[no-untyped-def]
         queue.free[0] += 1
         queue.free[queue.free[0]] = chunk
         chunk = np.int64(queue.before[chunk])
-    queue.count[k] = 0
+    queue.many[k] = 0
     return n
 
 
 @bare
 def _sort(queue, d, n, old, new):  # type: ignore[no-untyped-def]
     """Sort n keys by one digit of their places; those with the same digit keep their order."""
-    at = np.int64(0)
+    at: int = 0
     for k in range(queue.digits.shape[1]):
-        many = queue.digits[d, k]
-        queue.digits[d, k] = at
-        at += many
+        queue.digits[d, k], at = at, at + queue.digits[d, k]
     for i in range(n):
-        k = (old[i] >> _U(THRESHOLD_BITS + d * DIGIT)) & _DIGIT
-        new[_U(queue.digits[d, k])] = old[i]
-        queue.digits[d, k] += 1
+        digit = (old[i] >> _U(THRESHOLD_BITS + d * DIGIT)) & _DIGIT
+        new[_U(queue.digits[d, digit])] = old[i]
+        queue.digits[d, digit] += 1
 
 
 @bare
@@ -189,9 +187,11 @@ def _come_near(queue):  # type: ignore[no-untyped-def]
     left = np.int64(0)
     for i in range(queue.far_size[0]):
         b, x = queue.far[i, 0], queue.far[i, 1]
-        if (b >> queue.shift) - queue.at[2] < queue.count.size:
-            key = (_U(b & ((np.int64(1) << queue.shift) - np.int64(1))) << _U(THRESHOLD_BITS)) | _U(x)
-            _push(queue, (b >> queue.shift) & np.int64(queue.count.size - 1), key)
+        if (b >> queue.shift) - queue.at[2] < queue.many.size:
+            key = (_U(b & ((np.int64(1) << queue.shift) - np.int64(1))) << _U(THRESHOLD_BITS)) | _U(
+                x
+            )
+            _push(queue, (b >> queue.shift) & np.int64(queue.many.size - 1), key)
         else:
             queue.far[left, 0] = b
             queue.far[left, 1] = x
@@ -203,7 +203,7 @@ def _come_near(queue):  # type: ignore[no-untyped-def]
 def open_next(queue):  # type: ignore[no-untyped-def]
     """Open the next bucket: its breaks, in order."""
     queue.at[2] += 1
-    if queue.at[2] % (queue.count.size // AHEAD) == 0:
+    if queue.at[2] % (queue.many.size // AHEAD) == 0:
         _come_near(queue)
     last = queue.digits.shape[0] - 1
     n = _take(queue, queue.open if last % 2 else queue.spare)

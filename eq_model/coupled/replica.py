@@ -15,7 +15,7 @@ from origins.errors import InputError
 
 if TYPE_CHECKING:
     from eq_model.coupled.queue_kernel import Queue
-    from eq_model.coupled.slide_kernel import Pull
+    from eq_model.coupled.slide_kernel import Pull, Told
 
 Array = npt.NDArray[np.float64]
 
@@ -38,6 +38,8 @@ class Followed:
         How many that were no slips broke 1, 2 to 3, 4 to 7, ... contacts.
     breaks : int
         All of them.
+    balance : float
+        X_T = F(0)/K, where the drive stands at t = 0 (a length).
     """
 
     position: Array
@@ -46,6 +48,7 @@ class Followed:
     slips: Array
     avalanches: npt.NDArray[np.int64]
     breaks: int
+    balance: float
 
 
 class Follower:
@@ -61,6 +64,7 @@ class Follower:
         self._unit = self._draws.unit
         self._mean = contacts.mean_threshold / self._unit
         self._slip = max(int(np.ceil(slip_fraction * n)), 1)
+
     def follow(self, replica: int) -> Generator[float, None, Followed]:
         """Yields now and then the share of the drive's path that is done.
 
@@ -72,16 +76,19 @@ class Follower:
 
         queue, slider = make_queue(self.n, self._mean), np.zeros(1, SLIDER)
         pull = self._begin(replica, slider, queue)
+        balance = float(slider[0]["force"]) / pull.spring
         thresholds, stretches = self._draws.thresholds(replica), self._draws.stretches(replica)
         size, s = self.drive.path.size, slider[0]
-        told = Told(*np.zeros((2, size)), np.zeros(size, np.int64), np.zeros(SIZES, np.int64))
+        told = Told(
+            np.zeros(size), np.zeros(size), np.zeros(size, np.int64), np.zeros(SIZES, np.int64)
+        )
         room = 1 if self.contacts.delay is None else self.n
         returns = Returns(np.empty(room), np.empty(room, np.int64))
         slips = list[list[float]]()
         while True:
             why = slide_kernel.slide(slider, queue, thresholds, stretches, pull, told, returns)
             if why == slide_kernel.PATH_DONE:
-                return self._followed(s, told, slips)
+                return self._followed(s, told, slips, balance)
             if why == slide_kernel.BUCKETS_PASSED:
                 yield float(s["point"]) / size
                 continue
@@ -98,9 +105,7 @@ class Follower:
         spring = self._spring * self.n
         nothing = np.empty(0)
         pull = self._pull(nothing, nothing, nothing, nothing)
-        back = max(
-            begin(slider, queue, pull, *part) for part in self._draws.begin(replica)
-        )
+        back = max(begin(slider, queue, pull, *part) for part in self._draws.begin(replica))
         s, path = slider[0], drive.path / unit
         balance = s["force"] / spring
         reached = (spring * path[0] - s["force"]) / (spring + s["stiffness"])
@@ -154,7 +159,9 @@ class Follower:
         s["returning"] = s["returns"]
         clear(queue, int(s["at"]))
 
-    def _followed(self, s: np.void, told: Told, slips: list[list[float]]) -> Followed:
+    def _followed(
+        self, s: np.void, told: Told, slips: list[list[float]], balance: float
+    ) -> Followed:
         unit, of_force = self._unit, self._unit / self.n
         lengths = np.array([of_force / self._spring, unit, unit, of_force, of_force, 1.0])
         return Followed(
@@ -164,4 +171,5 @@ class Follower:
             slips=np.reshape(slips, (-1, len(_OF_A_SLIP))) * lengths,
             avalanches=told.avalanches,
             breaks=int(s["breaks"]),
+            balance=balance * unit,
         )

@@ -76,6 +76,8 @@ class CoupledResult:
     avalanches : array of shape (replicas, 40)
         How many smaller ones broke 1, 2 to 3, 4 to 7, 8 to 15, ... contacts.
     slip_fraction : float
+    balance : float
+        X_T = F(0)/K, where the drive stands at t = 0, mean over the replicas (a length).
     contacts, breaks : int
         Of all finished replicas.
     breaks_per_rank : list of int
@@ -100,6 +102,7 @@ class CoupledResult:
     slips: CoupledSlips
     avalanches: Whole
     slip_fraction: float
+    balance: float
     contacts: int
     breaks: int
     breaks_per_rank: list[int]
@@ -113,68 +116,74 @@ class CoupledResult:
     __repr__ = brief
 
 
-@dataclass(frozen=True)
+@dataclass
 class CoupledState:
     """Replicas of `n` contacts that are finished: kept after each, written down, and gone on from.
 
-    replicas : their numbers; found : what they did, of those whose results this rank has.
+    found : what they did, by their numbers; None where another rank has it. run_time : s.
     """
 
     n: int
-    replicas: frozenset[int] = frozenset()
-    found: Mapping[int, Followed] = field(default_factory=dict)
+    found: dict[int, Followed | None] = field(default_factory=dict)
     run_time: float = 0.0
 
-    def after(self, replica: int, followed: Followed, seconds: float) -> CoupledState:
-        """With one replica more."""
-        replicas, found = self.replicas | {replica}, {**self.found, replica: followed}
-        return CoupledState(self.n, replicas, found, self.run_time + seconds)
+    @property
+    def here(self) -> dict[int, Followed]:
+        """Those that this rank has."""
+        return {replica: row for replica, row in self.found.items() if row is not None}
 
     def joined(self, other: CoupledState) -> CoupledState:
         """Of both."""
-        sizes = {one.force.size for one in (*self.found.values(), *other.found.values())}
+        sizes = {row.force.size for row in (*self.here.values(), *other.here.values())}
         if self.n != other.n or len(sizes) > 1:
-            raise InputError("earlier: was found on another path, or for other contacts; start anew")
-        replicas, found = self.replicas | other.replicas, {**self.found, **other.found}
-        return CoupledState(self.n, replicas, found, max(self.run_time, other.run_time))
+            raise InputError(
+                "earlier: was found on another path, or for other contacts; start anew"
+            )
+        found = {**self.found, **other.found, **self.here}
+        return CoupledState(self.n, found, max(self.run_time, other.run_time))
 
     @property
     def done(self) -> list[range]:
         """The contacts of these replicas, all replicas' contacts counted in one row."""
         done: list[range] = []
-        for replica in sorted(self.replicas):
+        for replica in sorted(self.found):
             done = layout.joined(done, range(replica * self.n, (replica + 1) * self.n))
         return done
 
     @property
     def contacts(self) -> int:
         """How many."""
-        return self.n * len(self.replicas)
+        return self.n * len(self.found)
 
     @property
     def breaks(self) -> int:
         """Of the replicas whose results are here."""
-        return sum(one.breaks for one in self.found.values())
+        return sum(row.breaks for row in self.here.values())
 
     def without_sums(self) -> CoupledState:
         """The replicas' numbers alone."""
-        return CoupledState(self.n, self.replicas, {}, self.run_time)
+        return CoupledState(self.n, dict.fromkeys(self.found), self.run_time)
 
     def arrays(self) -> dict[str, npt.NDArray[np.generic]]:
         """All of it as arrays, for a file."""
-        order = sorted(self.found)
-        rows = [self.found[replica] for replica in order]
+        found = self.here
+        order = sorted(found)
+        rows = [found[replica] for replica in order]
         points = rows[0].force.size if rows else 0
         stacked = {
             name: np.reshape([getattr(row, name) for row in rows], (len(rows), -1 if rows else 0))
             for name in ("position", "force", "holding", "avalanches")
         }
         slips = np.concatenate([np.empty((0, 6)), *(row.slips for row in rows)])
-        counts = np.array([(r, row.breaks, len(row.slips)) for r, row in zip(order, rows, strict=True)])
+        counts = np.array(
+            [(r, row.breaks, len(row.slips)) for r, row in zip(order, rows, strict=True)]
+        )
+        balances = np.array([row.balance for row in rows])
         return {
             **stacked,
             "slips": slips,
             "counts": counts.reshape(-1, 3).astype(np.int64),
+            "balance": balances,
             "shape": np.array([self.n, points]),
             "run_time": np.array(self.run_time),
         }
@@ -183,17 +192,24 @@ class CoupledState:
     def of_arrays(cls, arrays: Mapping[str, npt.NDArray[np.generic]]) -> CoupledState:
         """The state that has these arrays; KeyError and ValueError where there is none."""
         counts = np.asarray(arrays["counts"], np.int64)
-        slips = np.split(np.asarray(arrays["slips"], float), np.cumsum(counts[:, 2])[:-1]) if len(counts) else []
-        found = {
+        slips = (
+            np.split(np.asarray(arrays["slips"], float), np.cumsum(counts[:, 2])[:-1])
+            if len(counts)
+            else []
+        )
+        found: dict[int, Followed | None] = {
             int(replica): Followed(
-                *(np.asarray(arrays[name][i], float) for name in ("position", "force", "holding")),
+                position=np.asarray(arrays["position"][i], float),
+                force=np.asarray(arrays["force"][i], float),
+                holding=np.asarray(arrays["holding"][i], float),
                 slips=slips[i],
                 avalanches=np.asarray(arrays["avalanches"][i], np.int64),
                 breaks=int(breaks),
+                balance=float(arrays["balance"][i]),
             )
             for i, (replica, breaks, _) in enumerate(counts)
         }
-        return cls(int(arrays["shape"][0]), frozenset(found), found, float(arrays["run_time"]))
+        return cls(int(arrays["shape"][0]), found, float(arrays["run_time"]))
 
 
 def slips_of(rows: Mapping[int, Followed]) -> CoupledSlips:
@@ -201,11 +217,17 @@ def slips_of(rows: Mapping[int, Followed]) -> CoupledSlips:
     order = sorted(rows)
     lengths = [len(rows[replica].slips) for replica in order]
     table = np.concatenate([np.empty((0, 6)), *(rows[replica].slips for replica in order)])
+    number = np.concatenate([np.empty(0, np.int64), *(np.arange(n) for n in lengths)])
+    drive, before, after, force_before, force_after, breaks = table.T
     return CoupledSlips(
-        np.repeat(np.array(order, np.int64), lengths),
-        np.concatenate([np.empty(0, np.int64), *(np.arange(n) for n in lengths)]),
-        *table[:, :5].T,
-        breaks=table[:, 5].astype(np.int64),
+        replica=np.repeat(np.array(order, np.int64), lengths),
+        number=number,
+        drive=drive,
+        before=before,
+        after=after,
+        force_before=force_before,
+        force_after=force_after,
+        breaks=breaks.astype(np.int64),
     )
 
 

@@ -83,7 +83,7 @@ class Returns(NamedTuple):
     """Contacts that are out, in a ring: when they come back, and how many together."""
 
     time: npt.NDArray[np.float64]
-    count: npt.NDArray[np.int64]
+    many: npt.NDArray[np.int64]
 
 
 @inlined
@@ -163,8 +163,7 @@ def tell(s, pull, told, b, load, level, time):  # type: ignore[no-untyped-def]
     load : F + K X at b if nothing breaks before.
     """
     while s.point < pull.path.size and (
-        pull.path[s.point] < level
-        or (pull.path[s.point] == level and pull.time[s.point] < time)
+        pull.path[s.point] < level or (pull.path[s.point] == level and pull.time[s.point] < time)
     ):
         x = b - (load - pull.path[s.point]) / (pull.spring + s.stiffness)
         told.position[s.point] = x
@@ -193,7 +192,7 @@ def slide(slider, queue, thresholds, stretches, pull, told, returns):  # type: i
             if back:
                 x = b - (load - level) / (pull.spring + s.stiffness)
                 move(s, min(max(np.int64(np.rint(x)), s.at), b))
-                n = returns.count[s.returning % returns.time.size]
+                n = returns.many[s.returning % returns.time.size]
                 s.returning += 1
                 for _ in range(n):
                     form(s, queue, thresholds, stretches, pull)
@@ -212,7 +211,7 @@ def slide(slider, queue, thresholds, stretches, pull, told, returns):  # type: i
                     last = s.returns % returns.time.size
                     now = time_of(slider, pull, s.pulled / pull.spring)
                     returns.time[last] = now + pull.wait
-                    returns.count[last] = s.out
+                    returns.many[last] = s.out
                     s.returns += 1
                 else:
                     for _ in range(s.out):
