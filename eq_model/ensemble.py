@@ -306,8 +306,8 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
         the delay after it. "reset": as that, but once an avalanche has broken `slip_fraction` of the contacts all are
         drawn anew, those that are out too, and the slider moves to X_T.
     slip_fraction : float, optional
-        Share of a replica's contacts that an avalanche breaks at least to be told as a slip; None: 0.1. Before a slip
-        avalanches break up to some N^(-1/3) of them.
+        Share of a replica's contacts that an avalanche breaks at least to be told as a slip; None: 0.2. Before a slip
+        avalanches break up to 2 N^(-1/3) of them, at N = 4,000 0.13.
     n_contacts, n_replicas : int
         Replicas differ in their random numbers only. Standard errors of coupled contacts are those between replicas.
     seed : int

@@ -105,7 +105,7 @@ def test_identical_thresholds_are_a_sawtooth(slip, spring):
         np.abs(result.slips.drive - (to + period * np.arange(result.slips.drive.size))).max()
         < 1e-7 * to
     )
-    assert (result.slips.breaks == (100 if slip == "reset" else 1000)).all()
+    assert (result.slips.breaks == (200 if slip == "reset" else 1000)).all()
 
 
 def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():

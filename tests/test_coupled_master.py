@@ -103,11 +103,11 @@ def test_the_judge_finds_a_spring_that_is_wrong_by_a_thousandth():
 def test_slips_of_three_origins(name, rule):
     """The first three slips, of which each sums up the scatter of those before; the first alone where it decoheres."""
     number = 1 if rule == "instant" else 3
-    exact, found = slips(name, rule, number, 128_000_000, seed=2)
+    exact, found = slips(name, rule, number, 64_000_000, seed=2)
     unit = CASES[name][0].mean_threshold
     for k in range(number):
         assert abs(found[k].deviation(exact[k])) < 4.0
-    assert found[0].error < 1.5e-4 * unit
+    assert found[0].error < 2e-4 * unit
 
 
 def largest(spring, size, replicas=16):

@@ -19,10 +19,10 @@ from origins.drive import SlipRule
 from origins.errors import InputError, positive, refuse, whole
 from origins.streams import MOST_REPLICAS, key_of
 
-# Share of the contacts that an avalanche breaks at least to be a slip. Before a slip the largest
-# avalanches break some N^(-1/3) of the contacts, 0.06 at N = 4,000; slips of a spring well below K*
-# break most of them.
-SLIP_FRACTION = 0.1
+# Share of the contacts that an avalanche breaks at least to be a slip. Before a slip avalanches
+# break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below 0.7 K* break
+# most of them.
+SLIP_FRACTION = 0.2
 MOST_CONTACTS = 1 << 31  # of a replica
 _PILOT = 16  # contacts of what is followed to compile
 _HARDLY = (
