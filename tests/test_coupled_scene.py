@@ -44,7 +44,9 @@ def test_slips_are_compared_one_by_one(result):
     assert [slip.have for slip in beside] == [12] * 3 and result.success
     for slip in beside:
         own = result.eq.slips.drive[result.eq.slips.number == slip.number]
-        assert slip.mean_drive == own.mean() and slip.drive == result.master.slips.drive[slip.number]
+        assert (
+            slip.mean_drive == own.mean() and slip.drive == result.master.slips.drive[slip.number]
+        )
         assert abs(slip.mean_drive - slip.drive) < 0.1 and abs(slip.mean_drop - slip.drop) < 0.05
     lines = report(result)
     assert sum(line.startswith("slip ") for line in lines) == 3
@@ -59,7 +61,9 @@ def test_a_result_comes_back_from_its_folder(result, tmp_path):
     read = toolkit.load(tmp_path)
     for field in dataclasses.fields(result.eq):
         if field.name not in ("histograms", "breaks_per_rank"):
-            assert np.all(getattr(read.eq, field.name) == getattr(result.eq, field.name)), field.name
+            assert np.all(getattr(read.eq, field.name) == getattr(result.eq, field.name)), (
+                field.name
+            )
     assert read.eq.slips.mean("drive", 1) == result.eq.slips.mean("drive", 1)
     assert (tmp_path / "picture.png").stat().st_size > 10_000
     told = json.loads((tmp_path / "summary.json").read_text())["eq"]
@@ -77,7 +81,9 @@ def test_a_run_goes_on_from_the_replicas_that_are_finished(result, tmp_path):
             break
     again = Checkpoint(tmp_path, scene)
     found, finished = solve(scene, None, kept=again)
-    assert finished and any("went on from a checkpoint of 2,000 contacts" in note for note in found.notes)
+    assert finished and any(
+        "went on from a checkpoint of 2,000 contacts" in note for note in found.notes
+    )
     for name in ("forces", "positions", "slip_drive", "avalanches", "breaks"):
         assert np.all(getattr(found.eq, name) == getattr(result.eq, name))
     other = load_scene(SCENE | {"drive": SCENE["drive"] | {"spring": 0.8}})
@@ -93,7 +99,11 @@ def test_a_wall_time_ends_it_with_whole_replicas():
     for _ in ensemble:
         pass
     found = coupled_record(ensemble.result())
-    assert not found.success and 0 < len(found.forces) < 12 and "stopped before all 12" in found.message
+    assert (
+        not found.success
+        and 0 < len(found.forces) < 12
+        and "stopped before all 12" in found.message
+    )
 
 
 def test_an_ensemble_alone_and_what_a_dry_run_tells(capsys):
@@ -117,7 +127,10 @@ def test_an_ensemble_alone_and_what_a_dry_run_tells(capsys):
         ({"eq": {"slip_fraction": 2.0}}, "eq.slip_fraction = 2.0: must be at most 1"),
         ({"drive": {"to": 7.0, "points": 71}, "eq": {"slip_fraction": 0.1}}, "eq.slip_fraction"),
         ({"drive": {"turns": [3.0, 1.0], "points": 71, "spring": 0.7}}, "drive.turns"),
-        ({"contacts": SCENE["contacts"] | {"thermal": {"law": "soft", "temperature": 0.1}}}, "contacts.thermal: "),
+        (
+            {"contacts": SCENE["contacts"] | {"thermal": {"law": "soft", "temperature": 0.1}}},
+            "contacts.thermal: ",
+        ),
     ],
 )
 def test_what_is_not_taken_is_refused_before_any_work(table, rule):
@@ -127,7 +140,9 @@ def test_what_is_not_taken_is_refused_before_any_work(table, rule):
 
 
 def test_bits_do_not_depend_on_the_number_of_ranks(mpirun):
-    program = PROGRAM + "\nfrom mpi4py import MPI\nevery = MPI.COMM_WORLD.gather(told(MPI.COMM_WORLD))\n"
+    program = (
+        PROGRAM + "\nfrom mpi4py import MPI\nevery = MPI.COMM_WORLD.gather(told(MPI.COMM_WORLD))\n"
+    )
     program += "if MPI.COMM_WORLD.Get_rank() == 0:\n    print(json.dumps(every))\n"
     here = {}
     exec(PROGRAM, here)

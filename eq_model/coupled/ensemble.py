@@ -11,20 +11,19 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model import layout
-from eq_model.coupled.replica import Followed, Follower
-from eq_model.coupled.result import CoupledResult, CoupledState, mean_of, slips_of
-from origins import Contacts, Drive
+from eq_model.coupled.replica import Follower
+from eq_model.coupled.result import CoupledResult, CoupledState, result_of
+from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
 from origins.drive import SlipRule
 from origins.errors import InputError, positive, refuse, whole
-from origins.streams import MOST_REPLICAS, key_of
 
 # Share of the contacts that an avalanche breaks at least to be a slip. Before a slip avalanches
 # break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below 0.7 K* break
 # most of them.
 SLIP_FRACTION = 0.2
 MOST_CONTACTS = 1 << 31  # of a replica
-_PILOT = 16  # contacts of what is followed to compile
+MOST_REPLICAS = 1 << 28
 _HARDLY = (
     1e-3  # of the thresholds exceed a stretch at which contacts form again in ordinary numbers
 )
@@ -67,41 +66,27 @@ class CoupledEnsemble:
         self.drive = Drive(path, velocity, time, spring, slip)
         check_coupled(contacts, self.drive)
         if comm is not None and not hasattr(comm, "Get_rank"):
-            refuse(
-                "comm",
-                comm,
-                "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process",
+            rule = (
+                "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process"
             )
-        self.comm, self._key = comm, key_of(seed)
-        self.n_contacts, self.n_replicas = (
-            whole("n_contacts", n_contacts, 1),
-            whole("n_replicas", n_replicas, 1),
-        )
-        if self.n_replicas >= MOST_REPLICAS:
-            refuse(
-                "n_replicas",
-                n_replicas,
-                f"must be below {MOST_REPLICAS}; take more contacts instead",
-            )
-        if self.n_contacts > MOST_CONTACTS:
-            refuse("n_contacts", n_contacts, f"must be at most {MOST_CONTACTS} on one soft slider")
+            refuse("comm", comm, rule)
+        self.comm, self.n_contacts = comm, whole("n_contacts", n_contacts, 1)
+        self.n_replicas = whole("n_replicas", n_replicas, 1)
+        for name, value, most in (
+            ("n_contacts", self.n_contacts, MOST_CONTACTS),
+            ("n_replicas", self.n_replicas, MOST_REPLICAS),
+        ):
+            if value > most:
+                refuse(name, value, f"must be at most {most} on soft sliders")
         self.slip_fraction = positive("slip_fraction", slip_fraction)
         if self.slip_fraction > 1.0:
-            refuse(
-                "slip_fraction",
-                slip_fraction,
-                "must be at most 1, a share of the contacts, such as 0.1",
-            )
+            refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
         self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
         self.total = self.expected = self.n_contacts * self.n_replicas
-        self._stopped = False
-        started = self.clock()
-        self._follower = Follower(
-            contacts, self.drive, self.n_contacts, self._key, self.slip_fraction
-        )
-        ready = self.clock() - started
-        started = self.clock()
-        layout.in_turn(comm, lambda: self._compile(contacts))
+        self._stopped, started = False, self.clock()
+        self._follower = Follower(contacts, self.drive, self.n_contacts, seed, self.slip_fraction)
+        ready, started = self.clock() - started, self.clock()
+        layout.in_turn(comm, _compile)
         self.compile_time = self.clock() - started
         found = list(earlier)
         self._before = {replica for state in found for replica in state.found}
@@ -157,58 +142,34 @@ class CoupledEnsemble:
     def result(self) -> CoupledResult:
         """What all ranks found; every rank must call, and gets the same bits."""
         states = [self._state] if self.comm is None else self.comm.allgather(self._state)
-        rows: dict[int, Followed] = {}
-        for state in states:
-            rows.update(state.here)
+        rows = {replica: row for state in states for replica, row in state.here.items()}
         if not rows:
             raise InputError(
                 "ensemble: no replica is finished yet; iterate over it first, or give it more wall_time"
             )
-        order = [rows[replica] for replica in sorted(rows)]
-        position, position_error = mean_of(row.position for row in order)
-        force, force_error = mean_of(row.force for row in order)
-        holding, holding_error = mean_of(row.holding for row in order)
-        done = f"{len(rows)} replicas of {self.n_contacts:,} contacts"
-        whole_run = len(rows) == self.n_replicas
-        return CoupledResult(
+        told = f"{len(rows)} replicas of {self.n_contacts:,} contacts"
+        finished = len(rows) == self.n_replicas
+        if not finished:
+            told += f": stopped before all {self.n_replicas} were followed"
+        return result_of(
+            [rows[replica] for replica in sorted(rows)],
+            sorted(rows),
             path=self.drive.path,
-            position=position,
-            force=force,
-            position_standard_error=position_error,
-            force_standard_error=force_error,
-            positions=np.array([row.position for row in order]),
-            forces=np.array([row.force for row in order]),
-            holding=holding,
-            holding_standard_error=holding_error,
-            slips=slips_of(rows),
-            avalanches=np.array([row.avalanches for row in order]),
             slip_fraction=self.slip_fraction,
-            balance=float(np.mean([row.balance for row in order])),
             contacts=len(rows) * self.n_contacts,
-            breaks=sum(row.breaks for row in order),
-            breaks_per_rank=[state.breaks for state in states],
+            breaks_per_rank=[sum(row.breaks for row in state.here.values()) for state in states],
             run_time=max(state.run_time for state in states),
             compile_time=self.compile_time,
-            success=whole_run,
-            message=done
-            if whole_run
-            else f"{done}: stopped before all {self.n_replicas} were followed",
-            step_error=np.zeros(self.drive.path.size),
+            success=finished,
+            message=told,
         )
 
-    def _compile(self, contacts: Contacts) -> None:
-        """Follow a few contacts on a short way, which compiles what the laws need."""
-        assert self.drive.spring is not None
-        reach = contacts.mean_threshold + max(map(abs, contacts.start.span))
-        drive = Drive(
-            [4.0 * reach * (1.0 + 1.0 / self.drive.spring)],
-            1.0,
-            None,
-            self.drive.spring,
-            self.drive.slip,
-        )
-        for _ in Follower(contacts, drive, _PILOT, self._key, 1.0).follow(0):
-            pass
+
+def _compile() -> None:
+    """Follow a few contacts on a short way: the kernels are the same for all laws and rules."""
+    contacts, drive = Contacts(identical(1.0)), Drive([3.0], spring=1.0)
+    for _ in Follower(contacts, drive, 2, 0, 1.0).follow(0):
+        pass
 
 
 def check_coupled(contacts: Contacts, drive: Drive) -> None:
@@ -216,27 +177,16 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     solver = "eq_model.simulate with a spring"
     if isinstance(contacts, Contacts) and contacts.thermal is not None:
         raise InputError(
-            f"contacts.thermal: {solver} takes T = 0: the slider's speed hangs on all contacts at once, so that none "
-            "can draw its break beforehand; leave thermal out, or use master.solve"
+            f"contacts.thermal: {solver} takes T = 0: the slider's speed hangs on all contacts at "
+            "once, so that none can draw its break beforehand; use master.solve, or leave it out"
         )
     check_contacts(contacts, solver, ("delay", "reforming", "stiffness"))
-    if contacts.reforming is not None:
-        again = contacts.reforming.law
-        if drive.slip != "instant" or contacts.delay is not None:
-            raise InputError(
-                "contacts.reforming: contacts that form again stretched after an avalanche would pull the slider once "
-                f'more; {solver} takes them with slip = "instant" and no delay'
-            )
-        furthest = (
-            abs(again.mean())
-            if again.is_single
-            else max(abs(again.ppf(_HARDLY)), abs(again.isf(_HARDLY)))
+    at_once = drive.slip == "instant" and contacts.delay is None
+    if contacts.reforming is not None and not at_once:
+        raise InputError(
+            "contacts.reforming: contacts that form again stretched after an avalanche would pull "
+            f'the slider once more; {solver} takes them with slip = "instant" and no delay'
         )
-        if contacts.thresholds.sf(furthest) < _HARDLY:
-            raise InputError(
-                f"contacts.reforming: less than {_HARDLY:g} of the thresholds exceed |x| = {float(furthest):g}, at "
-                f"which contacts form again, and {solver} draws until one does; use smaller stretches"
-            )
     back = np.flatnonzero(np.diff(drive.path) < 0.0)
     if back.size:
         at = int(back[0]) + 1

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import heapq
 from collections import deque
-from collections.abc import Iterator
 
 import numpy as np
 
-from eq_model.coupled.draws import Draws
-from eq_model.coupled.replica import SIZES, Followed
+from eq_model.coupled.draws import Draws, relaxed_contact, stretched_contact
+from eq_model.coupled.replica import Followed
+from eq_model.coupled.slide_kernel import SIZES
 from origins import Contacts, Drive
-from origins.streams import key_of
 
 
 class PlainReplica:
-    """One replica with the draws that `eq_model.simulate` makes; contacts form again at x = 0.
+    """One replica with the draws that `eq_model.simulate` makes.
 
     Lengths are the user's; force and stiffness are sums over the contacts, k_i in <k>.
     """
@@ -30,36 +29,27 @@ class PlainReplica:
         replica: int,
     ) -> None:
         assert drive.spring is not None
-        draws = Draws(contacts, n, key_of(seed))
+        draws = Draws(contacts, seed)
         self.contacts, self.drive, self.n, self.slip_fraction = contacts, drive, n, slip_fraction
-        self.spring, self.fresh = drive.spring * n, self._fresh(draws, replica)
+        self.spring, self.unit, self.draws = drive.spring * n, draws.unit, draws.of_replica(replica)
         self.x = self.force = self.stiffness = 0.0
         self.held, self.breaks, self.arrival = 0, 0, 0
         self.waiting = list[tuple[float, int, float]]()  # where it breaks, arrival, threshold
-        for stretches, thresholds in draws.begin(replica):
-            for stretch, threshold in zip(
-                stretches * draws.unit, thresholds * draws.unit, strict=True
-            ):
-                self.form(float(threshold), float(stretch))
+        for _ in range(n):
+            self.form(start=True)
 
-    @staticmethod
-    def _fresh(draws: Draws, replica: int) -> Iterator[float]:
-        from eq_model.coupled.draws_kernel import refill
-
-        supply = draws.thresholds(replica)
-        while True:
-            refill(supply)
-            yield from (supply.ready.clip(1) * draws.unit).tolist()
-
-    def form(self, threshold: float, stretch: float = 0.0) -> None:
+    def form(self, start: bool = False) -> None:
         """A contact forms at X."""
+        own, units = self.draws, np.int64(0)
+        if own.stretched if start else own.again_stretched:
+            stretches = own.starts if start else own.again
+            whole, units = stretched_contact(own.thresholds, stretches, own.top)
+        else:
+            whole = relaxed_contact(own.thresholds)
+        threshold, stretch = float(whole * self.unit), float(units * self.unit)
         k = float(self.contacts.relative_stiffness(threshold))
-        self.held, self.stiffness, self.force = (
-            self.held + 1,
-            self.stiffness + k,
-            self.force + k * stretch,
-        )
-        self.arrival += 1
+        self.held, self.stiffness = self.held + 1, self.stiffness + k
+        self.force, self.arrival = self.force + k * stretch, self.arrival + 1
         heapq.heappush(self.waiting, (self.x - stretch + threshold, self.arrival, threshold))
 
     def load(self, x: float) -> float:
@@ -86,7 +76,7 @@ class PlainReplica:
             self.force, self.stiffness = self.force - k * threshold, self.stiffness - k
             self.held, self.breaks, broken = self.held - 1, self.breaks + 1, broken + 1
             if at_once:
-                self.form(next(self.fresh))
+                self.form()
             else:
                 out += 1
             if drive.slip == "reset" and broken >= self.slip_fraction * self.n:
@@ -94,12 +84,12 @@ class PlainReplica:
                 self.waiting.clear()
                 self.returns.clear()
                 for _ in range(self.n):
-                    self.form(next(self.fresh))
+                    self.form()
                 return broken
         self.move(self.balance(level))
         if self.contacts.delay is None:
             for _ in range(out):
-                self.form(next(self.fresh))
+                self.form()
         else:
             now = self.clock_at(level / self.spring)
             self.returns.append((now + self.contacts.delay.time, out))
@@ -138,7 +128,7 @@ class PlainReplica:
             elif back < first:
                 self.move(self.balance(back))
                 for _ in range(self.returns.popleft()[1]):
-                    self.form(next(self.fresh))
+                    self.form()
             else:
                 level = max(level, first)
                 before, force = self.waiting[0][0], level - spring * self.waiting[0][0]

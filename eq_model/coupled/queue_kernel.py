@@ -161,7 +161,7 @@ def _take(queue, into):  # type: ignore[no-untyped-def]
             for d in range(queue.digits.shape[0]):
                 queue.digits[d, (key >> _U(THRESHOLD_BITS + d * DIGIT)) & _DIGIT] += 1
         m += fill
-        fill = CHUNK
+        fill = np.int64(CHUNK)
         queue.free[0] += 1
         queue.free[queue.free[0]] = chunk
         chunk = np.int64(queue.before[chunk])
@@ -172,7 +172,7 @@ def _take(queue, into):  # type: ignore[no-untyped-def]
 @bare
 def _sort(queue, d, n, old, new):  # type: ignore[no-untyped-def]
     """Sort n keys by one digit of their places; those with the same digit keep their order."""
-    at: int = 0
+    at = np.int64(0)
     for k in range(queue.digits.shape[1]):
         queue.digits[d, k], at = at, at + queue.digits[d, k]
     for i in range(n):

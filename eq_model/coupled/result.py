@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import reduce
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +13,6 @@ import numpy.typing as npt
 from eq_model import layout
 from eq_model.coupled.replica import Followed
 from origins.brief import brief
-from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
@@ -132,108 +133,85 @@ class CoupledState:
         """Those that this rank has."""
         return {replica: row for replica, row in self.found.items() if row is not None}
 
-    def joined(self, other: CoupledState) -> CoupledState:
-        """Of both."""
-        sizes = {row.force.size for row in (*self.here.values(), *other.here.values())}
-        if self.n != other.n or len(sizes) > 1:
-            raise InputError(
-                "earlier: was found on another path, or for other contacts; start anew"
-            )
-        found = {**self.found, **other.found, **self.here}
-        return CoupledState(self.n, found, max(self.run_time, other.run_time))
-
-    @property
-    def done(self) -> list[range]:
-        """The contacts of these replicas, all replicas' contacts counted in one row."""
-        done: list[range] = []
-        for replica in sorted(self.found):
-            done = layout.joined(done, range(replica * self.n, (replica + 1) * self.n))
-        return done
-
     @property
     def contacts(self) -> int:
-        """How many."""
+        """How many, of all."""
         return self.n * len(self.found)
 
     @property
-    def breaks(self) -> int:
-        """Of the replicas whose results are here."""
-        return sum(row.breaks for row in self.here.values())
+    def done(self) -> list[range]:
+        """The numbers of all."""
+        parts = (range(replica, replica + 1) for replica in sorted(self.found))
+        return reduce(layout.joined, parts, [])
+
+    def joined(self, other: CoupledState) -> CoupledState:
+        """Of both."""
+        found = {**self.found, **other.found, **self.here}
+        return CoupledState(self.n, found, max(self.run_time, other.run_time))
 
     def without_sums(self) -> CoupledState:
-        """The replicas' numbers alone."""
+        """The numbers alone."""
         return CoupledState(self.n, dict.fromkeys(self.found), self.run_time)
 
-    def arrays(self) -> dict[str, npt.NDArray[np.generic]]:
-        """All of it as arrays, for a file."""
-        found = self.here
-        order = sorted(found)
-        rows = [found[replica] for replica in order]
-        points = rows[0].force.size if rows else 0
-        stacked = {
-            name: np.reshape([getattr(row, name) for row in rows], (len(rows), -1 if rows else 0))
-            for name in ("position", "force", "holding", "avalanches")
+    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """All that is here, for a file: each field of Followed, replica after replica."""
+        rows = self.here
+        values = {
+            name: [np.atleast_1d(getattr(row, name)) for row in rows.values()]
+            for name in Followed.__dataclass_fields__
         }
-        slips = np.concatenate([np.empty((0, 6)), *(row.slips for row in rows)])
-        counts = np.array(
-            [(r, row.breaks, len(row.slips)) for r, row in zip(order, rows, strict=True)]
-        )
-        balances = np.array([row.balance for row in rows])
-        return {
-            **stacked,
-            "slips": slips,
-            "counts": counts.reshape(-1, 3).astype(np.int64),
-            "balance": balances,
-            "shape": np.array([self.n, points]),
-            "run_time": np.array(self.run_time),
+        lengths = [[len(one) for one in several] for several in values.values()]
+        joined = {name: np.concatenate(several) for name, several in values.items() if several}
+        return joined | {
+            "replicas": np.array(list(rows), np.int64),
+            "lengths": np.array(lengths, np.int64),
+            "told": np.array([self.n, self.run_time]),
         }
 
     @classmethod
-    def of_arrays(cls, arrays: Mapping[str, npt.NDArray[np.generic]]) -> CoupledState:
-        """The state that has these arrays; KeyError and ValueError where there is none."""
-        counts = np.asarray(arrays["counts"], np.int64)
-        slips = (
-            np.split(np.asarray(arrays["slips"], float), np.cumsum(counts[:, 2])[:-1])
-            if len(counts)
-            else []
-        )
-        found: dict[int, Followed | None] = {
-            int(replica): Followed(
-                position=np.asarray(arrays["position"][i], float),
-                force=np.asarray(arrays["force"][i], float),
-                holding=np.asarray(arrays["holding"][i], float),
-                slips=slips[i],
-                avalanches=np.asarray(arrays["avalanches"][i], np.int64),
-                breaks=int(breaks),
-                balance=float(arrays["balance"][i]),
-            )
-            for i, (replica, breaks, _) in enumerate(counts)
+    def of_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> CoupledState:
+        """The state that has these arrays; KeyError or ValueError where there is none."""
+        replicas = arrays["replicas"].tolist()
+        parts = {
+            name: np.split(arrays[name], np.cumsum(lengths)[:-1])
+            for name, lengths in zip(Followed.__dataclass_fields__, arrays["lengths"], strict=True)
+            if replicas
         }
-        return cls(int(arrays["shape"][0]), found, float(arrays["run_time"]))
+        found: dict[int, Followed | None] = {}
+        for k, replica in enumerate(replicas):
+            own = {name: part[k] for name, part in parts.items()}
+            one = {name: own[name][0].item() for name in ("breaks", "balance")}
+            found[replica] = Followed(**(own | one))
+        n, run_time = arrays["told"].tolist()
+        return cls(int(n), found, run_time)
 
 
-def slips_of(rows: Mapping[int, Followed]) -> CoupledSlips:
-    """Slips of these replicas."""
-    order = sorted(rows)
-    lengths = [len(rows[replica].slips) for replica in order]
-    table = np.concatenate([np.empty((0, 6)), *(rows[replica].slips for replica in order)])
-    number = np.concatenate([np.empty(0, np.int64), *(np.arange(n) for n in lengths)])
-    drive, before, after, force_before, force_after, breaks = table.T
-    return CoupledSlips(
-        replica=np.repeat(np.array(order, np.int64), lengths),
-        number=number,
-        drive=drive,
-        before=before,
-        after=after,
-        force_before=force_before,
-        force_after=force_after,
-        breaks=breaks.astype(np.int64),
+def result_of(rows: list[Followed], replicas: list[int], **others: Any) -> CoupledResult:
+    """The result of these replicas, in order; `others` are the fields that they do not tell."""
+    told: dict[str, Any] = {}
+    for name in ("position", "force", "holding"):
+        table = np.array([getattr(row, name) for row in rows])
+        scatter = table.std(axis=0, ddof=1) if len(rows) > 1 else np.full(table.shape[1], np.inf)
+        told |= {name: table.mean(axis=0), f"{name}s": table}
+        told[f"{name}_standard_error"] = scatter / np.sqrt(len(rows))
+    del told["holdings"]
+    lengths = [len(row.slips) for row in rows]
+    table = np.concatenate([row.slips for row in rows]).T
+    return CoupledResult(
+        **told,
+        slips=CoupledSlips(
+            replica=np.repeat(np.array(replicas, np.int64), lengths),
+            number=np.concatenate([np.arange(n) for n in lengths]),
+            drive=table[0],
+            before=table[1],
+            after=table[2],
+            force_before=table[3],
+            force_after=table[4],
+            breaks=table[5].astype(np.int64),
+        ),
+        avalanches=np.array([row.avalanches for row in rows]),
+        balance=float(np.mean([row.balance for row in rows])),
+        breaks=sum(int(row.breaks) for row in rows),
+        step_error=np.zeros(rows[0].force.size),
+        **others,
     )
-
-
-def mean_of(rows: Iterable[Array]) -> tuple[Array, Array]:
-    """Mean of some replicas' arrays, and its standard error."""
-    table = np.array(list(rows))
-    if len(table) < 2:
-        return table.mean(axis=0), np.full(table.shape[1], np.inf)
-    return table.mean(axis=0), table.std(axis=0, ddof=1) / np.sqrt(len(table))

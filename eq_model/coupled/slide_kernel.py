@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, inlined
-from eq_model.coupled.draws_kernel import draw
+from eq_model.coupled.draws import relaxed_contact, stretched_contact
 from eq_model.coupled.queue_kernel import next_break, open_next, take_next, wait
 
-MOST_TRIES = 10_000  # thresholds drawn until one exceeds the stretch at which a contact forms again
+SIZES = 40  # classes of avalanches: up to 2^40 breaks
 OFTEN = 64  # buckets after which to tell how far the drive has come
 BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE = range(4)
 
@@ -27,6 +27,7 @@ SLIDER = np.dtype(
         ("at", np.int64),  # X at the last event
         ("force", np.float64),  # F there
         ("stiffness", np.float64),  # of the contacts that hold
+        ("back", np.int64),  # where the first contact breaks if the slider moves back
         ("held", np.int64),  # how many hold
         ("pulled", np.float64),  # K X_T at the last break of a stuck slider
         ("out", np.int64),  # broken in this avalanche, and not formed again
@@ -51,8 +52,8 @@ class Pull(NamedTuple):
 
     spring : K in <k>; path, time : K X_T of the points, and when; clock, clock_drive : times and X_T
     between which the drive moves straight; wait : the delay; mean : threshold at which k_i = <k>;
-    slip : breaks that make an avalanche a slip; at_once, resets : the rule; linked, reforming,
-    delayed : the laws that are there.
+    slip : breaks that make an avalanche a slip; at_once, resets : the rule; linked, delayed :
+    the laws that are there.
     """
 
     spring: float
@@ -66,7 +67,6 @@ class Pull(NamedTuple):
     at_once: bool
     resets: bool
     linked: bool
-    reforming: bool
     delayed: bool
 
 
@@ -86,6 +86,17 @@ class Returns(NamedTuple):
     many: npt.NDArray[np.int64]
 
 
+def make_told(points: int) -> Told:
+    """Nothing told yet."""
+    none, counts = np.zeros(points), np.zeros(SIZES, np.int64)
+    return Told(none, none.copy(), np.zeros(points, np.int64), counts)
+
+
+def make_returns(most: int) -> Returns:
+    """No contact is out."""
+    return Returns(np.empty(most), np.empty(most, np.int64))
+
+
 @inlined
 def move(s, b):  # type: ignore[no-untyped-def]
     """The slider moves to b, and nothing breaks."""
@@ -94,44 +105,33 @@ def move(s, b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def form(s, queue, thresholds, stretches, pull):  # type: ignore[no-untyped-def]
-    """A contact forms at X, with a threshold that exceeds its stretch."""
-    x = max(draw(thresholds), np.int64(1))
+def form(s, queue, thresholds, stretches, stretched, top, pull):  # type: ignore[no-untyped-def]
+    """A contact forms at X."""
     r = np.int64(0)
-    if pull.reforming:
-        r, tries = draw(stretches), 0
-        while x <= abs(r):
-            x, tries = draw(thresholds), tries + 1
-            if tries == MOST_TRIES:  # r lies beyond every threshold
-                r, tries = draw(stretches), 0
+    if stretched:
+        x, r = stretched_contact(thresholds, stretches, top)
+    else:
+        x = relaxed_contact(thresholds)
     k = np.float64(x) / pull.mean if pull.linked else 1.0
     s.held += 1
     s.stiffness += k
-    if pull.reforming:
-        s.force += k * np.float64(r)
+    s.force += k * np.float64(r)
+    s.back = max(s.back, s.at - r - x)
     wait(queue, s.at - r + x, x)
 
 
 @bare
-def begin(s, queue, pull, stretches, thresholds):  # type: ignore[no-untyped-def]
-    """Contacts begin so stretched, with these thresholds; how far back one breaks first."""
-    back = np.int64(-(1 << 62))
-    for i in range(stretches.size):
-        r, x = stretches[i], thresholds[i]
-        k = np.float64(x) / pull.mean if pull.linked else 1.0
-        s[0].held += 1
-        s[0].stiffness += k
-        s[0].force += k * np.float64(r)
-        wait(queue, x - r, x)
-        back = max(back, -r - x)
-    return back
+def begin(s, queue, draws, pull, n):  # type: ignore[no-untyped-def]
+    """n contacts form at X = 0 as they start."""
+    for _ in range(n):
+        form(s[0], queue, draws.thresholds, draws.starts, draws.stretched, draws.top, pull)
 
 
 @bare
-def form_all(s, queue, thresholds, stretches, pull, n):  # type: ignore[no-untyped-def]
+def form_again(s, queue, draws, pull, n):  # type: ignore[no-untyped-def]
     """n contacts form at X."""
     for _ in range(n):
-        form(s[0], queue, thresholds, stretches, pull)
+        form(s[0], queue, draws.thresholds, draws.again, draws.again_stretched, draws.top, pull)
 
 
 @bare
@@ -173,7 +173,7 @@ def tell(s, pull, told, b, load, level, time):  # type: ignore[no-untyped-def]
 
 
 @bare
-def slide(slider, queue, thresholds, stretches, pull, told, returns):  # type: ignore[no-untyped-def]
+def slide(slider, queue, draws, pull, told, returns):  # type: ignore[no-untyped-def]
     """Move on until there is something to do that is done elsewhere."""
     s, passed = slider[0], 0
     while True:
@@ -194,8 +194,7 @@ def slide(slider, queue, thresholds, stretches, pull, told, returns):  # type: i
                 move(s, min(max(np.int64(np.rint(x)), s.at), b))
                 n = returns.many[s.returning % returns.time.size]
                 s.returning += 1
-                for _ in range(n):
-                    form(s, queue, thresholds, stretches, pull)
+                form_again(slider, queue, draws, pull, n)
                 continue
             s.pulled = max(s.pulled, level)
             s.before = np.float64(b)
@@ -214,8 +213,7 @@ def slide(slider, queue, thresholds, stretches, pull, told, returns):  # type: i
                     returns.many[last] = s.out
                     s.returns += 1
                 else:
-                    for _ in range(s.out):
-                        form(s, queue, thresholds, stretches, pull)
+                    form_again(slider, queue, draws, pull, s.out)
                 s.out = 0
             if s.size >= pull.slip:
                 return SLIP_ENDED
@@ -239,7 +237,7 @@ def slide(slider, queue, thresholds, stretches, pull, told, returns):  # type: i
         s.broken += 1
         s.breaks += 1
         if pull.at_once:
-            form(s, queue, thresholds, stretches, pull)
+            form(s, queue, draws.thresholds, draws.again, draws.again_stretched, draws.top, pull)
         else:
             s.out += 1
         if pull.resets and s.broken >= pull.slip:
