@@ -142,7 +142,7 @@ def stretched_contact(thresholds, stretches, top):  # type: ignore[no-untyped-de
     return max(x, np.int64(1)), r
 
 
-@bare
+@inlined
 def relaxed_contact(thresholds):  # type: ignore[no-untyped-def]
     """Threshold of a contact that forms at x = 0."""
     return max(take(thresholds), np.int64(1))

@@ -17,7 +17,7 @@ from eq_model.compiling import bare, inlined
 
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
 CHUNK = 128  # keys that are kept together
-PER_BUCKET = 4096  # breaks: what a core has at hand
+PER_BUCKET = 16384  # breaks: what a core's L2 cache holds
 DIGIT = 8  # bits by which breaks are sorted at a time
 WIDEST = 5  # buckets of at most 2^-5 mean thresholds: few breaks come in the bucket of their birth
 AHEAD = 4  # mean thresholds that the ring holds; breaks further on wait in a list

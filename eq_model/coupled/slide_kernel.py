@@ -19,7 +19,7 @@ from eq_model.coupled.queue_kernel import next_break, open_next, take_next, wait
 
 SIZES = 40  # classes of avalanches: up to 2^40 breaks
 OFTEN = 64  # buckets after which to tell how far the drive has come
-BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE = range(4)
+GOING_ON, BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE = range(5)
 
 # Positions are whole units, forces and stiffnesses are sums of k_i x_i and k_i in <k>.
 SLIDER = np.dtype(
@@ -172,15 +172,44 @@ def tell(s, pull, told, b, load, level, time):  # type: ignore[no-untyped-def]
         s.point += 1
 
 
+@inlined
+def end_avalanche(s, pull, told, returns, slider):  # type: ignore[no-untyped-def]
+    """The slider is where the spring meets the contacts that hold; how many form again now.
+
+    s.after : where that is
+    """
+    forming = np.int64(0)
+    if not pull.at_once:
+        move(s, max(np.int64(np.rint(s.after)), s.at))
+        if pull.delayed:
+            last = s.returns % returns.time.size
+            returns.time[last] = time_of(slider, pull, s.pulled / pull.spring) + pull.wait
+            returns.many[last] = s.out
+            s.returns += 1
+        else:
+            forming = s.out
+        s.out = 0
+    s.size, s.broken = s.broken, 0
+    size, kind = s.size, 0
+    while size > 1:
+        size, kind = size >> 1, kind + 1
+    if s.size < pull.slip:
+        told.avalanches[kind] += 1
+    return forming
+
+
 @bare
 def slide(slider, queue, draws, pull, told, returns):  # type: ignore[no-untyped-def]
-    """Move on until there is something to do that is done elsewhere."""
+    """Move on until there is something to do that is done elsewhere: returns one of the reasons."""
     s, passed = slider[0], 0
     while True:
         is_break, b = next_break(queue)
         load = s.force + s.stiffness * np.float64(b - s.at) + pull.spring * np.float64(b)
+        both, forming, why = pull.spring + s.stiffness, np.int64(0), GOING_ON
+        ends = s.broken > 0 and load > s.pulled  # an avalanche ends before b
+        back = False  # contacts return before b
         if s.broken == 0:  # stuck
-            level, back, time = load, False, -np.inf
+            level, time = load, -np.inf
             if pull.delayed and s.returning < s.returns:
                 due = returns.time[s.returning % returns.time.size]
                 comes = pull.spring * drive_at(slider, pull, due)
@@ -189,56 +218,42 @@ def slide(slider, queue, draws, pull, told, returns):  # type: ignore[no-untyped
             tell(s, pull, told, b, load, level, time)
             if s.point == pull.path.size:
                 return PATH_DONE
-            if back:
-                x = b - (load - level) / (pull.spring + s.stiffness)
-                move(s, min(max(np.int64(np.rint(x)), s.at), b))
-                n = returns.many[s.returning % returns.time.size]
-                s.returning += 1
-                form_again(slider, queue, draws, pull, n)
-                continue
-            s.pulled = max(s.pulled, level)
-            s.before = np.float64(b)
-            s.force_before = load - pull.spring * np.float64(b)
-        elif load > s.pulled:  # the avalanche ends before b
-            s.size, s.broken = s.broken, 0
-            if not pull.at_once or s.size >= pull.slip:
-                s.after = b - (load - s.pulled) / (pull.spring + s.stiffness)
-                s.force_after = s.pulled - pull.spring * s.after
-            if not pull.at_once:
-                move(s, min(max(np.int64(np.rint(s.after)), s.at), b))
-                if pull.delayed:
-                    last = s.returns % returns.time.size
-                    now = time_of(slider, pull, s.pulled / pull.spring)
-                    returns.time[last] = now + pull.wait
-                    returns.many[last] = s.out
-                    s.returns += 1
-                else:
-                    form_again(slider, queue, draws, pull, s.out)
-                s.out = 0
+            if not back:
+                s.pulled = max(s.pulled, level)
+                s.before = np.float64(b)
+                s.force_before = load - pull.spring * np.float64(b)
+        if back:
+            move(s, min(max(np.int64(np.rint(b - (load - level) / both)), s.at), b))
+            forming = returns.many[s.returning % returns.time.size]
+            s.returning += 1
+        elif ends:
+            s.after = b - (load - s.pulled) / both
+            s.force_after = s.pulled - pull.spring * s.after
+            forming = end_avalanche(s, pull, told, returns, slider)
             if s.size >= pull.slip:
-                return SLIP_ENDED
-            size, kind = s.size, 0
-            while size > 1:
-                size, kind = size >> 1, kind + 1
-            told.avalanches[kind] += 1
-            continue
-        move(s, b)
-        if not is_break:
+                why = SLIP_ENDED
+        elif is_break:
+            move(s, b)
+            x = take_next(queue)
+            k = np.float64(x) / pull.mean if pull.linked else 1.0
+            s.force -= k * np.float64(x)
+            s.stiffness -= k
+            s.held -= 1
+            s.broken += 1
+            s.breaks += 1
+            if pull.at_once:
+                forming = np.int64(1)
+            else:
+                s.out += 1
+            if pull.resets and s.broken >= pull.slip:
+                why = RESET_DUE
+        else:
+            move(s, b)
             open_next(queue)
             passed += 1
             if passed == OFTEN:
                 return BUCKETS_PASSED
-            continue
-        x = take_next(queue)
-        k = np.float64(x) / pull.mean if pull.linked else 1.0
-        s.force -= k * np.float64(x)
-        s.stiffness -= k
-        s.held -= 1
-        s.broken += 1
-        s.breaks += 1
-        if pull.at_once:
+        for _ in range(forming):
             form(s, queue, draws.thresholds, draws.again, draws.again_stretched, draws.top, pull)
-        else:
-            s.out += 1
-        if pull.resets and s.broken >= pull.slip:
-            return RESET_DUE
+        if why != GOING_ON:
+            return why
