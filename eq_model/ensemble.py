@@ -285,7 +285,7 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
 
     With a `spring` the contacts of one replica are coupled: the path is that of the drive, X_T, and one slider has
     K (X_T - X) = sum of k_i x_i. Every break moves it on, more may break at the same X_T, and what breaks there is one
-    avalanche (eq_model.coupled; in plain Python in eq_model.coupled.plain). Delay and linked stiffness are taken, and
+    avalanche (eq_model.coupled; in plain Python in tests/plain_coupled.py). Delay and linked stiffness are taken, and
     contacts that form again stretched with slip "instant"; T = 0, thresholds do not change, and the drive never turns.
 
     Parameters

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import scipy.stats
+from plain_coupled import PlainReplica
 
 import eq_model
 import master
 import origins
-from eq_model.coupled.plain import PlainReplica
 
 RULES = ["instant", "reform-after", "reset"]
 NARROW = origins.gaussian(1.0, 0.1)
@@ -167,6 +167,18 @@ def test_what_is_held_agrees_with_the_force():
         assert np.abs(0.7 * (slips.drive - slips.before) - slips.force_before).max() < 1e-7
         mean, error = slips.mean("drop", 0)
         assert mean == slips.drop[slips.number == 0].mean() and 0.0 < error < 0.1
+
+
+def test_standard_errors_are_those_of_the_replicas():
+    """Of ten replicas the mean over its own error follows Student's t with nine degrees of freedom."""
+    runs = [
+        pulled(CONTACTS["narrow"], [3.0], slip="instant", n=300, replicas=10, seed=k).slips
+        for k in range(300)
+    ]
+    for name in ("drive", "drop"):
+        found = np.array([run.mean(name, 0) for run in runs])
+        z = (found[:, 0] - found[:, 0].mean()) / found[:, 1]
+        assert z.var() == pytest.approx(9.0 / 7.0, rel=0.35)  # 300 seeds know it to a tenth
 
 
 def test_lengths_scale():

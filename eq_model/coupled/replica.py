@@ -48,6 +48,19 @@ class Followed:
     breaks: int
     balance: float
 
+    def packed(self) -> Array:
+        """All of it as one row of numbers."""
+        tail = *self.avalanches, self.breaks, self.balance
+        return np.concatenate([self.position, self.force, self.holding, self.slips.ravel(), tail])
+
+    @classmethod
+    def unpacked(cls, row: Array, slips: int) -> Followed:
+        """What was packed with so many slips."""
+        curves, table, tail = np.split(row, [row.size - 6 * slips - 42, row.size - 42])
+        counts, breaks, balance = tail[:-2].astype(np.int64), int(tail[-2]), float(tail[-1])
+        position, force, holding = curves.reshape(3, -1)
+        return cls(position, force, holding, table.reshape(-1, 6), counts, breaks, balance)
+
 
 class Follower:
     """Follows replicas of `n` contacts on the slider that `drive` pulls; a slip breaks at least
@@ -91,7 +104,7 @@ class Follower:
         slider = np.zeros(1, kernel.SLIDER)
         s, slips = slider[0], list[list[float]]()
         s["back"] = _NEVER
-        kernel.begin(slider, queue, draws, self._pull, n)
+        kernel.form_all(slider, queue, draws, self._pull, n, True)
         balance = float(s["force"]) / self._pull.spring
         pull = self._driven(s, balance)
         told = kernel.make_told(size)
@@ -107,7 +120,7 @@ class Follower:
                 for name in ("force", "stiffness", "held", "out", "broken"):
                     s[name] = 0
                 clear(queue, int(s["at"]))
-                kernel.form_again(slider, queue, draws, pull, n)
+                kernel.form_all(slider, queue, draws, pull, n, False)
             slips.append([float(s[name]) for name in _OF_A_SLIP])
         unit, each = self._unit, self._unit / n
         return Followed(

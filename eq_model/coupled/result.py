@@ -154,35 +154,26 @@ class CoupledState:
         return CoupledState(self.n, dict.fromkeys(self.found), self.run_time)
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
-        """All that is here, for a file: each field of Followed, replica after replica."""
-        rows = self.here
-        values = {
-            name: [np.atleast_1d(getattr(row, name)) for row in rows.values()]
-            for name in Followed.__dataclass_fields__
-        }
-        lengths = [[len(one) for one in several] for several in values.values()]
-        joined = {name: np.concatenate(several) for name, several in values.items() if several}
-        return joined | {
-            "replicas": np.array(list(rows), np.int64),
-            "lengths": np.array(lengths, np.int64),
+        """All that is here, for a file: a row of numbers for each replica, one after the other."""
+        rows = [row.packed() for row in self.here.values()]
+        return {
             "told": np.array([self.n, self.run_time]),
+            "replicas": np.array(list(self.here), np.int64),
+            "lengths": np.array([row.size for row in rows], np.int64),
+            "slips": np.array([len(row.slips) for row in self.here.values()], np.int64),
+            "rows": np.concatenate([np.empty(0), *rows]),
         }
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> CoupledState:
         """The state that has these arrays; KeyError or ValueError where there is none."""
-        replicas = arrays["replicas"].tolist()
-        parts = {
-            name: np.split(arrays[name], np.cumsum(lengths)[:-1])
-            for name, lengths in zip(Followed.__dataclass_fields__, arrays["lengths"], strict=True)
-            if replicas
-        }
-        found: dict[int, Followed | None] = {}
-        for k, replica in enumerate(replicas):
-            own = {name: part[k] for name, part in parts.items()}
-            one = {name: own[name][0].item() for name in ("breaks", "balance")}
-            found[replica] = Followed(**(own | one))
         n, run_time = arrays["told"].tolist()
+        rows = np.split(arrays["rows"], np.cumsum(arrays["lengths"])[:-1])
+        found: dict[int, Followed | None] = {}
+        for replica, row, slips in zip(
+            arrays["replicas"].tolist(), rows, arrays["slips"].tolist(), strict=False
+        ):
+            found[replica] = Followed.unpacked(row, slips)
         return cls(int(n), found, run_time)
 
 

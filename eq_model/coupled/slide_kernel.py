@@ -121,17 +121,12 @@ def form(s, queue, thresholds, stretches, stretched, top, pull):  # type: ignore
 
 
 @bare
-def begin(s, queue, draws, pull, n):  # type: ignore[no-untyped-def]
-    """n contacts form at X = 0 as they start."""
+def form_all(s, queue, draws, pull, n, start):  # type: ignore[no-untyped-def]
+    """n contacts form at X: as they start, or as they form again."""
+    stretches = draws.starts if start else draws.again
+    stretched = draws.stretched if start else draws.again_stretched
     for _ in range(n):
-        form(s[0], queue, draws.thresholds, draws.starts, draws.stretched, draws.top, pull)
-
-
-@bare
-def form_again(s, queue, draws, pull, n):  # type: ignore[no-untyped-def]
-    """n contacts form at X."""
-    for _ in range(n):
-        form(s[0], queue, draws.thresholds, draws.again, draws.again_stretched, draws.top, pull)
+        form(s[0], queue, draws.thresholds, stretches, stretched, draws.top, pull)
 
 
 @bare
