@@ -2,9 +2,13 @@
 
 import dataclasses
 import json
+import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
+from conftest import HANGS, clean_environment
 
 import toolkit
 from origins.errors import InputError
@@ -13,6 +17,7 @@ from toolkit.commands.run import report
 from toolkit.coupled import coupled_record, slips_beside
 from toolkit.running import make_ensemble, solve
 from toolkit.scene import load_scene
+from toolkit.toml import to_toml
 
 SCENE = {
     "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}},
@@ -91,6 +96,42 @@ def test_a_run_goes_on_from_the_replicas_that_are_finished(result, tmp_path):
         Checkpoint(tmp_path, other).earlier()
 
 
+KILLED = """
+import os, signal, sys
+import eq_model
+from toolkit.command import main
+real = eq_model.CoupledEnsemble.__iter__
+
+def mortal(self):
+    for done in real(self):
+        if done[0] >= 7 * 400 and sys.argv[2] == "killed":
+            os.kill(os.getpid(), signal.SIGKILL)
+        yield done
+
+eq_model.CoupledEnsemble.__iter__ = mortal
+sys.exit(main(["run", "scene.toml", "--out", sys.argv[1], "--checkpoint", "1e-9"]))
+"""
+
+
+def test_a_run_that_is_killed_goes_on_to_the_same_bits(result, tmp_path):
+    (tmp_path / "scene.toml").write_text(to_toml(SCENE))
+    for fate, code in (("killed", -signal.SIGKILL), ("whole", 0)):
+        words = [sys.executable, "-c", KILLED, "out", fate]
+        done = subprocess.run(
+            words,
+            cwd=tmp_path,
+            env=clean_environment(),
+            capture_output=True,
+            text=True,
+            timeout=HANGS,
+        )
+        assert done.returncode == code, done.stderr
+    assert "went on from a checkpoint of 2,400 contacts" in done.stdout
+    read = toolkit.load(tmp_path / "out")
+    for name in ("forces", "positions", "slip_drive", "avalanches", "breaks"):
+        assert np.all(getattr(read.eq, name) == getattr(result.eq, name))
+
+
 def test_a_wall_time_ends_it_with_whole_replicas():
     scene = load_scene(SCENE | {"eq": SCENE["eq"] | {"wall_time": 1.0}})
     ensemble = make_ensemble(scene, scene.eq, None)
@@ -108,12 +149,10 @@ def test_a_wall_time_ends_it_with_whole_replicas():
 
 def test_an_ensemble_alone_and_what_a_dry_run_tells(capsys):
     from toolkit.command import main
-    from toolkit.toml import to_toml
 
     alone = {name: table for name, table in SCENE.items() if name != "master"}
     lines = report(toolkit.run(alone))
     assert any(line.startswith("slips   36 in 12 replicas") for line in lines)
-    assert to_toml(alone)
     assert main(["run", "stick-slip-contacts", "--dry-run"]) == 0
     told = capsys.readouterr().out
     assert "100,000 in 200 replicas" in told and "500 contacts tell" in told
