@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import reduce
 from time import perf_counter
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from eq_model import layout
 from eq_model.beginning import Beginning
+from eq_model.coupled import SLIP_FRACTION, CoupledEnsemble, CoupledResult
 from eq_model.ensemble_result import EnsembleResult
 from eq_model.forward import Forward, takes
 from eq_model.lives import Lives
@@ -21,6 +22,7 @@ from eq_model.state import State
 from eq_model.tally import Tally
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
+from origins.drive import SlipRule
 from origins.errors import InputError, positive, refuse, whole
 from origins.streams import MOST_REPLICAS, key_of
 
@@ -253,12 +255,19 @@ def _points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     return np.asarray(points % size, dtype=np.intp)
 
 
-def simulate(
+@overload
+def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: float, **more: Any) -> CoupledResult: ...
+@overload
+def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: None = None, **more: Any) -> EnsembleResult: ...
+def simulate(  # type: ignore[misc]  # the arguments are told once, below
     contacts: Contacts,
     path: npt.ArrayLike,
     *,
     velocity: float = 1.0,
     time: npt.ArrayLike | None = None,
+    spring: float | None = None,
+    slip: SlipRule = "reset",
+    slip_fraction: float | None = None,
     n_contacts: int = 100_000,
     n_replicas: int = 1,
     seed: int = 0,
@@ -266,13 +275,18 @@ def simulate(
     wall_time: float | None = None,
     histograms: npt.ArrayLike = (),
     comm: Any = None,
-) -> EnsembleResult:
-    """Follow n_contacts * n_replicas discrete contacts along the path of a rigid slider.
+) -> EnsembleResult | CoupledResult:
+    """Follow n_contacts * n_replicas discrete contacts along the path of a slider, rigid or pulled through a spring.
 
     A contact breaks where its stretch reaches its threshold, or before where its breaking rate says so, waits where
     there is a delay, and starts again with a fresh threshold (paper, Secs. II and IV). The contacts are independent,
     so the mean is unbiased at every number of them, and each is sampled exactly, without a time step; only a threshold
     that diffuses takes steps, exact but for how the way between two of them bends (`step_error`).
+
+    With a `spring` the contacts of one replica are coupled: the path is that of the drive, X_T, and one slider has
+    K (X_T - X) = sum of k_i x_i. Every break moves it on, more may break at the same X_T, and what breaks there is one
+    avalanche (eq_model.coupled; in plain Python in tests/plain_coupled.py). Delay and linked stiffness are taken, and
+    contacts that form again stretched with slip "instant"; T = 0, thresholds do not change, and the drive never turns.
 
     Parameters
     ----------
@@ -285,8 +299,17 @@ def simulate(
         Speed along the path (length per time), of which only rates and delay tell.
     time : array of shape (n,), optional
         When each point is reached, instead of the velocity: for holds and velocity steps.
+    spring : float, optional
+        K/(N_c <k>) of a soft slider; None: it is rigid.
+    slip : "reset", "reform-after" or "instant"
+        With a spring, when broken contacts form again. "instant": at once. "reform-after": when the avalanche ends, or
+        the delay after it. "reset": as that, but once an avalanche has broken `slip_fraction` of the contacts all are
+        drawn anew, those that are out too, and the slider moves to X_T.
+    slip_fraction : float, optional
+        Share of a replica's contacts that an avalanche breaks at least to be told as a slip; None: 0.2. Before a slip
+        avalanches break up to 2 N^(-1/3) of them, at N = 4,000 0.13.
     n_contacts, n_replicas : int
-        Replicas differ in their random numbers only.
+        Replicas differ in their random numbers only. Standard errors of coupled contacts are those between replicas.
     seed : int
         0 <= seed < 2^64. The result depends on these arguments alone, bit by bit, not on the number of ranks.
     tolerance : float, optional
@@ -300,9 +323,35 @@ def simulate(
     comm : mpi4py communicator, optional
         Its ranks share the work, and all must call; None: this process alone, mpi4py not needed.
 
+    Returns an EnsembleResult, with a spring a CoupledResult.
+
     Raises InputError for arguments that cannot be used, for thresholds that cannot be tabulated, and where there is no
     room for what histograms count.
     """
+    if spring is not None:
+        if tolerance is not None or np.size(histograms):
+            name, value = ("histograms", histograms) if tolerance is None else ("tolerance", tolerance)
+            refuse(name, value, "is of independent contacts; leave it out with a spring, and give n_replicas")
+        coupled = CoupledEnsemble(
+            contacts,
+            path,
+            velocity=velocity,
+            time=time,
+            spring=spring,
+            slip=slip,
+            slip_fraction=SLIP_FRACTION if slip_fraction is None else slip_fraction,
+            n_contacts=n_contacts,
+            n_replicas=n_replicas,
+            seed=seed,
+            wall_time=wall_time,
+            comm=comm,
+        )
+        for _ in coupled:
+            pass
+        return coupled.result()
+    if slip_fraction is not None:
+        refuse("slip_fraction", slip_fraction, "is of a soft slider; give its spring, or leave it out")
+    Drive(path, velocity, time, None, slip)  # refuses a slip of a rigid slider
     ensemble = Ensemble(
         contacts,
         path,

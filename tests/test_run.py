@@ -19,6 +19,7 @@ import master
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
+from toolkit.coupled import slips_beside
 from toolkit.files import summary
 from toolkit.folders import check_folder, write_folder
 from toolkit.plots import plot_density, plot_force
@@ -72,6 +73,13 @@ def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     assert done.success, done.master
     assert done.master is not None and done.eq is not None
     assert done.master.force_error <= scene["master"].get("tolerance", 1e-8)
+    if "spring" in scene["drive"]:
+        for slip in slips_beside(done):
+            # each is late by what the one before it was, and some N^(-2/3) more
+            most = 5.0 * slip.drive_error + 2.0 * (slip.number + 1) * scene["eq"]["contacts"] ** (-2.0 / 3.0)
+            assert -5.0 * slip.drive_error < slip.mean_drive - slip.drive < most
+        assert len(slips_beside(done)) == done.master.slips.drive.size > 0
+        return
     deviation = np.abs(done.eq.force - done.master.force)
     allowed = 5.0 * done.eq.force_standard_error + done.master.force_error * done.mean_threshold
     assert (deviation <= allowed).all()

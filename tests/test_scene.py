@@ -304,7 +304,6 @@ OUTSIDE = "contacts.ageing: a weight of 1 of the fresh thresholds lies outside t
         ("eq.histograms", [1.0, 2.005], "eq.histograms[1] = 2.005: is none of the path's points; near it are 2 "),
         ("eq.histograms", [math.nan], "eq.histograms[0] = nan: must be finite"),
         ("eq.histogram_times", [1.0], "eq.histogram_times = [1.0]: are of a path with drive.times; without them say"),
-        ("drive.spring", 0.5, "drive.spring = 0.5: the ensemble [eq] takes a rigid slider; leave one of them out"),
         ("drive.slip", "reform", "drive.slip = 'reform': must be \"reset\", \"reform-after\" or \"instant\""),
         ("drive.slip", "reset", "drive.slip = 'reset': is what a slip of a soft slider does, and without drive.spring"),
         (

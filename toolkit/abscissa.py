@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from toolkit.axes import Lengths
 from toolkit.driving import make_drive
-from toolkit.results import OWN_UNIT, Curve, Result, SoftRecord
+from toolkit.results import OWN_UNIT, Curve, Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,7 +56,9 @@ def write_along(axes: "Axes", result: Result) -> None:
     if times is not None:
         Lengths.of(reach, False).write(axes.xaxis, "time $t$" + units(result, "s"))
         return
-    place = "drive position $X_T$" if isinstance(result.master, SoftRecord) else "slider position $X$"
+    drive = result.asked.drive
+    pulled = drive is not None and drive.spring is not None
+    place = "drive position $X_T$" if pulled else "slider position $X$"
     Lengths.of(reach, result.thresholds.unit != OWN_UNIT).write(axes.xaxis, place)
 
 

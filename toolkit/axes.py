@@ -10,6 +10,7 @@ from toolkit.results import ThresholdCurve
 if TYPE_CHECKING:
     from matplotlib.axis import Axis
 
+INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
 _PREFIXES = {-12: "pm", -9: "nm", -6: "µm", -3: "mm", 0: "m"}
 _PLAIN = (-2, 4)  # powers of ten of a number that is written out
 _DECADES = 1e3  # a quantity that spans more is drawn on a logarithmic axis

@@ -10,15 +10,17 @@ from toolkit.checkpoint import Checkpoint, say
 from toolkit.deferred import Deferred
 
 if TYPE_CHECKING:
-    from eq_model import Ensemble, EnsembleResult
+    from eq_model import CoupledEnsemble, CoupledResult, Ensemble, EnsembleResult
+
+    AnyResult = EnsembleResult | CoupledResult
 
 
 def follow(
-    ensemble: "Ensemble",
+    ensemble: "Ensemble | CoupledEnsemble",
     progress: Callable[[int, int], None] | None = None,
     checkpoint: Checkpoint | None = None,
     done_before: int = 0,
-) -> "EnsembleResult":
+) -> "AnyResult":
     """Work through the ensemble to its result.
 
     SIGINT and SIGTERM wait until the block is finished and its checkpoint written, and then do what they did before:
@@ -62,7 +64,7 @@ def follow(
                 asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
             elif checkpoint is not None:
                 checkpoint.keep(ensemble.state)
-    result = ensemble.result()
+    result: AnyResult = ensemble.result()
     if checkpoint is not None and unfinished(ensemble, result):
         checkpoint.write(ensemble.state)
         if checkpoint.is_first and not interrupted:
@@ -72,7 +74,7 @@ def follow(
     return result
 
 
-def unfinished(ensemble: "Ensemble", result: "EnsembleResult") -> bool:
+def unfinished(ensemble: "Ensemble | CoupledEnsemble", result: "AnyResult") -> bool:
     """Whether there is something to go on with."""
     return not result.success and result.contacts < ensemble.total
 

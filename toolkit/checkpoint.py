@@ -32,7 +32,10 @@ from toolkit.scene import Scene, read_table
 from toolkit.state_file import read_state, write_state
 
 if TYPE_CHECKING:
+    from eq_model.coupled.result import CoupledState
     from eq_model.state import State
+
+    AnyState = State | CoupledState
 
 NAME = "checkpoint"
 EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
@@ -75,14 +78,14 @@ class Checkpoint:
         kept = "its finished blocks are kept in" if self._written_well else "what it found last could not be written to"
         return f"{kept} {self._home}"
 
-    def earlier(self) -> list[State]:
+    def earlier(self) -> list[AnyState]:
         """What an earlier run found, for `Ensemble`: whole on rank 0, elsewhere which contacts it was; [] if nothing.
 
         All ranks must call. Raises InputError where the checkpoint is that of another scene, seed or version.
         """
-        whole: State | None = None
+        whole: AnyState | None = None
 
-        def look() -> tuple[int, State | None]:
+        def look() -> tuple[int, AnyState | None]:
             nonlocal whole
             whole = self._read()
             return self._turn, None if whole is None else whole.without_sums()
@@ -91,12 +94,12 @@ class Checkpoint:
         found = rest if whole is None else whole
         return [] if found is None else [found]
 
-    def keep(self, state: State) -> None:
+    def keep(self, state: AnyState) -> None:
         """Write this rank's `state` if it is new and the last was written long enough ago."""
-        if state.done is not self._written and time.monotonic() - self._last >= self.every:
+        if time.monotonic() - self._last >= self.every and state.done is not self._written:
             self.write(state)
 
-    def write(self, state: State) -> None:
+    def write(self, state: AnyState) -> None:
         """Write this rank's `state`; a disk that refuses is told once, by rank 0."""
         self._written_well = False
         try:
@@ -120,10 +123,11 @@ class Checkpoint:
                 file.unlink(missing_ok=True)
             self._home.rmdir()
 
-    def _read(self) -> State | None:
+    def _read(self) -> AnyState | None:
         from eq_model import layout
+        from eq_model.coupled.result import CoupledState
 
-        found: State | None = None
+        found: AnyState | None = None
         taken: list[range] = []
         self._old = _files(self._home)
         for file in self._old:
@@ -135,10 +139,11 @@ class Checkpoint:
             state, other = read
             self._check(other)
             if _take(state.done, taken):
-                found = state if found is None else found.joined(state)
+                found = state if found is None else found.joined(state)  # type: ignore[arg-type]
         if found is not None:
             say(f"going on from the checkpoint in {self._home}: {found.contacts:,} contacts are done")
-            found = replace(found, done=reduce(layout.joined, taken, []))
+            if not isinstance(found, CoupledState):
+                found = replace(found, done=reduce(layout.joined, taken, []))
         return found
 
     def _check(self, other: dict[str, str]) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+from toolkit.coupled import CoupledRecord
 from toolkit.results import Result, Simulated
 
 Array = npt.NDArray[np.float64]
@@ -31,6 +32,9 @@ def telling(result: Result) -> npt.NDArray[np.bool_]:
     eq = result.eq
     if eq is None:
         return np.empty(0, dtype=bool)
+    if isinstance(eq, CoupledRecord):
+        # a slip comes at another X_T in each replica: in between their mean force is that of none of them
+        return np.zeros(eq.path.size, dtype=bool)
     enough = eq.force_standard_error > np.sqrt(_FEWEST) * _of_one_contact(result, eq)
     if result.master is not None:
         # the paper's closure of ageing may end before the path does
@@ -57,6 +61,8 @@ def why_not_compared(result: Result) -> str | None:
         return None
     if eq.breaks == 0:
         return "no contact breaks on this path"
+    if isinstance(eq, CoupledRecord):
+        return "slips are compared one by one, not the force between them"
     error = eq.force_standard_error
     if not np.isfinite(error).any():
         return "a single contact has no standard error"

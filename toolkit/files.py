@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from origins.errors import InputError, refuse
+from toolkit.coupled import CoupledRecord, slips_beside
 from toolkit.deferred import Deferred
 from toolkit.folders import write_folder
 from toolkit.interfaces import Number
@@ -25,7 +26,15 @@ if TYPE_CHECKING:
     from eq_model.histogram import Histogram
 
 Record = TypeVar(
-    "Record", SolvedRecord, SoftRecord, AgeingRecord, SimulatedRecord, SweepRecord, ThresholdCurve, "Histogram"
+    "Record",
+    SolvedRecord,
+    SoftRecord,
+    AgeingRecord,
+    SimulatedRecord,
+    CoupledRecord,
+    SweepRecord,
+    ThresholdCurve,
+    "Histogram",
 )
 
 RESULT, SUMMARY, PICTURE, TABLE = "result.h5", "summary.json", "picture.png", "sweep.csv"
@@ -33,6 +42,7 @@ RESULT, SUMMARY, PICTURE, TABLE = "result.h5", "summary.json", "picture.png", "s
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
     *("path", "position", "force", "force_standard_error", "step_error"),
+    *("position_standard_error", "positions", "forces"),
     *("x", "atoms", "stretch_edges", "threshold_edges"),
     *(f"slip_{name}" for name in ("drive", "before", "after", "force_before", "force_after")),
 )
@@ -153,6 +163,12 @@ def summary(result: Result) -> dict[str, Any]:
             "breaks_per_rank": [int(breaks) for breaks in result.eq.breaks_per_rank],
             "last_force": float(result.eq.force[-1]),
         }
+        if isinstance(result.eq, CoupledRecord):
+            content["eq"] |= {
+                "slip_fraction": float(result.eq.slip_fraction),
+                "slips": int(result.eq.slip_number.size),
+                "slips_beside": [slip._asdict() for slip in slips_beside(result)],
+            }
     if result.sweep is not None:
         sweep = result.sweep
         content["sweep"] = {
@@ -227,7 +243,7 @@ def _fill(result: Result, store: "h5py.File", check: Callable[[], None]) -> None
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
         group = store.create_group("eq")
-        _write(group, result.eq, SimulatedRecord, unit)
+        _write(group, result.eq, CoupledRecord if isinstance(result.eq, CoupledRecord) else SimulatedRecord, unit)
         _write_histograms(group, result.eq.histograms, unit, check)
 
 
@@ -303,7 +319,8 @@ def _read_simulated(group: "h5py.Group", file: Path) -> SimulatedRecord:
             return _read(store[f"{group_name}/{_HISTOGRAMS}/{index}"], Histogram)
 
     group_name = group.name
-    return _read(group, SimulatedRecord, {_HISTOGRAMS: Made(size, read)})
+    record = CoupledRecord if "positions" in group else SimulatedRecord
+    return _read(group, record, {_HISTOGRAMS: Made(size, read)})
 
 
 def _seen(file: Path) -> tuple[int, int, int]:

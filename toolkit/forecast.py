@@ -162,7 +162,7 @@ def _follow_few(scene: Scene, asked: EqTable, comm: Any, n: int, seconds: Second
     ensemble = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
     ready = ensemble.state.run_time
     finished = set[int]()
-    result = follow(ensemble, lambda done, expected: finished.add(done))
+    result: Any = follow(ensemble, lambda done, expected: finished.add(done))
     if seconds is not None:
         return _Few(result, len(finished), _largest(comm, seconds(result, len(finished))), ready=0.0, once=0.0)
     taken = ensemble.state.run_time

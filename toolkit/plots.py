@@ -11,7 +11,9 @@ from origins.samples import Sampled
 from origins.thresholds import Thresholds
 from toolkit import laws
 from toolkit.abscissa import along, clock, conditions, curves, grows, write_along
-from toolkit.axes import Lengths, heights, spans_decades
+from toolkit.axes import INK, Lengths, heights, spans_decades
+from toolkit.coupled import CoupledRecord, slips_beside
+from toolkit.coupled_picture import plot_replicas, plot_slips
 from toolkit.deviation import deviation, telling, why_not_compared
 from toolkit.results import OWN_UNIT, AgeingRecord, Result, SoftRecord, ThresholdCurve, sample_curve
 from toolkit.sweep_picture import plot_sweep, sweep_panels
@@ -19,7 +21,6 @@ from toolkit.sweep_picture import plot_sweep, sweep_panels
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
 _STEPS = 2000  # as many as a picture can show
 _NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
 _ALL = 1e-9  # of the contacts
@@ -69,10 +70,12 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
         label, dashes = "master equation", "-"
         if not result.master.success:
             label, dashes = f"{label}, error {result.master.force_error:.1e} $\\langle x_s\\rangle$: not as asked", "--"
-        axes.plot(path, force, color=_INK["master"], lw=1.4, ls=dashes, zorder=3, label=label)
+        axes.plot(path, force, color=INK["master"], lw=1.4, ls=dashes, zorder=3, label=label)
         if isinstance(result.master, AgeingRecord) and result.master.outrun < path[-1]:
             axes.axvspan(result.master.outrun, path[-1], color="0.9", lw=0, label="contacts outrun $P_c$ (Q15)")
-    if result.eq is not None:
+    if isinstance(result.eq, CoupledRecord):
+        plot_replicas(axes, result, result.eq)
+    elif result.eq is not None:
         eq = result.eq
         shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
         axes.errorbar(
@@ -83,7 +86,7 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
             ms=3,
             capsize=2,
             lw=1,
-            color=_INK["eq"],
+            color=INK["eq"],
             zorder=2,
             label="EQ ensemble, ±1 standard error",
         )
@@ -102,10 +105,10 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
 def plot_position(axes: "Axes", result: Result) -> "Axes":
     """Where the drive, or the rigid slider, and a soft slider are at each time."""
     curve = curves(result)[0]
-    soft = isinstance(curve, SoftRecord)
+    soft = isinstance(curve, SoftRecord | CoupledRecord)
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
-    if isinstance(curve, SoftRecord):
-        axes.plot(along(result, curve), curve.position, color=_INK["master"], lw=1.2, label="slider")
+    if isinstance(curve, SoftRecord | CoupledRecord):
+        axes.plot(along(result, curve), curve.position, color=INK["master"], lw=1.2, label="slider")
         axes.legend(fontsize="small")
     write_along(axes, result)
     name = "position" if soft else "slider\nposition $X$"
@@ -116,10 +119,10 @@ def plot_position(axes: "Axes", result: Result) -> "Axes":
 def plot_holding(axes: "Axes", result: Result) -> "Axes":
     """The fraction of the contacts that hold; the others wait to form again."""
     if result.master is not None:
-        axes.plot(along(result, result.master), result.master.holding, color=_INK["master"], lw=1.2, label="ME")
+        axes.plot(along(result, result.master), result.master.holding, color=INK["master"], lw=1.2, label="ME")
     if result.eq is not None:
         some = np.unique(np.linspace(0, result.eq.path.size - 1, _BARS).round().astype(int))
-        axes.plot(along(result, result.eq)[some], result.eq.holding[some], ".", ms=4, color=_INK["eq"], label="EQ")
+        axes.plot(along(result, result.eq)[some], result.eq.holding[some], ".", ms=4, color=INK["eq"], label="EQ")
     if result.master is not None and result.eq is not None:
         axes.legend(fontsize="small", ncols=2, loc="lower right", borderpad=0.2)
     axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
@@ -134,7 +137,7 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
         axes.text(0.5, 0.5, f"not compared: {reason}", transform=axes.transAxes, ha="center", va="center")
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     if result.eq is not None:
-        axes.plot(along(result, result.eq)[telling(result)], off, ".", ms=3.5, color=_INK["eq"])
+        axes.plot(along(result, result.eq)[telling(result)], off, ".", ms=3.5, color=INK["eq"])
     reach = max(4.0, 1.1 * float(np.abs(off).max(initial=0.0)))
     axes.set(ylabel="EQ − ME\n(std. errors)", ylim=(-reach, reach))
     write_along(axes, result)
@@ -145,8 +148,8 @@ def plot_defects(axes: "Axes", result: Result) -> "Axes":
     """What the paper's closure of ageing does not keep: mass of P_c less 1, and weight below 0."""
     if isinstance(result.master, AgeingRecord):
         path = along(result, result.master)
-        axes.plot(path, result.master.mass_defect, color=_INK["master"], lw=1.2, label="mass of $P_c$ less 1")
-        axes.plot(path, result.master.positivity_defect, color=_INK["eq"], lw=1.2, ls="--", label="weight below 0")
+        axes.plot(path, result.master.mass_defect, color=INK["master"], lw=1.2, label="mass of $P_c$ less 1")
+        axes.plot(path, result.master.positivity_defect, color=INK["eq"], lw=1.2, ls="--", label="weight below 0")
         largest = max(float(np.abs(result.master.mass_defect).max()), float(result.master.positivity_defect.max()))
         axes.set(ylabel="defects\nof (Q15)", ylim=(-0.15 * max(largest, _NO_DEFECT), 1.3 * max(largest, _NO_DEFECT)))
         axes.legend(fontsize="small")
@@ -159,13 +162,13 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     finite = np.isfinite(curve.density)
     if curve.density[finite].any():
         _upright(axes, curve, curve.density)
-        axes.fill_between(curve.x[finite], curve.density[finite], color=_INK["thresholds"], alpha=0.25, lw=0)
-        axes.plot(curve.x[finite], curve.density[finite], color=_INK["thresholds"], lw=1.2)
+        axes.fill_between(curve.x[finite], curve.density[finite], color=INK["thresholds"], alpha=0.25, lw=0)
+        axes.plot(curve.x[finite], curve.density[finite], color=INK["thresholds"], lw=1.2)
     _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
     if curve.atoms.size:
         # a weight is no density: beside one it has an axis of its own
         own = axes.twinx() if curve.density[finite].any() else axes
-        own.vlines(curve.atoms, 0.0, curve.atom_weights, color=_INK["thresholds"], lw=2)
+        own.vlines(curve.atoms, 0.0, curve.atom_weights, color=INK["thresholds"], lw=2)
         own.set_ylabel("weight at one value")
         own.set_ylim(0.0, 1.05 * float(curve.atom_weights.max()))
         own.yaxis.set_major_formatter("{x:g}")
@@ -187,7 +190,7 @@ def _plot_final(axes: "Axes", new: ThresholdCurve, final: ThresholdCurve) -> Non
         return
     (line,) = axes.get_lines()
     line.set_label("new")
-    axes.plot(final.x[shown], final.density[shown], color=_INK["thresholds"], lw=1.2, ls="--", label="final")
+    axes.plot(final.x[shown], final.density[shown], color=INK["thresholds"], lw=1.2, ls="--", label="final")
     first, last = (ends for ends in zip(_reach(new), _reach(final), strict=True))
     axes.set_xlim(min(first), max(last))
     bottom, top = axes.get_ylim()
@@ -198,7 +201,7 @@ def _plot_final(axes: "Axes", new: ThresholdCurve, final: ThresholdCurve) -> Non
 
 def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     """S(x), the probability that a threshold exceeds x."""
-    axes.plot(curve.x, curve.survival, color=_INK["thresholds"], lw=1.2)
+    axes.plot(curve.x, curve.survival, color=INK["thresholds"], lw=1.2)
     axes.set(ylabel="$S(x)$", ylim=(0, 1.05))
     _label(axes, curve, "survival", "threshold $x$")
     return axes
@@ -220,7 +223,7 @@ def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     hazard = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
     if shown.any():
         _upright(axes, curve, hazard)
-    axes.plot(curve.x[shown], hazard[shown], color=_INK["thresholds"], lw=1.2)
+    axes.plot(curve.x[shown], hazard[shown], color=INK["thresholds"], lw=1.2)
     _label(axes, curve, "hazard", "stretch $x$", "$P_c(x)/S(x)$")
     return axes
 
@@ -274,7 +277,9 @@ def save_picture(result: Result, path: Path) -> None:
         below.append(plot_position)
     if _waits(result):
         below.append(plot_holding)
-    if result.master is not None and result.eq is not None:
+    if slips_beside(result):
+        below.append(plot_slips)
+    elif result.master is not None and result.eq is not None:
         below.append(plot_deviation)
     elif isinstance(result.master, AgeingRecord):
         below.append(plot_defects)

@@ -282,7 +282,8 @@ class Result:
         drive = make_drive(self.asked.drive)
         if drive.time is not None:
             return drive.time
-        begin = self.master.balance if isinstance(self.master, SoftRecord) else 0.0
+        pulled = next((one for one in (self.master, self.eq) if hasattr(one, "balance")), None)
+        begin = 0.0 if pulled is None else pulled.balance
         return np.abs(np.diff(drive.path, prepend=begin)).cumsum() / drive.velocity
 
     @property

@@ -11,6 +11,7 @@ import toolkit
 from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit import laws
+from toolkit.coupled import coupled_record
 from toolkit.folders import check_folder
 from toolkit.interfaces import of_interface, remarks
 from toolkit.ranks import on_root
@@ -20,7 +21,7 @@ from toolkit.scene import EqTable, Scene, load_scene
 from toolkit.sweeping import solve_sweep
 
 if TYPE_CHECKING:
-    from eq_model import Ensemble
+    from eq_model import CoupledEnsemble, Ensemble
     from toolkit.checkpoint import Checkpoint
     from toolkit.progress import Refinement
 
@@ -29,7 +30,9 @@ _FEW = 1e-6  # of the thresholds
 _STIFF, _ABOVE = 1e3, 1e4  # springs, in N_c<k> and in K*, that are hardly meant
 _ROUGHLY = 1e-4
 _EPSILON = 8.0 * float(np.finfo(float).eps)
-_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed", "histograms": "histograms"}
+_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {
+    name: name for name in ("seed", "histograms", "slip_fraction")
+}
 
 
 def run(
@@ -245,8 +248,8 @@ def solve_master(scene: Scene, tolerance: float, refined: Callable[[float], None
         raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
 
 
-def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ensemble":
-    """The ensemble that the scene's table asks for; `other` arguments of eq_model.Ensemble take the place of its own.
+def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ensemble | CoupledEnsemble":
+    """The ensemble that the scene's table asks for; `other` arguments of its class take the place of its own.
 
     Raises InputError with the scene's own keys.
     """
@@ -259,10 +262,15 @@ def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ens
         "n_contacts": asked.contacts,
         "n_replicas": asked.replicas,
         "seed": asked.seed,
-        "tolerance": asked.tolerance,
         "wall_time": asked.wall_time,
-        "histograms": scene.histogram_points(),
     }
+    if drive.spring is not None:
+        arguments |= {"spring": drive.spring, "slip": drive.slip}
+        if asked.slip_fraction is not None:
+            arguments["slip_fraction"] = asked.slip_fraction
+        with laws.inside("eq", _EQ_KEYS):
+            return eq_model.CoupledEnsemble(scene.contacts, scene.path, comm=comm, **(arguments | other))
+    arguments |= {"tolerance": asked.tolerance, "histograms": scene.histogram_points()}
     with laws.inside("eq", _EQ_KEYS):
         # single contacts know no mean rate and no common P_c: beside [master] they tell how far off these are
         contacts = scene.contacts if scene.master is None else scene.contacts.each_by_itself()
@@ -277,6 +285,7 @@ def _simulate(
     kept: "Checkpoint | None",
 ) -> tuple[Simulated, bool, int]:
     """The ensemble's answer, whether nothing is left to go on with, and contacts that were done before."""
+    from eq_model import CoupledResult
     from toolkit.blocks import follow, unfinished
 
     earlier = [] if kept is None else kept.earlier()
@@ -285,4 +294,5 @@ def _simulate(
     del earlier  # the ensemble has its own of what was counted, which takes room
     with laws.inside("eq", _EQ_KEYS):
         result = follow(ensemble, progress, kept, done_before)
-    return result, not unfinished(ensemble, result), done_before
+    record = coupled_record(result) if isinstance(result, CoupledResult) else result
+    return record, not unfinished(ensemble, result), done_before

@@ -72,6 +72,7 @@ class EqTable(Table, frozen=True):
     seed: int = 1
     tolerance: float | None = None
     wall_time: float | None = None
+    slip_fraction: float | None = None
     histograms: list[float] | None = None
     histogram_times: list[float] | None = None
 
@@ -220,8 +221,7 @@ def _checked(
     if solved and (table.master is not None or table.eq is not None):
         _check_reach(scene, table.drive)
     if table.eq is not None:
-        if scene.drive.spring is not None:
-            refuse("drive.spring", scene.drive.spring, "the ensemble [eq] takes a rigid slider; leave one of them out")
+        _check_coupled(scene, table.eq)
         scene.histogram_points()
     return scene
 
@@ -233,6 +233,24 @@ def _check_ensemble(table: EqTable) -> None:
     for name in ("tolerance", "wall_time"):
         if (value := getattr(table, name)) is not None:
             positive(f"eq.{name}", value, "such as 1e-4" if name == "tolerance" else "such as 3600.0")
+
+
+def _check_coupled(scene: Scene, table: EqTable) -> None:
+    """Raise InputError for what the ensemble of a soft slider does not take, and for what it alone takes."""
+    from eq_model.coupled.ensemble import check_coupled
+
+    if scene.drive.spring is None:
+        if table.slip_fraction is not None:
+            refuse("eq.slip_fraction", table.slip_fraction, "is of a soft slider; give drive.spring, or leave it out")
+        return
+    for name in ("tolerance", "histograms", "histogram_times"):
+        if (value := getattr(table, name)) is not None:
+            rule = "is of independent contacts; with drive.spring leave it out, and give replicas"
+            refuse(f"eq.{name}", value, rule)
+    if (np.diff(scene.path) < 0.0).any():
+        raise InputError("drive.turns: the ensemble [eq] of a soft slider takes a drive that does not turn back")
+    with laws.inside("scene", {}):
+        check_coupled(scene.contacts, scene.drive)
 
 
 def _check_reach(scene: Scene, table: DriveTable | None) -> None:

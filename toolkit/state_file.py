@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
@@ -22,15 +22,17 @@ import numpy.typing as npt
 from origins.errors import InputError
 
 if TYPE_CHECKING:
+    from eq_model.coupled.result import CoupledState
     from eq_model.state import State
     from eq_model.tally import Tally
 
+_COUPLED = "coupled_"  # begins the names of arrays of replicas on soft sliders
 _HISTOGRAMS = "histograms.npy"
 # what zipfile and numpy say of bytes that are not what was written
 _SPOILED = (OSError, EOFError, KeyError, ValueError, TypeError, RuntimeError, BadZipFile, TokenError, ZlibError)
 
 
-def write_state(file: Path, state: State, told: dict[str, str]) -> None:
+def write_state(file: Path, state: State | CoupledState, told: dict[str, str]) -> None:
     """Write `state`, and of which run it is: whole or not at all, and on the disk when this returns."""
     draft = file.with_name(f".{file.name}.part")
     try:
@@ -50,15 +52,20 @@ def write_state(file: Path, state: State, told: dict[str, str]) -> None:
             os.close(place)
 
 
-def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
+def read_state(file: Path) -> tuple[State | CoupledState, dict[str, str]] | None:
     """State, and of which run it is; None for a file that a failing disk spoiled.
 
     Raises InputError where there is no room for what the histograms counted.
     """
+    from eq_model.coupled.result import CoupledState
     from eq_model.state import State
 
     try:
         with ZipFile(file) as members:
+            names = [name.removesuffix(".npy") for name in members.namelist()]
+            if coupled := [name for name in names if name.startswith(_COUPLED)]:
+                arrays = {name.removeprefix(_COUPLED): _read(members, name) for name in coupled}
+                return CoupledState.of_arrays(arrays), json.loads(str(_read(members, "identity")))
             breaks, steps = (int(count) for count in _read(members, "counts"))
             done = [range(int(start), int(stop)) for start, stop in _read(members, "done")]
             told, run_time = json.loads(str(_read(members, "identity"))), float(_read(members, "run_time"))
@@ -69,9 +76,15 @@ def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
         return None
 
 
-def _write(stream: IO[bytes], state: State, told: dict[str, str]) -> None:
+def _write(stream: IO[bytes], state: State | CoupledState, told: dict[str, str]) -> None:
+    from eq_model.coupled.result import CoupledState
     from eq_model.histogram import BINS
 
+    if isinstance(state, CoupledState):
+        with ZipFile(stream, "w") as members:
+            own = {f"{_COUPLED}{name}": array for name, array in state.arrays().items()}
+            _write_arrays(members, own | {"identity": json.dumps(told)})
+        return
     arrays: dict[str, npt.ArrayLike] = {
         "sums": state.sums,
         "counts": np.array([state.breaks, state.steps], np.int64),
@@ -82,13 +95,17 @@ def _write(stream: IO[bytes], state: State, told: dict[str, str]) -> None:
     counts = state.counts
     header = {"descr": counts.dtype.str, "fortran_order": False, "shape": (counts.points, 2, BINS)}
     with ZipFile(stream, "w") as members:
-        for name, array in arrays.items():
-            with members.open(f"{name}.npy", "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, np.asarray(array))
+        _write_arrays(members, arrays)
         with members.open(_HISTOGRAMS, "w", force_zip64=True) as member:
             np.lib.format.write_array_header_1_0(member, header)
             for part in counts.parts():
                 member.write(part.data)
+
+
+def _write_arrays(members: ZipFile, arrays: Mapping[str, npt.ArrayLike]) -> None:
+    for name, array in arrays.items():
+        with members.open(f"{name}.npy", "w", force_zip64=True) as member:
+            np.lib.format.write_array(member, np.asarray(array))
 
 
 def _read(members: ZipFile, name: str) -> npt.NDArray[Any]:

@@ -62,6 +62,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 def _foretold(scene: Any, folder: str, comm: Any) -> list[str]:
     """What a run of the scene into this folder will take, in lines."""
     from toolkit.checkpoint import Checkpoint
+    from toolkit.coupled import coupled_lines
     from toolkit.forecast import forecast, lines, pilot, pilot_lines
 
     told = [scene.title or scene.name]
@@ -71,13 +72,16 @@ def _foretold(scene: Any, folder: str, comm: Any) -> list[str]:
         told += pilot_lines(pilot(scene))
     if scene.sweep is not None:
         told.append(f"sweep           {scene.sweep.velocity.size:,} points; their time is not foreseen")
-    if scene.eq is not None:
+    if scene.eq is not None and scene.drive.spring is not None:
+        told += coupled_lines(scene, scene.eq, comm, done)
+    elif scene.eq is not None:
         told += lines(forecast(scene, comm, done))
     return told
 
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
+    from toolkit.coupled import CoupledRecord, slip_lines
     from toolkit.interfaces import in_a_line, with_error
     from toolkit.results import AgeingRecord, SoftRecord
 
@@ -116,7 +120,9 @@ def report(result: Any) -> list[str]:
             f"eq      error {error:.1e} of <x_s> (largest standard error{besides})  run time {eq.run_time:.4f} s, "
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
-    if result.master is not None and result.eq is not None:
+    if isinstance(result.eq, CoupledRecord):
+        lines += slip_lines(result)
+    elif result.master is not None and result.eq is not None:
         from toolkit.deviation import why_not_compared, worst_deviation
 
         apart = worst_deviation(result)

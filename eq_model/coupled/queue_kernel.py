@@ -1,0 +1,230 @@
+"""Breaks that wait, in the order of the slider's positions at which they come: a ring of buckets.
+
+A waiting break is one 64-bit key, its place in its bucket above its threshold: 8 bytes a contact,
+which needs no other name, as contacts of one threshold that break at one place are alike. A bucket
+is sorted by place when the slider comes to it, in the order of arrival where places are equal.
+Positions and thresholds are whole numbers of a unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from eq_model.compiling import bare, inlined
+
+THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
+CHUNK = 128  # keys that are kept together
+PER_BUCKET = 16384  # breaks: what a core's L2 cache holds
+FEW = 64  # keys that are moved, on average, to put one more among those of a bucket
+DIGIT = 8  # bits by which breaks are sorted at a time
+WIDEST = 5  # buckets of at most 2^-5 mean thresholds: few breaks come in the bucket of their birth
+AHEAD = 4  # mean thresholds that the ring holds; breaks further on wait in a list
+
+_U = np.uint64
+_THRESHOLD, _DIGIT = _U((1 << THRESHOLD_BITS) - 1), _U((1 << DIGIT) - 1)
+
+
+class Queue(NamedTuple):
+    """Buckets as chains of chunks, and a list of what lies beyond them.
+
+    shift : bits of a bucket's width; many : breaks of each bucket; last : its chunk that fills;
+    before : the chunk before a chunk; free : free[0] chunks are free, and lie behind it; keys :
+    shape (chunks, CHUNK); far : positions and thresholds; far_size : how many; open : sorted keys
+    of the bucket in which the slider is; spare : to sort them; digits : how many of each digit; at :
+    next of the open keys, their end, and the bucket's number.
+    """
+
+    shift: np.int64
+    many: npt.NDArray[np.int32]
+    last: npt.NDArray[np.int32]
+    before: npt.NDArray[np.int32]
+    free: npt.NDArray[np.int32]
+    keys: npt.NDArray[np.uint64]
+    far: npt.NDArray[np.int64]
+    far_size: npt.NDArray[np.int64]
+    open: npt.NDArray[np.uint64]
+    spare: npt.NDArray[np.uint64]
+    digits: npt.NDArray[np.int64]
+    at: npt.NDArray[np.int64]
+
+
+def bucket_width(n: int, share_below: Callable[[float], float]) -> float:
+    """Width of a bucket for n contacts, in mean thresholds.
+
+    share_below : share of the thresholds below so many means; breaks that come in the bucket of
+        their birth are put in their place one by one.
+    """
+    width = min(PER_BUCKET / n, 2.0**-WIDEST)
+    while width * n * min(share_below(width), 1.0) > FEW and width * n > FEW:
+        width *= 0.5
+    return width
+
+
+def make_queue(n: int, mean: float, width: float) -> Queue:
+    """An empty queue for n contacts, of `mean` threshold (units), with buckets of that width (in
+    means); memory is used as it fills."""
+    bits = int(np.log2(mean))
+    shift = min(max(int(np.floor(np.log2(mean * width))), 1), 64 - THRESHOLD_BITS)
+    buckets = AHEAD << (bits - shift)
+    chunks = n // CHUNK + buckets + 1
+    free = np.empty(chunks + 1, np.int32)
+    zeros = np.zeros(buckets, np.int32)
+    queue = Queue(
+        shift=np.int64(shift),
+        many=zeros,
+        last=zeros.copy(),
+        before=np.empty(chunks, np.int32),
+        free=free,
+        keys=np.empty((chunks, CHUNK), np.uint64),
+        far=np.empty((n, 2), np.int64),
+        far_size=np.zeros(1, np.int64),
+        open=np.empty(n + 1, np.uint64),
+        spare=np.empty(n + 1, np.uint64),
+        digits=np.empty((-(-shift // DIGIT), 1 << DIGIT), np.int64),
+        at=np.zeros(3, np.int64),
+    )
+    clear(queue, 0)
+    return queue
+
+
+def clear(queue: Queue, position: int) -> None:
+    """Forget all breaks; the slider is at `position`, and the bucket before its own is open."""
+    queue.many[:] = 0
+    queue.free[0] = queue.free.size - 1
+    queue.free[1:] = np.arange(queue.free.size - 2, -1, -1)
+    queue.far_size[0] = 0
+    queue.at[:] = 0, 0, (position >> int(queue.shift)) - 1
+
+
+@inlined
+def next_break(queue):  # type: ignore[no-untyped-def]
+    """Whether there is a break in the open bucket, and where; else where the bucket ends."""
+    low = queue.at[2] << queue.shift
+    if queue.at[0] < queue.at[1]:
+        return True, low + np.int64(queue.open[_U(queue.at[0])] >> _U(THRESHOLD_BITS))
+    return False, low + (np.int64(1) << queue.shift)
+
+
+@inlined
+def take_next(queue):  # type: ignore[no-untyped-def]
+    """Remove the next break of the open bucket: its threshold."""
+    queue.at[0] += 1
+    return np.int64(queue.open[_U(queue.at[0] - 1)] & _THRESHOLD)
+
+
+@inlined
+def wait(queue, b, x):  # type: ignore[no-untyped-def]
+    """A break at b, of threshold x, waits; b lies in the open bucket or beyond."""
+    ahead = (b >> queue.shift) - queue.at[2]
+    key = (_U(b & ((np.int64(1) << queue.shift) - np.int64(1))) << _U(THRESHOLD_BITS)) | _U(x)
+    if ahead > 0 and ahead < queue.many.size:
+        _push(queue, (b >> queue.shift) & np.int64(queue.many.size - 1), key)
+    elif ahead > 0:
+        queue.far[queue.far_size[0], 0] = b
+        queue.far[queue.far_size[0], 1] = x
+        queue.far_size[0] += 1
+    else:
+        _insert(queue, key)
+
+
+@inlined
+def _push(queue, k, key):  # type: ignore[no-untyped-def]
+    slot = _U(queue.many[k]) & _U(CHUNK - 1)
+    if slot == _U(0):
+        chunk = queue.free[queue.free[0]]
+        queue.free[0] -= 1
+        queue.before[chunk] = queue.last[k]
+        queue.last[k] = chunk
+    queue.keys[_U(queue.last[k]), slot] = key
+    queue.many[k] += 1
+
+
+@bare
+def _insert(queue, key):  # type: ignore[no-untyped-def]
+    """Put a break in its place among those of the open bucket."""
+    if queue.at[1] == queue.open.size:  # room is left by those that broke
+        gone = queue.at[0]
+        for j in range(gone, queue.at[1]):
+            queue.open[j - gone] = queue.open[j]
+        queue.at[0] = 0
+        queue.at[1] -= gone
+    j = queue.at[1]
+    while j > queue.at[0] and queue.open[j - 1] > key:
+        queue.open[j] = queue.open[j - 1]
+        j -= 1
+    queue.open[j] = key
+    queue.at[1] += 1
+
+
+@bare
+def _take(queue, into):  # type: ignore[no-untyped-def]
+    """Empty the open bucket's chunks; how many breaks there were, and how many of each digit."""
+    k = queue.at[2] & np.int64(queue.many.size - 1)
+    n, m = np.int64(queue.many[k]), np.int64(0)
+    chunk = np.int64(queue.last[k])
+    fill = n - (n - 1) // CHUNK * CHUNK
+    queue.digits[:] = 0
+    while m < n:
+        for j in range(fill):
+            key = queue.keys[chunk, j]
+            into[m + j] = key
+            for d in range(queue.digits.shape[0]):
+                queue.digits[d, (key >> _U(THRESHOLD_BITS + d * DIGIT)) & _DIGIT] += 1
+        m += fill
+        fill = np.int64(CHUNK)
+        queue.free[0] += 1
+        queue.free[queue.free[0]] = chunk
+        chunk = np.int64(queue.before[chunk])
+    queue.many[k] = 0
+    return n
+
+
+@bare
+def _sort(queue, d, n, old, new):  # type: ignore[no-untyped-def]
+    """Sort n keys by one digit of their places; those with the same digit keep their order."""
+    at = np.int64(0)
+    for k in range(queue.digits.shape[1]):
+        queue.digits[d, k], at = at, at + queue.digits[d, k]
+    for i in range(n):
+        digit = (old[i] >> _U(THRESHOLD_BITS + d * DIGIT)) & _DIGIT
+        new[_U(queue.digits[d, digit])] = old[i]
+        queue.digits[d, digit] += 1
+
+
+@bare
+def _come_near(queue):  # type: ignore[no-untyped-def]
+    """Breaks of the list that the ring reaches by now go into it, the open bucket among them."""
+    left = np.int64(0)
+    for i in range(queue.far_size[0]):
+        b, x = queue.far[i, 0], queue.far[i, 1]
+        if (b >> queue.shift) - queue.at[2] < queue.many.size:
+            key = (_U(b & ((np.int64(1) << queue.shift) - np.int64(1))) << _U(THRESHOLD_BITS)) | _U(
+                x
+            )
+            _push(queue, (b >> queue.shift) & np.int64(queue.many.size - 1), key)
+        else:
+            queue.far[left, 0] = b
+            queue.far[left, 1] = x
+            left += 1
+    queue.far_size[0] = left
+
+
+@bare
+def open_next(queue):  # type: ignore[no-untyped-def]
+    """Open the next bucket: its breaks, in order."""
+    queue.at[2] += 1
+    if queue.at[2] % (queue.many.size // AHEAD) == 0:
+        _come_near(queue)
+    last = queue.digits.shape[0] - 1
+    n = _take(queue, queue.open if last % 2 else queue.spare)
+    for d in range(last + 1):
+        if (last - d) % 2:
+            _sort(queue, d, n, queue.open, queue.spare)
+        else:
+            _sort(queue, d, n, queue.spare, queue.open)
+    queue.at[0] = 0
+    queue.at[1] = n
