@@ -102,6 +102,10 @@ def solve(
             return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
     if drive.spring is not None and not in_time and contacts.delay is None:
         return solve_soft(contacts, drive, tolerance, progress, wall_time)
+    if drive.spring is not None and contacts.ageing is None and contacts.grains is None:
+        from master.soft.in_time.solution import solve_in_time
+
+        return solve_in_time(contacts, drive, tolerance, progress, wall_time)
     from master._old.solve import solve as solve_old
 
     keywords: dict[str, Any] = {"velocity": velocity, "time": time, "spring": spring, "slip": slip}

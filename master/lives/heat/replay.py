@@ -71,6 +71,14 @@ class Replay:
             log_rate = rates.log_rate(0.0, self.least, 1.0)
             self._in_proportion = np.maximum(log_spent, _NOTHING), log_rate
 
+    @classmethod
+    def known(cls, rates: RateLaw, least: Array, log_spent: Array) -> Replay:
+        """Of contacts whose largest |x| and ln A there are known, shapes (n,); a separable law."""
+        standing = Legs(np.zeros((least.size, 2)), np.zeros((least.size, 1)), np.zeros(1))
+        out = cls(rates, None, least, standing)
+        out._in_proportion = log_spent, rates.log_rate(0.0, least, 1.0)
+        return out
+
     def log_spent(self, row: Rows, threshold: Array) -> Array:
         """ln A of the contacts `row`, shape (n,), at thresholds of shape (n, k); finite."""
         if self._in_proportion is not None:

@@ -1,0 +1,134 @@
+"""Tracks: smooth stretches of a soft slider's way, and the clock in which its steps are even."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from master.motion.motion import Motion
+from master.soft.in_time.past import lagrange
+from origins import Drive
+
+Array = npt.NDArray[np.float64]
+
+# What the way of the drive counts less than that of the slider in a step: it is the slider that must
+# be followed.
+LESS = 0.25
+# Steps, on the coarsest level, in which the time of a hold grows by a factor e.
+PER_FOLD = 2.0
+# Points of the polynomials that tell force and holding between steps.
+STENCIL = 6
+BISECTIONS = 60
+
+
+class Piece(NamedTuple):
+    """The drive moves at one speed, or holds, from a time and a place to others."""
+
+    begin: float
+    end: float
+    before: float
+    after: float
+
+    @property
+    def travel(self) -> float:
+        return self.after - self.before
+
+    @property
+    def duration(self) -> float:
+        return self.end - self.begin
+
+    def at(self, now: float) -> float:
+        """Where the drive is."""
+        return self.before + self.travel / self.duration * (now - self.begin)
+
+
+def reached(drive: Drive, balance: float) -> Array:
+    """When the points of the path are reached, from the balance at t = 0."""
+    if drive.time is not None:
+        return drive.time
+    return np.asarray(np.abs(np.diff(drive.path, prepend=balance)).cumsum() / drive.velocity)
+
+
+def pieces(drive: Drive, balance: float) -> list[Piece]:
+    """The drive's way from the balance at t = 0 to the end of its path."""
+    times = np.append(0.0, reached(drive, balance))
+    motion = Motion(times, np.append(balance, drive.path)) if times[-1] > 0.0 else None
+    if motion is None:
+        return []
+    knots = zip(motion.times, motion.positions, strict=True)
+    ends = [(float(time), float(place)) for time, place in knots]
+    return [Piece(a[0], b[0], a[1], b[1]) for a, b in pairwise(ends)]
+
+
+@dataclass
+class Track:
+    """One smooth stretch: step parameter, time, X, force and holding at its nodes."""
+
+    step: list[float] = field(default_factory=list)
+    clock: list[float] = field(default_factory=list)
+    place: list[float] = field(default_factory=list)
+    force: list[float] = field(default_factory=list)
+    holding: list[float] = field(default_factory=list)
+
+    def later(self, time: float, way: float) -> Track:
+        """The same once more, after a time and a way."""
+        clock, place = [at + time for at in self.clock], [at + way for at in self.place]
+        return Track(self.step, clock, place, self.force, self.holding)
+
+    def read(self, at: float) -> tuple[float, float]:
+        """Force and holding at a time, through the step parameter, in which all is smooth."""
+        clock, n = np.array(self.clock), len(self.clock)
+        cell = min(max(int(np.searchsorted(clock, at, side="left")), 1), n - 1) if n > 1 else 0
+        size = min(STENCIL, n)
+        low = min(max(cell - size // 2, 0), n - size)
+        step, values = np.array(self.step[low : low + size]), clock[low : low + size]
+        place = step[0]
+        if n > 1:
+            a, b = self.step[cell - 1], self.step[cell]
+            for _ in range(BISECTIONS):
+                place = 0.5 * (a + b)
+                if float(lagrange(step, place) @ values) < at:
+                    a = place
+                else:
+                    b = place
+        weights = lagrange(step, place)
+        force, holding = (row[low : low + size] for row in (self.force, self.holding))
+        return float(weights @ np.array(force)), float(weights @ np.array(holding))
+
+
+class Clock:
+    """Even steps in time, or in a hold even in ln(1 + t/first), of one piece of the drive.
+
+    Parameters
+    ----------
+    piece : Piece
+    length : float
+        Travel of the drive that takes one step, but for LESS.
+    time : float
+        The shortest time over which contacts change in a hold.
+    rate : float
+        Steps per time that contacts ask for while the drive moves.
+    """
+
+    def __init__(self, piece: Piece, length: float, time: float, rate: float) -> None:
+        self._piece, self._held = piece, piece.travel == 0.0
+        if self._held and not np.isfinite(time):
+            time = piece.duration
+        speed = abs(piece.travel) / piece.duration
+        self._first, self._rate = time, LESS * speed / length + rate
+
+    def count(self, time: float) -> float:
+        """Steps since the piece began."""
+        since = time - self._piece.begin
+        return PER_FOLD * float(np.log1p(since / self._first)) if self._held else since * self._rate
+
+    def time(self, count: float) -> float:
+        """The time after so many steps."""
+        if self._held:
+            grown = float(np.expm1(min(count / PER_FOLD, 700.0)))
+            return self._piece.begin + self._first * grown
+        return self._piece.begin + count / self._rate
