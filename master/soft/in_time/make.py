@@ -5,6 +5,7 @@ from __future__ import annotations
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.heat import MeanRateMemory, ProportionalMemory
 from master.soft.in_time.memory import ColdMemory, Memory
+from master.soft.in_time.spent import SpentMemory
 from master.soft.in_time.strands import StrandCohorts
 from origins import Contacts
 
@@ -29,4 +30,4 @@ def _memory(contacts: Contacts, level: int) -> Memory:
         return MeanRateMemory(contacts)
     if thermal.rates.separable and contacts.stiffness == "independent":
         return ProportionalMemory(contacts)
-    raise NotImplementedError
+    return SpentMemory(contacts)

@@ -120,9 +120,9 @@ def unknown(cohorts: Cohorts, past: Past) -> float:
     return float(apart @ np.abs(np.diff(past.births)))
 
 
-def lagrange(nodes: Array, at: float) -> Array:
-    """Weights of values at the nodes in the polynomial through them, at one point."""
-    apart = nodes[:, None] - nodes
-    np.fill_diagonal(apart, 1.0)
-    ways = np.where(np.eye(nodes.size, dtype=bool), 1.0, at - nodes)
-    return np.asarray((ways / apart).prod(axis=1))
+def lagrange(nodes: Array, at: Array | float) -> Array:
+    """Weights of values at nodes (..., n) in the polynomials through them, at points (...)."""
+    same = np.eye(nodes.shape[-1], dtype=bool)
+    apart = np.where(same, 1.0, nodes[..., :, None] - nodes[..., None, :])
+    ways = np.where(same, 1.0, (np.asarray(at)[..., None] - nodes)[..., None, :])
+    return np.asarray((ways / apart).prod(axis=-1))

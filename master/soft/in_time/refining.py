@@ -14,7 +14,7 @@ from master.soft.in_time.carried import Allowed, TooLongError
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.make import cohorts_of, fresh_cohorts_of
 from master.soft.in_time.pulled import Pulled, Task
-from master.soft.in_time.track import Piece, Track, pieces
+from master.soft.in_time.track import Piece, Read, Track, pieces
 from origins import Contacts, Drive
 from origins.errors import refuse
 
@@ -227,13 +227,15 @@ def _left(change: float, before: float) -> float:
     return max(MARGIN * ratio if ratio < 0.25 else 2.0, LEAST_LEFT)
 
 
-def _read(tracks: list[Track], asked: Array) -> tuple[Array, Array]:
+def _read(tracks: list[Track], asked: Array) -> Read:
     """Force and holding at times; at a slip, after it."""
     ends = np.array([track.clock[-1] for track in tracks])
     which = np.minimum(np.searchsorted(ends, asked, side="right"), len(tracks) - 1)
-    told = [tracks[k].read(at) for k, at in zip(which, asked, strict=True)]
-    force, holding = np.array(told).reshape(-1, 2).T
-    return force, holding
+    out = Read(np.empty(asked.size), np.empty(asked.size))
+    for k in np.unique(which):
+        mine = which == k
+        out.force[mine], out.holding[mine] = tracks[k].read(asked[mine])
+    return out
 
 
 def uneven(contacts: Contacts) -> bool:

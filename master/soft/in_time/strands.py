@@ -135,7 +135,10 @@ class Strands:
         late: of births in between it is the smallest, and more of them hold.
         """
         side, place, m, n = self.side, self.place, self.furthest, self.held.size
-        row, node = np.nonzero((side[1:] != side[:-1]) & (place[1:] != place[:-1]))
+        apart = (side[1:] != side[:-1]) & (place[1:] != place[:-1])
+        # relaxed ones that are born now have no V beside them
+        apart &= (side[1:] != 0) | (self.rule.stretch != 0.0)
+        row, node = np.nonzero(apart)
         none = np.zeros(max(n - 1, 0))
         if not row.size:
             return Spread(none, none)

@@ -64,6 +64,13 @@ def pieces(drive: Drive, balance: float) -> list[Piece]:
     return [Piece(a[0], b[0], a[1], b[1]) for a, b in pairwise(ends)]
 
 
+class Read(NamedTuple):
+    """Force (lengths) and share that holds, arrays of shape (n,)."""
+
+    force: Array
+    holding: Array
+
+
 @dataclass
 class Track:
     """One smooth stretch: step parameter, time, X, force and holding at its nodes."""
@@ -79,25 +86,23 @@ class Track:
         clock, place = [at + time for at in self.clock], [at + way for at in self.place]
         return Track(self.step, clock, place, self.force, self.holding)
 
-    def read(self, at: float) -> tuple[float, float]:
-        """Force and holding at a time, through the step parameter, in which all is smooth."""
+    def read(self, at: Array) -> Read:
+        """Force and holding at times, through the step parameter, in which all is smooth."""
         clock, n = np.array(self.clock), len(self.clock)
-        cell = min(max(int(np.searchsorted(clock, at, side="left")), 1), n - 1) if n > 1 else 0
+        step, told = np.array(self.step), np.array([self.force, self.holding])
+        if n == 1:
+            return Read(*(np.full(at.size, row[0]) for row in told))
         size = min(STENCIL, n)
-        low = min(max(cell - size // 2, 0), n - size)
-        step, values = np.array(self.step[low : low + size]), clock[low : low + size]
-        place = step[0]
-        if n > 1:
-            a, b = self.step[cell - 1], self.step[cell]
-            for _ in range(BISECTIONS):
-                place = 0.5 * (a + b)
-                if float(lagrange(step, place) @ values) < at:
-                    a = place
-                else:
-                    b = place
-        weights = lagrange(step, place)
-        force, holding = (row[low : low + size] for row in (self.force, self.holding))
-        return float(weights @ np.array(force)), float(weights @ np.array(holding))
+        cell = np.clip(np.searchsorted(clock, at, side="left"), 1, n - 1)
+        low = np.clip(cell - size // 2, 0, n - size)
+        nodes = low[:, None] + np.arange(size)
+        a, b = step[cell - 1], step[cell]
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (a + b)
+            early = (lagrange(step[nodes], middle) * clock[nodes]).sum(axis=1) < at
+            a, b = np.where(early, middle, a), np.where(early, b, middle)
+        weights = lagrange(step[nodes], 0.5 * (a + b))
+        return Read(*((weights * row[nodes]).sum(axis=1) for row in told))
 
 
 class Clock:
