@@ -102,7 +102,8 @@ def solve(
             return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
     if drive.spring is not None and not in_time and contacts.delay is None:
         return solve_soft(contacts, drive, tolerance, progress, wall_time)
-    if drive.spring is not None and contacts.ageing is None and contacts.grains is None:
+    paper = contacts.ageing is not None and contacts.ageing.closure == "paper"
+    if drive.spring is not None and not paper:
         from master.soft.in_time.solution import solve_in_time
 
         return solve_in_time(contacts, drive, tolerance, progress, wall_time)

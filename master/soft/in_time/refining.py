@@ -12,7 +12,7 @@ import numpy.typing as npt
 from master.outcome import Progress
 from master.soft.in_time.carried import Allowed, TooLongError
 from master.soft.in_time.cohorts import Cohorts
-from master.soft.in_time.make import cohorts_of, fresh_cohorts_of
+from master.soft.in_time.make import Maker
 from master.soft.in_time.pulled import Pulled, Task
 from master.soft.in_time.track import Piece, Read, Track, pieces
 from origins import Contacts, Drive
@@ -64,6 +64,7 @@ class Refined(NamedTuple):
 
 def refined(
     contacts: Contacts,
+    maker: Maker,
     drive: Drive,
     balance: float,
     asked: Array,
@@ -77,21 +78,21 @@ def refined(
     """
     unit, spring = contacts.mean_threshold, float(drive.spring or 0.0)
     course = pieces(drive, balance)
-    cohorts = cohorts_of(contacts, 0)
+    cohorts = maker.all(0)
     if not course:
         stands = [np.full(asked.size, row[0]) for row in (cohorts.pull, cohorts.held)]
         return Refined(np.empty((5, 0)), stands[0], stands[1], cohorts.error, 0, "")
     levels = Levels(unit, spring, drive.path, uneven(contacts))
     plan: list[float] = []
-    finer = cohorts_of(contacts, 1)
+    finer = maker.all(1)
     # an error takes steps of three sizes
-    grown = max(cohorts_of(contacts, TELLING).work / cohorts.work, 1.0) ** (1.0 / TELLING)
+    grown = max(maker.all(TELLING).work / cohorts.work, 1.0) ** (1.0 / TELLING)
     most = FULL * MOST_STEPS * 0.5**TELLING, FULL**2 * MOST_WORK * (0.25 / grown) ** TELLING
     level = 0
     while True:
 
         def again(level: int = level) -> Cohorts:
-            return fresh_cohorts_of(contacts, level)
+            return maker.fresh(level)
 
         task = Task(course, spring, drive.slip, contacts.waiting_time, unit, again)
         pulled = Pulled(cohorts, task, level, plan, Allowed(*most, until))
@@ -123,7 +124,7 @@ def refined(
             reached_error = f"error estimate {found.error:.1e} with {found.steps} steps"
             told = f"{reached_error}, above the tolerance {tolerance:.1e}"
             return found._replace(reason=f"{told}; shorten the path or loosen the tolerance")
-        cohorts, finer = finer, cohorts_of(contacts, level + 2)
+        cohorts, finer = finer, maker.all(level + 2)
         level += 1
         most = (2.0 * most[0], 4.0 * most[1] * grown)
         if level >= TELLING:

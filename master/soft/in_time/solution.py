@@ -7,9 +7,9 @@ import time as clock
 import numpy as np
 
 from master.outcome import Progress, outcome, unheard
-from master.soft.in_time.make import cohorts_of
+from master.soft.in_time.make import Maker
 from master.soft.in_time.refining import refined
-from master.soft.in_time.track import pieces, reached
+from master.soft.in_time.track import fastest, pieces, reached
 from master.soft.regime import Course, regime
 from master.soft.slips import Slips
 from master.soft.solution import SoftSolution
@@ -47,7 +47,8 @@ def solve_in_time(
     if contacts.reforming is not None and out:
         rule = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
         refuse("slip", drive.slip, rule)
-    balance = float(cohorts_of(contacts, 0).pull[0]) / spring
+    maker = Maker(contacts, fastest(drive))
+    balance = float(maker.all(0).pull[0]) / spring
     if abs(drive.path[0] - balance) <= SAME * unit:
         balance = float(drive.path[0])  # a start of no mean stretch is one of rounding
     late = drive.time is not None and drive.time[0] == 0.0
@@ -55,7 +56,7 @@ def solve_in_time(
         rule = f"at time 0 the drive stands where it balances the start, {balance:.9g}"
         refuse("path[0]", drive.path[0], rule)
     asked = reached(drive, balance)
-    found = refined(contacts, drive, balance, asked, tolerance, progress, until)
+    found = refined(contacts, maker, drive, balance, asked, tolerance, progress, until)
     told = found.force.size
     path, whole = drive.path[:told], told == drive.path.size
     error = found.error

@@ -177,13 +177,20 @@ class StrandCohorts:
     at: float = 0.0
 
     @classmethod
-    def of(cls, contacts: Contacts, memory: Memory, level: int) -> StrandCohorts:
-        """All contacts at X = 0; births at many stretches have more nodes with each level."""
+    def of(
+        cls, contacts: Contacts, memory: Memory, level: int, reset: bool = False
+    ) -> StrandCohorts:
+        """All contacts at X = 0, as they start or where all have just formed again.
+
+        Births at many stretches have more nodes with each level.
+        """
         again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
-        start = Strands.none(memory, stretch_rule(contacts.start, memory.reach, memory.starts))
+        first = again if reset else contacts.start
+        start = Strands.none(memory, stretch_rule(first, memory.reach, memory.starts))
         count = BIRTHS + MORE_BIRTHS * level
         births = Strands.none(memory, stretch_rule(again, memory.reach, count))
-        start = start.born(0.0, memory.start(start.rule.stretch))
+        stretch = start.rule.stretch
+        start = start.born(0.0, memory.fresh(stretch, 0.0) if reset else memory.start(stretch))
         work = (memory.width + 60) * births.rule.stretch.size
         return cls(start, births, work)
 

@@ -53,6 +53,14 @@ def reached(drive: Drive, balance: float) -> Array:
     return np.asarray(np.abs(np.diff(drive.path, prepend=balance)).cumsum() / drive.velocity)
 
 
+def fastest(drive: Drive) -> float:
+    """Largest speed of the drive from the first point of its path on."""
+    if drive.time is None or drive.path.size < 2:
+        return drive.velocity
+    steps = np.diff(drive.time)
+    return float((np.abs(np.diff(drive.path))[steps > 0.0] / steps[steps > 0.0]).max(initial=0.0))
+
+
 def pieces(drive: Drive, balance: float) -> list[Piece]:
     """The drive's way from the balance at t = 0 to the end of its path."""
     times = np.append(0.0, reached(drive, balance))
