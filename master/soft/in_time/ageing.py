@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.cells import Cells, Move
-from master.lives.age.strands import ASLEEP, fresh_rate
+from master.lives.age.cells import Cells
+from master.lives.age.strands import ASLEEP, fresh_rate, stepped
 from master.lives.stretch_rule import StretchRule, stretch_rule
 from master.soft.in_time.cohorts import Spread, Steps, halves
 from master.soft.in_time.memory import BIRTHS, MORE_BIRTHS
@@ -147,7 +147,10 @@ class AgeingCohorts:
             weights[up] = self.cells.unmet(begin[up], before[up])
         awake = np.flatnonzero(~asleep)
         if awake.size:
-            weights[awake] = self._moved(weights[awake], begin[awake], end[awake], duration)
+            way, time = np.full(awake.size, travel), np.full(awake.size, duration)
+            weights[awake] = stepped(
+                self.cells, weights[awake], begin[awake], way, time, np.array([0.0, 1.0])
+            )
         return replace(
             self,
             cohort=self.cohort[alive],
@@ -157,27 +160,6 @@ class AgeingCohorts:
             weights=weights,
             asleep=asleep,
         )
-
-    def _moved(self, weights: Array, begin: Array, end: Array, duration: float) -> Array:
-        """Weights of strands that go straight on, cut where the level turns or leaves the floor."""
-        floor, way = self.cells.floor, np.where(end == begin, 1.0, end - begin)
-        marks = [0.0] if floor == 0.0 else [-floor, floor]
-        across = [(begin < mark) != (end < mark) for mark in marks]
-        cuts = [
-            np.where(there, np.clip((mark - begin) / way, 0.0, 1.0), 1.0)
-            for mark, there in zip(marks, across, strict=True)
-        ]
-        ends = [np.zeros(begin.size), *np.sort(cuts, axis=0), np.ones(begin.size)]
-        for near, far in zip(ends[:-1], ends[1:], strict=True):
-            rows = np.flatnonzero(far > near)
-            if rows.size:
-                part = (far - near)[rows]
-                one, two = (
-                    np.abs(begin + (end - begin) * cut)[rows] for cut in (near, far)
-                )
-                move = Move(one, two, duration * part)
-                weights[rows] = self.cells.move(weights[rows], move)
-        return weights
 
     def spread(self) -> Spread:
         """See Cohorts."""

@@ -62,8 +62,11 @@ class Cohorts(Protocol):
         Numbers looked at for each cohort in one step: how many steps are affordable.
     """
 
-    steps: Steps
-    work: int
+    @property
+    def steps(self) -> Steps: ...
+
+    @property
+    def work(self) -> int: ...
 
     @property
     def held(self) -> Array: ...

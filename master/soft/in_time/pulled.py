@@ -12,20 +12,15 @@ and comes to rest no sooner than they have been broken.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
-
 import numpy as np
 
 from master.soft.in_time.carried import Allowed, Carried, TooLongError, Trial
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.onset import Onset
-from master.soft.in_time.secants import first_root, foreseen, secant
+from master.soft.in_time.secants import foreseen, secant
+from master.soft.in_time.slipping import COARSEST, MOST_SLIPS, Slip, Slipping, Task
 from master.soft.in_time.track import LESS, Clock, Piece, Track
-from origins.drive import SlipRule
 
-# Share of the length over which births change that is a step on the coarsest level.
-COARSEST = 0.5
 # Balance of a step, as a share of it in time.
 CLOSE = 1e-7
 # Halvings of the last step before a slip where thresholds fluctuate: an edge that thins to nothing is
@@ -38,39 +33,6 @@ AHEAD = 0.3
 SOON, PER_FOLD, FELT = 0.1, 0.7, 1e-5
 # Share of the time that is as good as none.
 INSTANT = 1e-12
-# Steps of a search for the end of a slip, in lengths over which births change.
-SCAN = 0.125
-MOST_SLIPS = 20_000
-# Share of a step by which a slip goes on at least.
-LEAST_SLIP = 1e-4
-# Accuracy of a slip's end: of the mean threshold.
-ENDS = 1e-15
-
-
-class Slip(NamedTuple):
-    """Lengths, as in master.soft.slips.Slips."""
-
-    drive: float
-    before: float
-    after: float
-    force_before: float
-    force_after: float
-
-
-class Task(NamedTuple):
-    """What is asked of a soft slider.
-
-    pieces : of the drive; spring : K/(N_c <k>); rule : what a slip does
-    delay : of the contacts; unit : mean threshold (a length)
-    again : makes the contacts that a reset leaves
-    """
-
-    pieces: list[Piece]
-    spring: float
-    rule: SlipRule
-    delay: float
-    unit: float
-    again: Callable[[], Cohorts]
 
 
 class Pulled:
@@ -109,6 +71,7 @@ class Pulled:
         self._steep = (1.0 + task.spring) * (1.0 + 1.0 / LESS) * self._length
         fastest = max(abs(piece.travel) / piece.duration for piece in task.pieces)
         self._onset = Onset(self.contacts, task.spring, task.unit, self._length, fastest)
+        self._slipping = Slipping(self.contacts, task, level, self._length, self._onset.thin)
 
     def run(self) -> None:
         """Follow the drive to its end."""
@@ -116,7 +79,6 @@ class Pulled:
             self.contacts.mark_later(piece.begin)
             self._follow(piece, piece is self.task.pieces[-1])
 
-    # -- straight on -------------------------------------------------------------------------------
     def _follow(self, piece: Piece, last: bool) -> None:
         """The drive goes on to the end of a piece."""
         here, spring = self.contacts, self.task.spring
@@ -132,7 +94,10 @@ class Pulled:
             end = min(marks, default=piece.end)
             self._relax(end, piece, clock)
             if self._slide(end, piece, clock, sign):
-                self._slip(piece.at(here.now), sign)
+                slip = self._slipping.slip(piece.at(here.now), sign, self._planned())
+                self.slips.append(slip)
+                if self._slipping.smooth:
+                    self.stretches.append(abs(slip.after - slip.before) / self._length)
                 before, since = since, len(self.tracks)
                 resets += 1
                 if self.task.rule == "reset" and resets == 2 and self._repeat(piece, last, before):
@@ -209,9 +174,7 @@ class Pulled:
             taken += 1
             share = foreseen(shares)
             # the last of the planned steps takes what is left
-            trial = self._step(
-                size * (1.5 if taken >= steps else 1.0), share, piece, clock, sign
-            )
+            trial = self._step(size * (1.5 if taken >= steps else 1.0), share, piece, clock, sign)
             if trial.now >= end:
                 trial = self._to(end, piece, trial.travel)
             # the slider runs ahead of its drive before it lets go
@@ -239,9 +202,7 @@ class Pulled:
         number = len(self.stretches)
         return self._plan[number] if number < len(self._plan) else 0.0
 
-    def _record(
-        self, trial: Trial, track: Track, clock: Clock, sign: float, total: float
-    ) -> float:
+    def _record(self, trial: Trial, track: Track, clock: Clock, sign: float, total: float) -> float:
         """Take a step, the size of which is returned."""
         time = clock.count(trial.now) - clock.count(self.contacts.now)
         size = sign * trial.travel / self._length + time
@@ -287,78 +248,3 @@ class Pulled:
 
         secant(excess, guess, -spring - 1.0, CLOSE * self._length)
         return found[0]
-
-    # -- slips -------------------------------------------------------------------------------------
-    def _slip(self, drive: float, sign: float) -> None:
-        """The slider slips, in no time, while the drive stands."""
-        here, rule = self.contacts, self.task.rule
-        before, force = here.place, here.force
-        if rule == "reset":
-            cohorts = self.task.again()
-            here.place = drive - float(cohorts.pull[0]) / self.task.spring
-            here.settle(cohorts)
-        elif rule == "instant" and not self.task.delay:
-            self._rush(drive, sign)
-        else:
-            self._hold_out(drive, sign)
-        self.slips.append(Slip(drive, before, here.place, force, here.force))
-
-    def _rush(self, drive: float, sign: float) -> None:
-        """Contacts re-form at once, on to the first balance."""
-        here, planned = self.contacts, self._planned()
-        steps = int(np.ceil(max(planned, 1e-6))) * 2**self._level
-        share = planned / steps if planned else 0.5**self._level
-        size = sign * self._length * share
-        here.bend()
-        begin, away = here.place, not self._onset.thin
-        while True:
-            trial = here.tried(size, here.now)
-            over = self._over(trial, drive, sign)
-            if over >= 0.0 and (away or abs(here.place - begin) > self.task.unit):
-                break
-            away |= over < 0.0
-            here.take(trial)
-        low = 0.0 if here.place != begin else LEAST_SLIP * size
-        here.take(self._ends(low, size, drive, sign, frozen=False))
-        self.stretches.append(abs(here.place - begin) / self._length)
-        here.bend()
-
-    def _hold_out(self, drive: float, sign: float) -> None:
-        """Broken contacts stay out until the rest balance the spring."""
-        here = self.contacts
-        step = sign * SCAN * here.length * COARSEST
-        low, high, away = LEAST_SLIP * step, step, not self._onset.thin
-        for _ in range(MOST_SLIPS):
-            over = self._over(here.tried(high, here.now, frozen=True), drive, sign)
-            if over >= 0.0 and (away or abs(high) > self.task.unit):
-                break
-            away |= over < 0.0
-            low, high = high, high + step
-        else:
-            raise TooLongError
-        broken = here.past.breaks[-1]
-        here.bend()
-        trial = self._ends(low, high, drive, sign, frozen=True)
-        here.take(trial)
-        here.bend()
-        fresh = trial.counted.breaks - broken
-        here.mark_later(here.now, fresh)
-        if not here.delay:
-            here.born_at_once(fresh, here.past.breaks[-1])
-
-    def _over(self, trial: Trial, drive: float, sign: float) -> float:
-        """By how much the force exceeds the spring's."""
-        pulls = self.task.spring * (drive - self.contacts.place - trial.travel)
-        return sign * (trial.counted.force - pulls)
-
-    def _ends(self, low: float, high: float, drive: float, sign: float, frozen: bool) -> Trial:
-        """Where the slider is caught, between a travel and one further on."""
-        here = self.contacts
-
-        def excess(travel: float) -> float:
-            return self._over(here.tried(travel, here.now, frozen), drive, sign)
-
-        travel = low
-        if excess(low) < 0.0:
-            travel = first_root(excess, low, high, ENDS * self.task.unit)
-        return here.tried(travel, here.now, frozen)

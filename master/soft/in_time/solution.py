@@ -64,7 +64,8 @@ def solve_in_time(
     if not whole:
         last = f"X_T = {path[-1]:.6g}" if told else "the first point"
         success, message = False, f"stopped at {last} by wall_time; the path is cut there"
-    slips = Slips(*found.slips, error * unit / spring)
+    drives, before, after, above, below = found.slips
+    slips = Slips(drives, before, after, above, below, error * unit / spring)
     position = path - found.force / spring
     moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
     course = None

@@ -7,6 +7,8 @@ Where m grows, those are read from where they stood before.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import numpy.typing as npt
 
@@ -201,8 +203,8 @@ def _fine_edges(contacts: Contacts, rates: RateLaw) -> Array:
         edges = np.unique(np.clip(edges, low, high))
     if edges.size < 2:
         return np.empty(0)
-    pieces = []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    pieces: list[Array] = []
+    for low, high in pairwise(edges.tolist()):
         low = max(low, 1e-3 * high)
         ends = np.array([[low], [high]])
         levels = rates.log_rate(LOOKS * low, ends, contacts.relative_stiffness(ends))

@@ -156,11 +156,11 @@ class Strands:
         chord = m[row, node] * (1.0 - part) + m[row + 1, node] * part
         inside = (part > 0.0) & (part < 1.0)
         deep = np.where(inside, (chord - least) * (0.5 * self.rule.weight[node]), 0.0)
-        found = [
+        held, pull = (
             np.bincount(row, deep * 0.5 * (edge[row, node] + edge[row + 1, node]) * arm, n - 1)
             for edge, arm in ((self.edge, 1.0), (self.edge_stiff, at - foot))
-        ]
-        return Spread(*found)
+        )
+        return Spread(held.astype(float), pull.astype(float))
 
 
 @dataclass(frozen=True)
