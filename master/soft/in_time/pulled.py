@@ -21,11 +21,9 @@ from master.soft.in_time.secants import foreseen, secant
 from master.soft.in_time.slipping import COARSEST, MOST_SLIPS, Slip, Slipping, Task
 from master.soft.in_time.track import LESS, Clock, Piece, Track
 
-# Balance of a step, as a share of it in time.
-CLOSE = 1e-7
 # Halvings of the last step before a slip where thresholds fluctuate: an edge that thins to nothing is
 # followed down in ever smaller steps; and what share of the step its end is known to then.
-NEARER, ABOUT, EXACTLY = 4, 0.1, 1e-7
+NEARER, ABOUT = 4, 0.1
 # Share of a step's usual time that it takes where the slider may be about to let go.
 AHEAD = 0.3
 # A share of a step's time; steps in which time grows by a factor e; breaks: where contacts break
@@ -186,7 +184,7 @@ class Pulled:
                     part = onset.balanced(0.5 * half.travel, piece, clock, sign)
                     total += self._record(part, track, clock, sign, total)
                     trial = trial._replace(travel=trial.travel - part.travel)
-                trial = onset.found(trial.travel, piece, track, clock, sign, EXACTLY)
+                trial = onset.found(trial.travel, piece, track, clock, sign, self.task.close)
             elif trial.now < end and taken >= steps:
                 trial = self._step(size, share, piece, clock, sign)
             count = clock.count(trial.now) - clock.count(here.now)
@@ -234,7 +232,7 @@ class Pulled:
             found[:] = [trial if count > 0.0 else trial._replace(now=here.now - 1.0)]
             return sign * short
 
-        self._steep = secant(excess, share * size, self._steep, CLOSE * size, 0.0)
+        self._steep = secant(excess, share * size, self._steep, self.task.close * size, 0.0)
         return found[0]
 
     def _to(self, end: float, piece: Piece, guess: float) -> Trial:
@@ -246,5 +244,5 @@ class Pulled:
             found[:] = [here.tried(travel, end)]
             return spring * (piece.at(end) - here.place - travel) - found[0].counted.force
 
-        secant(excess, guess, -spring - 1.0, CLOSE * self._length)
+        secant(excess, guess, -spring - 1.0, self.task.close * self._length)
         return found[0]

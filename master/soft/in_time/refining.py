@@ -26,6 +26,8 @@ MOST_STEPS, MOST_WORK = 6e3, 1e9
 FULL = 0.7
 # Halvings until there is an error; and the most where slips come and go, with so much more work.
 TELLING, LAST, MORE = 2, 4, 1.25
+# Of the tolerance, the share of a step to which its balance is found; no less and no more than.
+CLOSE, CLOSEST = 1e-2, (1e-10, 1e-6)
 # Breaks per mean threshold of the drive's way beyond which contacts are far hotter than it is fast.
 OFTEN = 5.0
 # Round-off of the force for each step, in mean thresholds.
@@ -83,6 +85,7 @@ def refined(
         stands = [np.full(asked.size, row[0]) for row in (cohorts.pull, cohorts.held)]
         return Refined(np.empty((5, 0)), stands[0], stands[1], cohorts.error, 0, "")
     levels = Levels(unit, spring, drive.path, uneven(contacts))
+    close = float(np.clip(CLOSE * tolerance, *CLOSEST))
     plan: list[float] = []
     finer = maker.all(1)
     # an error takes steps of three sizes
@@ -94,7 +97,7 @@ def refined(
         def again(level: int = level) -> Cohorts:
             return maker.fresh(level)
 
-        task = Task(course, spring, drive.slip, contacts.waiting_time, unit, again)
+        task = Task(course, spring, drive.slip, contacts.waiting_time, unit, again, close)
         pulled = Pulled(cohorts, task, level, plan, Allowed(*most, until))
         here = pulled.contacts
         try:

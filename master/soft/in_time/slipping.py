@@ -40,6 +40,7 @@ class Task(NamedTuple):
     pieces : of the drive; spring : K/(N_c <k>); rule : what a slip does
     delay : of the contacts; unit : mean threshold (a length)
     again : makes the contacts that a reset leaves
+    close : share of a step to which its balance is found
     """
 
     pieces: list[Piece]
@@ -48,6 +49,7 @@ class Task(NamedTuple):
     delay: float
     unit: float
     again: Callable[[], Cohorts]
+    close: float
 
 
 class Slipping:

@@ -101,6 +101,8 @@ class Strands:
     def advance(self, before: float, at: float, duration: float) -> Strands:
         """All after the slider has gone from X = before to X = at."""
         alive = np.flatnonzero(self.held > DEAD)
+        if not alive.size and self.held.size == 1 and self.place.size > 1:
+            return self  # a start at many stretches of which none is left
         # the last cohort stays, as neighbour of the next birth
         last = max(self.held.size - 1, 0)
         rows = slice(int(alive[0]) if alive.size else last, None)
@@ -167,11 +169,13 @@ class Strands:
 class StrandCohorts:
     """Cohorts (see there) made of strands.
 
-    start, births : Strands
+    start : Strands or None
+        The contacts at X = 0; None where they are like all births, the first of which they are then.
+    births : Strands
     at : X of the slider (a length)
     """
 
-    start: Strands
+    start: Strands | None
     births: Strands
     work: int
     at: float = 0.0
@@ -185,14 +189,15 @@ class StrandCohorts:
         Births at many stretches have more nodes with each level.
         """
         again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
+        births = Strands.none(memory, stretch_rule(again, memory.reach, BIRTHS + MORE_BIRTHS * level))
+        work = (memory.width + 60) * births.rule.stretch.size
         first = again if reset else contacts.start
         start = Strands.none(memory, stretch_rule(first, memory.reach, memory.starts))
-        count = BIRTHS + MORE_BIRTHS * level
-        births = Strands.none(memory, stretch_rule(again, memory.reach, count))
-        stretch = start.rule.stretch
-        start = start.born(0.0, memory.fresh(stretch, 0.0) if reset else memory.start(stretch))
-        work = (memory.width + 60) * births.rule.stretch.size
-        return cls(start, births, work)
+        stretch, fresh = start.rule.stretch, memory.fresh(births.rule.stretch, 0.0)
+        kept = memory.fresh(stretch, 0.0) if reset else memory.start(stretch)
+        if np.array_equal(stretch, births.rule.stretch) and np.array_equal(kept, fresh):
+            return cls(None, births.born(0.0, kept), work)
+        return cls(start.born(0.0, kept), births, work)
 
     @property
     def steps(self) -> Steps:
@@ -204,15 +209,16 @@ class StrandCohorts:
 
     @property
     def held(self) -> Array:
-        return self._all(self.start.held, self.births.held)
+        return self._all(0.0 if self.start is None else self.start.held[0], self.births.held)
 
     @property
     def pull(self) -> Array:
-        return self._all(self.start.pull, self.births.pull)
+        return self._all(0.0 if self.start is None else self.start.pull[0], self.births.pull)
 
-    def _all(self, start: Array, births: Array) -> Array:
-        first = start[0] if start.size else 0.0
-        return np.concatenate([[first], np.zeros(self.births.forgotten), births])
+    def _all(self, start: float, births: Array) -> Array:
+        first = np.zeros(self.births.forgotten + (self.start is not None))
+        first[:1] = start
+        return np.concatenate([first, births])
 
     def born(self, speed: float) -> StrandCohorts:
         """See Cohorts."""
@@ -223,16 +229,18 @@ class StrandCohorts:
     def advance(self, travel: float, duration: float) -> StrandCohorts:
         """See Cohorts."""
         at = self.at + travel
-        start, births = (
-            strands.advance(self.at, at, duration) for strands in (self.start, self.births)
-        )
+        births = self.births.advance(self.at, at, duration)
+        start = None if self.start is None else self.start.advance(self.at, at, duration)
         return replace(self, start=start, births=births, at=at)
 
     def spread(self) -> Spread:
         """See Cohorts."""
         more = self.births.kinks(self.at)
         held, pull = halves(self.held), halves(self.pull)
-        if more.held.size:
-            held[self.births.forgotten :] += more.held
-            pull[self.births.forgotten :] += more.pull
+        # between which births, the start being none
+        first = self.births.forgotten - (self.start is None)
+        skipped = max(-first, 0)
+        if more.held.size > skipped:
+            held[max(first, 0) :] += more.held[skipped:]
+            pull[max(first, 0) :] += more.pull[skipped:]
         return Spread(held, pull)
