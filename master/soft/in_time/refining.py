@@ -19,6 +19,7 @@ from origins import Contacts, Drive
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 # Steps, and numbers looked at in all of them: these take a minute or less.
 MOST_STEPS, MOST_WORK = 6e3, 1e9
@@ -41,9 +42,6 @@ COLUMNS = 2
 LEAST_LEFT, FIRST_LEFT, EVEN = 1.0 / 8.0, 1.0 / 4.0, 0.27
 # Margin on the ratio at which changes fall; a ratio above 1 is chance and tells nothing.
 MARGIN, BY_CHANCE = 4.0, 8.0
-# Where a slip's place changed by so many times more between two levels a point may be on its other
-# side.
-BESIDE = 3.0
 
 
 class Refined(NamedTuple):
@@ -151,6 +149,7 @@ class Levels:
     def __init__(self, unit: float, spring: float, path: Array, rough: bool) -> None:
         self._unit, self._spring, self._path, self._rough = unit, spring, path, rough
         self._table, self._slips = Extrapolation(rough), list[Array]()
+        self._last = np.empty((2, 0))
         self.best: Refined | None = None
         self.error = np.inf
 
@@ -167,25 +166,44 @@ class Levels:
             self._table, self._slips = Extrapolation(self._rough), []
         self._slips.append(slips)
         count, n = slips.shape[1], asked.size
-        near = np.zeros(n, dtype=bool)
-        for one, other in pairwise(self._slips[-3:]):
-            for k in range(count):
-                # points of the path that the slip's own error takes to its other side
-                off = BESIDE * np.abs(one[0, k] - other[0, k])
-                near |= np.abs(self._path[:n] - other[0, k]) <= off
+        near, crossed = self._beside_slips(self._path[:n])
         scale = np.array([spring, 1.0, 1.0, 1.0, 1.0])[:, None] / unit
         everything = np.concatenate([force / unit, holding, (slips * scale).ravel()])
-        watched = np.concatenate([~near, ~near, np.ones(5 * count, dtype=bool)])
+        off = near | crossed
+        watched = np.concatenate([~off, ~off, np.ones(5 * count, dtype=bool)])
         # where F + K X is flat X is not known as well
         watched[2 * n + count : 2 * n + 3 * count] = False
         error, answer = self._table.add(everything, watched)
+        told = np.stack([force / unit, holding])
+        by_two = told
+        if off.any():
+            # of these the last two levels tell, where both are on one side of the slip
+            change = np.where(
+                _swapped(self._path[:n], *(one[0] for one in self._slips[-2:])),
+                0.0,
+                (told - self._last) / 3.0,
+            )
+            by_two = told + change
+            error = max(error, float(np.abs(change)[:, crossed & ~near].max(initial=0.0)))
+        self._last = told
         self.error = max(error + beside, here.unresolved / unit)
         if self.best is None or self.error < self.best.error:
-            told = np.where(near, force, answer[:n] * unit)
-            holds = np.where(near, holding, answer[n : 2 * n])
+            best, holds = np.where(off, by_two, answer[: 2 * n].reshape(2, n))
             better = answer[2 * n :].reshape(5, count) / scale
-            self.best = Refined(better, told, holds, self.error, here.steps, "")
+            self.best = Refined(better, best * unit, holds, self.error, here.steps, "")
         return self.best
+
+    def _beside_slips(self, path: Array) -> tuple[Mask, Mask]:
+        """Points that a slip's own error takes to its other side, and those that coarser steps do.
+
+        Of the first no error is told.
+        """
+        near, crossed = np.zeros((2, path.size), dtype=bool)
+        for before, now in pairwise(self._slips[-3:]):
+            apart = np.abs(path[:, None] - now[0])
+            near = (apart <= np.abs(now[0] - before[0])).any(axis=1)
+            crossed = crossed | _swapped(path, before[0], now[0])
+        return near, crossed
 
 
 class Extrapolation:
@@ -199,7 +217,7 @@ class Extrapolation:
         self._row: list[Array] = []
         self._changes: list[float] = []
 
-    def add(self, answer: Array, watched: npt.NDArray[np.bool_]) -> tuple[float, Array]:
+    def add(self, answer: Array, watched: Mask) -> tuple[float, Array]:
         """Error estimate, of those watched, and best answer; `answer` is that on the finest steps."""
         before, row = self._row, [answer]
         for k, coarse in enumerate(before[:COLUMNS]):
@@ -221,6 +239,11 @@ class Extrapolation:
                     best, error = row[k], left
         self._row, self._changes = row, changes
         return error, best
+
+
+def _swapped(path: Array, before: Array, now: Array) -> Mask:
+    """Points of the path that were on the other side of a slip before."""
+    return np.asarray(((path[:, None] < now) != (path[:, None] < before)).any(axis=1))
 
 
 def _left(change: float, before: float) -> float:

@@ -189,7 +189,9 @@ class StrandCohorts:
         Births at many stretches have more nodes with each level.
         """
         again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
-        births = Strands.none(memory, stretch_rule(again, memory.reach, BIRTHS + MORE_BIRTHS * level))
+        births = Strands.none(
+            memory, stretch_rule(again, memory.reach, BIRTHS + MORE_BIRTHS * level)
+        )
         work = (memory.width + 60) * births.rule.stretch.size
         first = again if reset else contacts.start
         start = Strands.none(memory, stretch_rule(first, memory.reach, memory.starts))
