@@ -76,7 +76,7 @@ def solve(
         Called as progress(error), in mean thresholds, with the error estimate.
     wall_time : float, optional
         Seconds after which the solution ends with what it has, success being False: the path is cut
-        there. Taken at T = 0 and without delay under a spring.
+        there. Taken at T = 0, and under a spring.
 
     Returns
     -------
@@ -100,16 +100,28 @@ def solve(
         life = ColdLife(contacts)
         if life.bends.size <= MOST_BENDS:
             return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
-    if drive.spring is not None and not in_time and contacts.delay is None:
-        return solve_soft(contacts, drive, tolerance, progress, wall_time)
     paper = contacts.ageing is not None and contacts.ageing.closure == "paper"
     if drive.spring is not None and not paper:
-        from master.soft.in_time.solution import solve_in_time
+        if _by_steps(contacts, drive):
+            from master.soft.in_time.solution import solve_in_time
 
-        return solve_in_time(contacts, drive, tolerance, progress, wall_time)
+            return solve_in_time(contacts, drive, tolerance, progress, wall_time)
+        return solve_soft(contacts, drive, tolerance, progress, wall_time)
     from master._old.solve import solve as solve_old
 
     keywords: dict[str, Any] = {"velocity": velocity, "time": time, "spring": spring, "slip": slip}
     solved: TimedSolution | SoftSolution | AgeingTransient
     solved = solve_old(contacts, path, tolerance, **keywords, progress=progress)
     return solved
+
+
+def _by_steps(contacts: Contacts, drive: Drive) -> bool:
+    """Whether a soft slider is followed in steps of time, and not by panels of its way.
+
+    As where contacts have laws that tell time; and where they re-form stretched backward and the
+    drive turns, since each of them then comes back to its largest |x| at a place of its own.
+    """
+    if {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws):
+        return True
+    again = contacts.reforming
+    return again is not None and again.law.span[0] < 0.0 and not drive.forward

@@ -148,6 +148,7 @@ class Pulled:
         folds = float(np.log(lasts / first))
         number = int(np.ceil(PER_FOLD * folds)) * 2**self._level
         track, travel = Track(), 0.0
+        self.tracks.append(track)
         here.bend()
         self._write(track, 0.0)
         for k in range(number + 1):
@@ -155,7 +156,6 @@ class Pulled:
             travel = trial.travel
             here.take(trial)
             self._write(track, k + 1.0)
-        self.tracks.append(track)
 
     def _slide(self, end: float, piece: Piece, clock: Clock, sign: float) -> bool:
         """Until `end`, or until the slider lets go: which of them."""
@@ -164,6 +164,7 @@ class Pulled:
         steps = int(np.ceil(max(planned, 1e-6))) * 2**self._level
         size = planned / steps if planned else fine
         track = Track()
+        self.tracks.append(track)
         here.bend()
         self._write(track, 0.0)
         total, shares, taken = 0.0, [0.5], 0
@@ -192,7 +193,6 @@ class Pulled:
             shares.append(count / stretch if stretch > 0.0 else 0.5)
             total += stretch
         self.stretches.append(total)
-        self.tracks.append(track)
         return let_go
 
     def _planned(self) -> float:

@@ -83,7 +83,7 @@ def solve_in_time(
         holding=found.holding,
         slips=slips,
         period=slips.period,
-        regime=regime(contacts, drive, slips, tolerance, whole, course),
+        regime=regime(contacts, drive, slips, tolerance, whole and np.isfinite(error), course),
         run_time=clock.perf_counter() - began,
         nodes=found.steps,
         success=success,
