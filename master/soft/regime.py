@@ -8,8 +8,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master._old.propensity import propensity
+from master.lives.make import life_of
 from master.soft.slips import Slips
+from master.steady.forward import births_table
+from master.stick_slip.extremes import extremes
+from master.stick_slip.propensity import propensity
 from origins import Contacts
 from origins.drive import Drive
 
@@ -76,6 +79,13 @@ class Course(NamedTuple):
     speed: float
 
 
+class Critical(NamedTuple):
+    """K*/(N_c <k>) and its error."""
+
+    spring: float
+    error: float
+
+
 class Found(NamedTuple):
     """Verdict and reason."""
 
@@ -97,8 +107,7 @@ def regime(
     """
     spring = float(drive.spring or 0.0)
     speed = drive.velocity if course is None else course.speed
-    start = propensity(contacts, tolerance, velocity=speed)
-    critical, error = start.critical_spring, start.critical_spring_error
+    critical, error = _critical(contacts, tolerance, speed)
     trend, rates = _trend(slips.drop), {"thermal", "ageing", "grains"}.intersection(contacts.laws)
     count = slips.drive.size
     if not whole:
@@ -111,7 +120,7 @@ def regime(
     elif drive.slip == "reset":
         again = critical
         if contacts.start.span != (0.0, 0.0):
-            again = propensity(_relaxed(contacts), tolerance, velocity=speed).critical_spring
+            again = _critical(_relaxed(contacts), tolerance, speed).spring
         found = _after_resets(spring, critical, again)
     else:
         found = _by_trend(contacts, drive, slips, trend, course)
@@ -120,6 +129,17 @@ def regime(
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
     ratio = spring / critical if critical > 0.0 else np.inf
     return Regime(verdict, reason, critical, error, ratio, count, trend)
+
+
+def _critical(contacts: Contacts, tolerance: float, speed: float) -> Critical:
+    """K* of a rigid slider that moves forward at a speed, as master.propensity tells it."""
+    life = life_of(contacts)
+    if life is None:
+        told = propensity(contacts, tolerance, velocity=speed)
+        return Critical(told.critical_spring, told.critical_spring_error)
+    travel = births_table(contacts, life, speed, tolerance)
+    found = extremes(contacts, life, travel, speed, tolerance)
+    return Critical(found.spring, found.spring_error)
 
 
 def _relaxed(contacts: Contacts) -> Contacts:
