@@ -44,8 +44,9 @@ def solve(
     what is left of contacts born together); renewal.edges says where panels end, renewal.march
     solves them one after the other with what renewal.births and renewal.kernels say of earlier
     births, by the polynomials of renewal.rule; renewal.reading reads force and holding share. Under
-    a spring soft.solution follows the same march from slip to slip. How that equation follows from
-    (Q5a) stands in docs/equations.md; the paper's own scheme is master.paper.explicit.
+    a spring soft.solution follows the same march from slip to slip, and soft.in_time contacts whose
+    laws tell time, step by step. How that equation follows from (Q5a) stands in docs/equations.md;
+    the paper's own scheme is master.paper.explicit.
 
     Parameters
     ----------

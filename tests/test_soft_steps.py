@@ -97,9 +97,10 @@ def test_second_order_in_the_step(name: str) -> None:
     balance = contacts.start.mean() / spring
     drive = Drive(np.array([balance, balance + 1.6]), spring=spring)
     maker, told = Maker(contacts, 1.0), []
-    for level in range(2, 6):
+    for level in range(3, 6):
         again = partial(maker.fresh, level)
-        task = Task(pieces(drive, balance), spring, "reset", 0.0, 1.0, again, 1e-10)
+        waits = contacts.waiting_time
+        task = Task(pieces(drive, balance), spring, "reset", waits, 1.0, again, 1e-10)
         plan = told[-1][1] if told else []
         pulled = Pulled(maker.all(3), task, level, plan, Allowed(1e4, 1e9))
         pulled.run()

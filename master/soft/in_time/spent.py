@@ -31,7 +31,7 @@ ERROR = 1e-7
 # Share of the contacts beyond both ends of the panels.
 TAIL = 1e-14
 # Nodes of a strand: colder contacts need more, and their sliders' steps take too long.
-MOST_NODES = 20_000
+MOST_NODES = 30_000
 # A beyond which nothing is left; ln A below which nothing is spent.
 GONE, QUIET = 500.0, -45.0
 # Places nearer to a node than this share of a panel are the node.
