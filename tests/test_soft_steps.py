@@ -97,7 +97,8 @@ def test_second_order_in_the_step(name: str) -> None:
     balance = contacts.start.mean() / spring
     drive = Drive(np.array([balance, balance + 1.6]), spring=spring)
     maker, told = Maker(contacts, 1.0), []
-    for level in range(3, 6):
+    # the first finds how long the way is, in steps, for the others
+    for level in range(2, 6):
         again = partial(maker.fresh, level)
         waits = contacts.waiting_time
         task = Task(pieces(drive, balance), spring, "reset", waits, 1.0, again, 1e-10)
@@ -106,7 +107,7 @@ def test_second_order_in_the_step(name: str) -> None:
         pulled.run()
         assert not pulled.slips
         told.append((pulled.contacts.force, pulled.stretches))
-    change = np.abs(np.diff([force for force, _ in told]))
+    change = np.abs(np.diff([force for force, _ in told[1:]]))
     assert np.abs(np.log2(change[:-1] / change[1:]) - 2.0).max() < 0.2, change
 
 
