@@ -41,13 +41,14 @@ class Maker:
     def _cohorts(self, contacts: Contacts, level: int, reset: bool = False) -> Cohorts:
         if contacts.ageing is not None:
             return AgeingCohorts.of(contacts, level, self._fastest)
-        if level not in self._memories:
-            self._memories[level] = _memory(self._contacts, level)
-        return StrandCohorts.of(contacts, self._memories[level], level, reset)
+        mesh = 0 if contacts.grains is None else level
+        if mesh not in self._memories:
+            self._memories[mesh] = _memory(self._contacts, mesh)
+        return StrandCohorts.of(contacts, self._memories[mesh], level, reset)
 
 
 def _memory(contacts: Contacts, level: int) -> Memory:
-    """What the law of single contacts keeps of the past."""
+    """What the law of single contacts keeps of the past; of grains alone on finer meshes."""
     thermal = contacts.thermal
     if contacts.grains is not None:
         kind = GrainMemory if thermal is None else WarmGrainMemory

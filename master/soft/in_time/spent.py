@@ -41,7 +41,13 @@ SIZE = 16
 
 class SpentMemory:
     """What each strand keeps: m where its own nodes stand, A at the fixed ones, at single exact
-    thresholds, and at its own nodes."""
+    thresholds, and at its own nodes.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With heat, closure "exact"; raises InputError where it is so cold that nodes are too many.
+    """
 
     starts, error = 32, ERROR
 
