@@ -41,8 +41,9 @@ def solve(
     solves them one after the other with what renewal.births and renewal.kernels say of earlier
     births, by the polynomials of renewal.rule; renewal.reading reads force and holding share. With
     heat renewal.past keeps what was born on earlier legs of the path. Under a spring soft.solution
-    follows the same march from slip to slip. How that equation follows from (Q5a) stands in
-    docs/equations.md; the paper's own scheme is master.paper.explicit.
+    follows the same march from slip to slip, and soft.in_time contacts whose laws tell time, step by
+    step. How that equation follows from (Q5a) stands in docs/equations.md; the paper's own scheme is
+    master.paper.explicit.
 
     Parameters
     ----------
@@ -73,7 +74,7 @@ def solve(
         Called as progress(error), in mean thresholds, with the error estimate.
     wall_time : float, optional
         Seconds after which the solution ends with what it has, success being False: the path is cut
-        there. Taken but where contacts age or grow, and under a spring at T = 0 without delay.
+        there. Taken under a spring, and on rigid sliders but where contacts age or grow.
 
     Returns
     -------
@@ -92,11 +93,16 @@ def solve(
     if wall_time is not None:
         wall_time = positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
-    in_time = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
-    life = life_of(contacts, tolerance) if drive.spring is None else None
-    if life is not None:
-        return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
-    if drive.spring is not None and not in_time and contacts.delay is None:
+    if drive.spring is None:
+        life = life_of(contacts, tolerance)
+        if life is not None:
+            return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
+    paper = contacts.ageing is not None and contacts.ageing.closure == "paper"
+    if drive.spring is not None and not paper:
+        if _by_steps(contacts, drive):
+            from master.soft.in_time.solution import solve_in_time
+
+            return solve_in_time(contacts, drive, tolerance, progress, wall_time)
         return solve_soft(contacts, drive, tolerance, progress, wall_time)
     from master._old.solve import solve as solve_old
 
@@ -104,3 +110,15 @@ def solve(
     solved: TimedSolution | SoftSolution | AgeingTransient
     solved = solve_old(contacts, path, tolerance, **keywords, progress=progress)
     return solved
+
+
+def _by_steps(contacts: Contacts, drive: Drive) -> bool:
+    """Whether a soft slider is followed in steps of time, and not by panels of its way.
+
+    As where contacts have laws that tell time; and where they re-form stretched backward and the
+    drive turns, since each of them then comes back to its largest |x| at a place of its own.
+    """
+    if {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws):
+        return True
+    again = contacts.reforming
+    return again is not None and again.law.span[0] < 0.0 and not drive.forward

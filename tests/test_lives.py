@@ -13,12 +13,10 @@ from scipy.integrate import quad
 import eq_model
 import master
 from master._old.cut_law import CutLaw
-from master._old.make_lives import make_lives
-from master._old.marching import march
 from master._old.spent_wear import SpentWear
 from master._old.thermal_wear import resolved
-from master._old.timed import at, solve_timed
-from master._old.timeline import marks, parts, pieces, times
+from master._old.timed import solve_timed
+from master._old.timeline import pieces
 from master.paper.explicit_loop import explicit_loop
 from origins import (
     Ageing,
@@ -68,28 +66,6 @@ def test_turns_and_holds_are_those_of_discrete_contacts(name: str) -> None:
     assert (np.abs(solved.force - force) < 5.0 * error + solved.force_error).all()
     spread = np.sqrt(np.maximum(holding * (1.0 - holding), 1.0 / count) / count)
     assert (np.abs(solved.holding - holding) < 5.0 * spread + solved.force_error).all()
-
-
-@pytest.mark.parametrize(
-    "contacts",
-    [
-        Contacts(WIDE, -0.3, thermal=SOFT),
-        Contacts(WIDE, -0.3, thermal=Thermal("stiff", 0.1, closure="paper"), delay=Delay(0.3)),
-    ],
-)
-def test_second_order_in_the_step(contacts: Contacts) -> None:
-    """Against the renewal equation, on forward motion."""
-    path = np.linspace(0.0, 2.0, 21)[1:]
-    exact = master.solve(contacts, path, 1e-9).force
-    drive, delay = Drive(path), 0.0 if contacts.delay is None else contacts.delay.time
-    course = pieces(drive)
-    coarse = parts(course, marks(course, [-0.3], 0.0, np.empty(0), delay), 0.1, 1.0, 1.0, 2.0)
-    off = []
-    for level in range(3):
-        finer = [part.finer(level) for part in coarse]
-        found = march(make_lives(contacts, level), finer, delay)
-        off.append(np.abs(at(found, finer, "force", times(drive)) - exact).max())
-    assert np.abs(np.log2(np.array(off[:-1]) / off[1:]) - 2.0).max() < 0.2
 
 
 def test_a_first_leg_however_short_is_a_leg() -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from pulled_contacts import pull
+from rate_laws import Tilted
 
 import master
 from origins import Ageing, Contacts, Delay, Thermal, gaussian, gaussian_start
@@ -18,6 +19,7 @@ CASES: dict[str, tuple[Contacts, float, float, SlipRule, float]] = {
     "soft, instant": (Contacts(WIDE, thermal=Thermal("soft", 0.1)), 1.0, 0.4, "instant", 3.2),
     "soft, reform-after": (Contacts(WIDE, thermal=Thermal("soft", 0.1)), 1.0, 0.4, "reform-after", 3.2),
     "soft, delay": (Contacts(WIDE, 0.1, Thermal("soft", 0.05), delay=Delay(0.2)), 1.0, 0.4, "instant", 3.2),
+    "a law of the test's own, reset": (Contacts(WIDE, thermal=Tilted()), 1.0, 0.4, "reset", 3.2),
     "ageing, reset": (A06, 6.0, 3.5, "reset", 0.95),
 }
 

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 import master
-from master._old.regime import regime
-from master._old.soft_laws import solve_soft_laws
-from master._old.timed import solve_timed
-from master._old.timeline import times
+from master.soft.regime import regime
+from master.soft.slips import Slips
 from origins import Ageing, Contacts, Delay, Drive, InputError, Thermal, gaussian, gaussian_start, gw_plastic
 from origins.drive import SlipRule
 
@@ -34,10 +32,12 @@ def test_without_rates_every_slip_is_that_of_cohorts(rule: SlipRule) -> None:
 
 def test_where_nothing_slips_the_force_is_that_of_the_sliders_own_motion() -> None:
     contacts = Contacts(WIDE, 0.1, thermal=SOFT)
-    drive = Drive(np.linspace(0.0, 1.5, 76)[1:], 0.3, spring=2.0)
-    soft = solve_soft_laws(contacts, drive, 1e-2)
+    path = np.linspace(0.0, 1.5, 76)[1:]
+    soft = master.solve(contacts, path, 1e-2, velocity=0.3, spring=2.0)
     assert soft.success and not soft.slips.drive.size and soft.regime.verdict == "smooth"
-    rigid = solve_timed(contacts, Drive(soft.position, time=times(drive, 0.05)), 1e-2)
+    assert soft.balance == pytest.approx(0.05)
+    clock = np.abs(np.diff(path, prepend=0.05)).cumsum() / 0.3
+    rigid = master.solve(contacts, soft.position, 1e-2, time=clock)
     # straight between the points, which the slider's own motion is not
     assert np.abs(rigid.force - soft.force).max() < 3e-4
 
@@ -141,8 +141,10 @@ def test_short_delays_leave_a_slider_as_without() -> None:
 def test_one_reset_is_judged_alike_whatever_the_rates(laws: dict[str, Any]) -> None:
     """From relaxed contacts it repeats, as they are what it leaves; from others a second slip must show it."""
     path, once = np.linspace(0.0, 3.0, 31), np.array([1.9])
+    drive = Drive(path, spring=0.5, slip="reset")
+    slip = Slips(once, once, once, 0.6 * once, 0.0 * once, 1e-4)
     for start, verdict in ((None, "stick-slip"), (0.1, "undecided")):
-        found = regime(Contacts(gaussian(1.0, 0.1), start, **laws), 0.5, "reset", once, 0.6 * once, path, 1e-4)
+        found = regime(Contacts(gaussian(1.0, 0.1), start, **laws), drive, slip, 1e-4)
         assert found.verdict == verdict and found.reason.startswith("one slip")
 
 
@@ -156,13 +158,13 @@ def test_a_spring_as_stiff_as_one_likes_loses_no_digits() -> None:
 
 def test_slips_that_only_coarse_steps_find_leave_an_error_estimate() -> None:
     contacts = Contacts(gw_plastic(1.0), thermal=Thermal("soft", 0.11, 0.109))
-    drive = Drive(np.linspace(0.0, 13.0, 91)[1:], 2.475, spring=0.05566)
-    soft = solve_soft_laws(contacts, drive, 1e-3)
+    path = np.linspace(0.0, 13.0, 91)[1:]
+    soft = master.solve(contacts, path, 1e-3, velocity=2.475, spring=0.05566)
     assert soft.success and not soft.slips.drive.size
     # on the slider's own way, straight between its points and between every other of them: of second order
-    clock = times(drive, 0.0)
+    clock = path / 2.475
     fine, coarse = (
-        solve_timed(contacts, Drive(soft.position[some], time=clock[some]), 1e-4)
+        master.solve(contacts, soft.position[some], 1e-4, time=clock[some])
         for some in (slice(None), slice(1, None, 2))
     )
     apart = np.abs(fine.force[1::2] - coarse.force).max()

@@ -29,23 +29,9 @@ _NEAR = 0.3  # of the width of the law: births so close to its broken power feel
 
 
 def make_lives(contacts: Contacts, level: int = 0) -> Lives:
-    """Cohorts of these contacts, none born yet; inner meshes halved `level` times."""
-    from master._old.strands import CohortLives
-
-    if contacts.ageing is not None:
-        return _ageing(contacts, level)
-    if contacts.grains is not None:
-        assert contacts.grains.age is not None
-        return _growing(contacts, _nodes(contacts, Law(contacts, np.inf)), contacts.grains.age, level)
-    return CohortLives(*_ingredients(contacts, level))
-
-
-def make_fresh(contacts: Contacts, level: int = 0) -> Lives:
-    """Cohorts of the same contacts where all have just formed again, none broken yet: what a reset leaves."""
-    if contacts.grains is not None:
-        return _growing(contacts, (np.zeros(1), np.ones(1)), contacts.grains.growth.first_pinning_time, level)
-    again = None if contacts.reforming is None else contacts.reforming.law
-    return make_lives(contacts.replace(start=again), level)
+    """Cohorts of contacts whose thresholds grow, none born yet; inner meshes halved `level` times."""
+    assert contacts.grains is not None and contacts.grains.age is not None
+    return _growing(contacts, _nodes(contacts, Law(contacts, np.inf)), contacts.grains.age, level)
 
 
 def _growing(contacts: Contacts, start: Nodes, age: float, level: int) -> Lives:
@@ -104,13 +90,6 @@ def _ingredients(
         again = again[0], again[1] / contacts.thresholds.sf(np.abs(again[0]))
     start = _nodes(contacts, law)
     return wear, (start[0], start[1] / contacts.thresholds.sf(np.abs(start[0]))), again
-
-
-def _ageing(contacts: Contacts, level: int) -> Lives:
-    """Cohorts that carry their thresholds' density."""
-    from master._old.ageing_lives import AgeingLives
-
-    return AgeingLives(contacts, level, *_ageing_nodes(contacts, level))
 
 
 def _ageing_nodes(contacts: Contacts, level: int) -> tuple[Nodes, Nodes]:
@@ -192,7 +171,8 @@ def prepare(contacts: Contacts) -> None:
     if thermal is None or thermal.closure == "paper" or contacts.grains is not None:
         return
     if thermal.rates.vanishes_at_threshold or contacts.stiffness == "linked":
-        lives = make_lives(contacts)
-        lives.born()
-        lives.advance(0.0, 1.0)
-        lives.copy()
+        wear, at = _ingredients(contacts, 0)[0], np.zeros(1)
+        worn = wear.fresh(at)
+        wear.advance(worn, at, at, at, 1.0)
+        wear.left(worn, at, at)
+        wear.settle(worn, at, at)

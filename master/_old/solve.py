@@ -113,10 +113,6 @@ def solve(
     check_contacts(contacts, "master.solve", LAWS)
     laws = (contacts.grains, contacts.thermal, contacts.ageing, contacts.delay, contacts.reforming)
     plain = all(law is None for law in laws) and contacts.stiffness == "independent"
-    if drive.spring is not None:
-        from master._old.soft_laws import solve_soft_laws
-
-        return solve_soft_laws(contacts, drive, tolerance, progress)
     # so fast that next to none holds that pins on the way, their law is lost beside 1
     fleeting = contacts.grains is not None and not contacts.grains.holds_at(drive.velocity)
     if drive.forward and (drive.time is None or plain) and not fleeting:

@@ -197,11 +197,11 @@ class Strands:
         for own, weights, ends in zip(self.mesh.cells, self._weights, (steps, halves), strict=True):
             rows = np.flatnonzero(~still.ravel() & (weights.sum(axis=1) > DEAD))
             begin, way, time = (x.ravel()[rows] for x in (self.stretch, travel, lasts))
-            weights[rows] = _stepped(own, weights[rows], begin, way, time, ends)
+            weights[rows] = stepped(own, weights[rows], begin, way, time, ends)
         self._asleep, self.stretch, self.age = still, after, age
 
 
-def _stepped(
+def stepped(
     cells: Cells, weights: Array, begin: Array, way: Array, time: Array, ends: Array
 ) -> Array:
     """Weights of strands that go a `way` from `begin` within `time`, step by step."""

@@ -67,9 +67,18 @@ class Replay:
         if rates.separable and stiffness is None:
             # A at one threshold tells it at all others
             with np.errstate(divide="ignore"):
-                log_spent = np.log(self._spent(np.arange(born.size), self.least[:, None])[:, 0])
+                log_spent = np.log(self.spent(np.arange(born.size), self.least[:, None])[:, 0])
             log_rate = rates.log_rate(0.0, self.least, 1.0)
             self._in_proportion = np.maximum(log_spent, _NOTHING), log_rate
+
+    @classmethod
+    def known(cls, rates: RateLaw, least: Array, log_spent: Array) -> Replay:
+        """Of contacts whose largest |x| and ln A there are known, shapes (n,); a separable law."""
+        out = cls.__new__(cls)  # no legs to work out
+        out._rates, out._stiffness = rates, None
+        out.least, out.shoulder = least, np.zeros(least.size)
+        out._in_proportion = log_spent, rates.log_rate(0.0, least, 1.0)
+        return out
 
     def log_spent(self, row: Rows, threshold: Array) -> Array:
         """ln A of the contacts `row`, shape (n,), at thresholds of shape (n, k); finite."""
@@ -78,7 +87,7 @@ class Replay:
             level = self._rates.log_rate(0.0, threshold, 1.0) + (log_spent - log_rate)[row, None]
         else:
             with np.errstate(divide="ignore"):
-                level = np.log(self._spent(row, threshold))
+                level = np.log(self.spent(row, threshold))
         return np.maximum(level, _NOTHING)
 
     def spent_at(self, threshold: float) -> Array:
@@ -86,11 +95,11 @@ class Replay:
         near, far = self._near, self._far
         self._near, self._far = (np.clip(part, -threshold, threshold) for part in (near, far))
         every = np.arange(self.least.size)
-        spent = self._spent(every, np.full((every.size, 1), threshold))[:, 0]
+        spent = self.spent(every, np.full((every.size, 1), threshold))[:, 0]
         self._near, self._far = near, far
         return spent
 
-    def _spent(self, row: Rows, threshold: Array) -> Array:
+    def spent(self, row: Rows, threshold: Array) -> Array:
         """A of the contacts `row`, shape (n,), at thresholds of shape (n, k)."""
         stiffness = 1.0 if self._stiffness is None else self._stiffness(threshold)
         spent = np.zeros(threshold.shape)

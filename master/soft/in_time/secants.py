@@ -1,36 +1,46 @@
 """Roots of functions that are dear to ask, from good guesses."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np
+from scipy.optimize import brentq
 
-_UNLIKE = 0.2
-_ITERATIONS = 40
+# A guess further than this from the last value is none.
+UNLIKE = 0.2
+ITERATIONS = 40
+Function = Callable[[float], float]
 
 
 def foreseen(values: list[float]) -> float:
-    """The next of them, by the parabola through the last."""
-    if len(values) < 4:  # the first is a guess
+    """The next of them, by the parabola through the last; the first is a guess."""
+    if len(values) < 4:
         return values[-1]
     a, b, c = values[-3:]
     guess = a + 3.0 * (c - b)
-    return guess if abs(guess - c) < _UNLIKE else c
+    return guess if abs(guess - c) < UNLIKE else c
+
+
+def first_root(function: Function, low: float, high: float, close: float) -> float:
+    """The root between two places at which a function has other signs, by Brent's method."""
+    return float(brentq(function, low, high, xtol=close, rtol=1e-14))
 
 
 def secant(
-    function: Callable[[float], float], guess: float, slope: float, close: float, least: float = -np.inf
+    function: Function, guess: float, slope: float, close: float, least: float = -np.inf
 ) -> float:
-    """Asks for the root by secants from guesses of it and of the slope there, which is returned; asked last is the
-    root, or `least` where a function that rises has none above.
+    """Ask for the root by secants from guesses of it and of the slope there, which is returned.
 
-    Where the function turns on the way secants may leave what is known to hold the root: then that is halved.
+    Asked last is the root, or `least` where a function that rises has none above. Where the
+    function turns on the way secants may leave what is known to hold the root: then that is halved.
     """
     given, rises = slope, float(np.sign(slope))
     low, high = -np.inf, np.inf
     a, fa = guess, function(guess)
     if abs(fa / slope) <= close and a >= least:
         return slope
-    for _ in range(_ITERATIONS):
+    for _ in range(ITERATIONS):
         low, high = (max(low, a), high) if rises * fa < 0.0 else (low, min(high, a))
         b = max(a - fa / slope, least) if slope != 0.0 else np.inf
         if not low < b < high and np.isfinite(high - low):

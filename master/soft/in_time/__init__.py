@@ -1,0 +1,1 @@
+"""Soft sliders whose contacts have laws that tell time: heat, ageing, growing grains, delay."""

@@ -1,0 +1,137 @@
+"""Growing grains under a spring: each contact keeps its quantile for life (paper, Sec. VI).
+
+Of those that pinned together the share e^-(H - H_0) is not met yet, H being the largest hazard of
+their law at their stretch and age so far (master.lives.grains). With heat each quantile also breaks
+early: A, the integral of its rate over time, is kept for many of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from master.lives.age.grid import narrowest
+from master.lives.grains import GrainLife, pinned_hazard
+from master.lives.warm_grains import GrowingThresholds
+from master.soft.in_time.cohorts import Steps
+from master.soft.in_time.memory import Left, Leg, width_of
+from origins import Contacts
+
+Array = npt.NDArray[np.float64]
+
+# Nodes for a spread start, and more with each level.
+STARTS, MORE_STARTS = 24, 8
+# Length over which births change, in the narrowest widths of the laws of thresholds.
+STEPS = 2.0
+# The first step of a hold, in pinning times.
+SHORT = 0.05
+# The longest time that grains are followed for, in pinning times: they hardly grow beyond.
+LONGEST = 1e7
+# Columns of what is kept: the largest hazard, the hazard at birth, and the time since pinning.
+WORST, FIRST, SINCE, SPENT = range(4)
+# Quantiles on the coarsest steps; changes of ln h over a step; A beyond which nothing is left.
+CELLS, CHANGE, GONE = 16, 2.0, 90.0
+# Grid in the logarithm of the time since pinning, over the pinning time, of the quantiles' thresholds.
+EARLIEST, LATEST, TIMES = 1e-5, 1e7, 400
+
+
+class GrainMemory:
+    """Growing grains without heat: largest hazard, that at birth, and the time since pinning."""
+
+    width, error = 3, 1e-13
+
+    def __init__(self, contacts: Contacts, level: int) -> None:
+        grains = contacts.grains
+        assert grains is not None and grains.age is not None
+        self._grains, self._first = grains, grains.growth.first_pinning_time
+        life = GrainLife(contacts, LONGEST * self._first)
+        self._start_since, self.reach = life.start_since, life.start_reach
+        self.starts = STARTS + MORE_STARTS * level
+        # as fast as grains grow, few hold and at small stretches
+        quick = grains.breaking(1.0 / (np.sqrt(grains.growth.B) * self._first))
+        length = STEPS * min(width_of(contacts), narrowest(quick))
+        self.steps = Steps(length, SHORT * self._first)
+
+    def start(self, stretch: Array) -> Array:
+        """See Memory."""
+        kept = np.zeros((stretch.size, self.width))
+        kept[:, SINCE] = self._start_since
+        kept[:, FIRST] = pinned_hazard(self._grains, stretch, kept[:, SINCE])
+        kept[:, WORST] = kept[:, FIRST]
+        return kept
+
+    def fresh(self, stretch: Array, speed: float) -> Array:
+        """See Memory; contacts that are stretched faster than their thresholds grow never hold."""
+        kept = np.zeros((stretch.size, self.width))
+        kept[:, WORST] = self._grains.lost_hazard(speed)
+        return kept
+
+    def advance(self, kept: Array, leg: Leg) -> Array:
+        """See Memory."""
+        out = kept.copy()
+        out[:, SINCE] += leg.duration
+        now = pinned_hazard(self._grains, leg.end, out[:, SINCE])
+        out[:, WORST] = np.maximum(out[:, WORST], now)
+        return out
+
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+        """See Memory."""
+        held, none = self._held(kept), np.zeros(stretch.size)
+        return Left(held, stretch * held, none, none)
+
+    def _held(self, kept: Array) -> Array:
+        return np.exp(kept[:, FIRST] - kept[:, WORST])
+
+
+class WarmGrainMemory(GrainMemory):
+    """Growing grains with heat: also A at the middles of cells of the quantile.
+
+    Both cells and steps are halved with each level, and what either leaves falls as the square.
+    """
+
+    def __init__(self, contacts: Contacts, level: int) -> None:
+        super().__init__(contacts, level)
+        thermal, cells = contacts.thermal, CELLS * 2**level
+        assert thermal is not None
+        self._thermal, self._cells = thermal, np.arange(cells)
+        self.width = SPENT + cells
+        self._hazards = -np.log((self._cells + 0.5) / cells)
+        length = min(self.steps.length, CHANGE * thermal.temperature / contacts.mean_threshold)
+        rate = thermal.rates.scale
+        self.steps = Steps(length, min(self.steps.time, 1.0 / rate), rate)
+        self._thresholds = GrowingThresholds(self._grains, LONGEST * self._first)
+        self._times = np.linspace(np.log(EARLIEST), np.log(LATEST), TIMES * 2**level)
+        since = self._first * np.exp(self._times)[:, None]
+        self._table = self._thresholds.at(self._hazards, since)
+
+    def advance(self, kept: Array, leg: Leg) -> Array:
+        """See Memory."""
+        out = super().advance(kept, leg)
+        if not leg.duration:
+            return out
+        since = kept[:, SINCE] + 0.5 * leg.duration
+        middle = np.abs(0.5 * (leg.begin + leg.end))[:, None]
+        limit = np.empty((since.size, self._cells.size))
+        fresh = kept[:, FIRST] == 0.0
+        limit[fresh] = self._fresh_thresholds(since[fresh])
+        own = kept[~fresh, FIRST, None] + self._hazards
+        limit[~fresh] = self._thresholds.at(own, since[~fresh, None])
+        spent = leg.duration * self._thermal.plain_rate(np.minimum(middle, limit), limit)
+        out[:, SPENT:] = np.minimum(out[:, SPENT:] + spent, GONE)
+        return out
+
+    def _fresh_thresholds(self, since: Array) -> Array:
+        """Thresholds of all quantiles of contacts that pinned so long ago, shape (n, cells)."""
+        log_since = np.log(since / self._first)
+        place = (log_since - self._times[0]) / (self._times[1] - self._times[0])
+        place = np.clip(place, 0.0, self._times.size - 1.001)
+        row = place.astype(int)
+        part = (place - row)[:, None]
+        limit = (1.0 - part) * self._table[row] + part * self._table[row + 1]
+        # right after pinning thresholds grow as the time
+        return limit * np.exp(np.minimum(log_since - self._times[0], 0.0))[:, None]
+
+    def _held(self, kept: Array) -> Array:
+        met = np.exp(kept[:, FIRST] - kept[:, WORST])[:, None]
+        still = np.clip(met * self._cells.size - self._cells, 0.0, 1.0)
+        return np.asarray((still * np.exp(-kept[:, SPENT:])).sum(axis=1) / self._cells.size)

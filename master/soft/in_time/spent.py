@@ -1,0 +1,219 @@
+"""Contacts that break by heat at rates of any form, closure "exact": A of a strand at many thresholds.
+
+A(x_s) stands at nodes that are the same for all strands, and beside the largest |x| of a strand, m,
+at nodes of its own in (x_s - m)^(1/2), as the rate of stiff contacts has a root at the threshold.
+Where m grows, those are read from where they stood before.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from master.lives.cold import TIE
+from master.lives.heat.replayed import rates_of
+from master.lives.heat.threshold_panels import Panels, law_edges, nodes
+from master.soft.in_time.heat import reach_of, replay_of, steps_of
+from master.soft.in_time.memory import Left, Leg
+from origins import Contacts
+from origins.errors import InputError
+from origins.rate_law import RateLaw
+
+Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+# Change of ln A over a panel that 16 nodes see through to ERROR, and shares of a threshold at which
+# it is looked at.
+SEEN, LOOKS = 5.0, np.array([0.0, 0.5, 0.9])
+ERROR = 1e-7
+# Share of the contacts beyond both ends of the panels.
+TAIL = 1e-14
+# Nodes of a strand: colder contacts need more, and their sliders' steps take too long.
+MOST_NODES = 30_000
+# A beyond which nothing is left; ln A below which nothing is spent.
+GONE, QUIET = 500.0, -45.0
+# Places nearer to a node than this share of a panel are the node.
+AT_NODE = 1e-14
+SIZE = 16
+
+
+class SpentMemory:
+    """What each strand keeps: m where its own nodes stand, A at the fixed ones, at single exact
+    thresholds, and at its own nodes.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With heat, closure "exact"; raises InputError where it is so cold that nodes are too many.
+    """
+
+    starts, error = 32, ERROR
+
+    def __init__(self, contacts: Contacts) -> None:
+        law, rates = contacts.thresholds, rates_of(contacts)
+        linked = contacts.stiffness == "linked"
+        self._law, self._rates = law, rates
+        self._stiffness = contacts.relative_stiffness if linked else None
+        self._kappa = contacts.relative_stiffness
+        self._atoms, self._atom_weights = law.atoms
+        self._edges = _fine_edges(contacts, rates)
+        count = max(self._edges.size - 1, 0)
+        if count * SIZE > MOST_NODES:
+            raise InputError(
+                f"thermal: contacts of {rates.name} rates that break within so thin a skin of "
+                "thresholds are not followed under a spring; take a higher temperature"
+            )
+        low, high = self._edges[:-1], self._edges[1:]
+        xi, weight = nodes(law, Panels(np.arange(count), low, high, low, low), None)
+        self._fixed, weight = xi.ravel(), weight.ravel()
+        self._weights = np.stack([weight, weight * self._kappa(self._fixed)], axis=1)
+        # own nodes end where the next panel but one begins, lest m be close to its end
+        bends = np.abs(self._edges[1:-1, None] - law.breakpoints).min(axis=1, initial=np.inf) > 0.0
+        self._last = np.arange(1, count + 1)
+        self._last[:-1] += bends
+        ends = self._fixed.size + np.array([1, 1 + self._atoms.size])
+        self._parts = slice(1, ends[0]), slice(ends[0], ends[1]), slice(ends[1], ends[1] + SIZE)
+        self.width, self.reach = int(ends[1]) + SIZE, reach_of(contacts)
+        self.steps = steps_of(contacts)
+        # places of the nodes on a panel and in the root of the way, and barycentric weights
+        z = np.polynomial.legendre.leggauss(SIZE)[0]
+        self._places = 0.5 * (z + 1.0)
+        apart = 2.0 * (z[:, None] - z)
+        np.fill_diagonal(apart, 1.0)
+        self._barycentric = 1.0 / apart.prod(axis=1)
+
+    def start(self, stretch: Array) -> Array:
+        """See Memory."""
+        kept = np.zeros((stretch.size, self.width))
+        kept[:, 0] = np.abs(stretch)
+        return kept
+
+    def fresh(self, stretch: Array, speed: float) -> Array:
+        """See Memory."""
+        return self.start(stretch)
+
+    def advance(self, kept: Array, leg: Leg) -> Array:
+        """See Memory."""
+        fixed, atoms, own = self._parts
+        out, m = kept.copy(), leg.furthest
+        grown = np.flatnonzero(m > kept[:, 0])
+        out[grown, own] = self._moved(kept[grown], m[grown])
+        out[:, 0] = m
+        if leg.duration:
+            replay, every = replay_of(leg, self._rates, self._stiffness), np.arange(m.size)
+            first, last = self._loud(leg)
+            some = slice(fixed.start + first, fixed.start + last)
+            at = np.concatenate(
+                [
+                    np.maximum(self._fixed[first:last], m[:, None]),
+                    np.maximum(self._atoms, m[:, None]),
+                    np.maximum(self._own(m)[0], m[:, None]),
+                ],
+                axis=1,
+            )
+            spent = replay.spent(every, at)
+            ends = np.cumsum([last - first, self._atoms.size])
+            out[:, some] += spent[:, : ends[0]]
+            out[:, atoms] += spent[:, ends[0] : ends[1]]
+            out[:, own] += spent[:, ends[1] :]
+        return out
+
+    def _loud(self, leg: Leg) -> tuple[int, int]:
+        """The fixed nodes, from one to another, at which any strand spends anything on a leg."""
+        first = int(np.searchsorted(self._fixed, leg.furthest.min()))
+        far = np.maximum(np.abs(leg.begin), np.abs(leg.end)).max()
+        beyond = np.maximum(self._fixed, far)
+        with np.errstate(divide="ignore"):
+            most = self._rates.log_rate(far, beyond, self._kappa(beyond)) + np.log(leg.duration)
+        # stiff contacts right at their threshold hardly break: those beyond do
+        loud = np.flatnonzero((most > QUIET) | (self._fixed <= far))
+        last = int(loud[-1]) + 1 if loud.size else first
+        return min(first, last), min(last + SIZE, self._fixed.size)
+
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+        """See Memory."""
+        fixed, atoms, own = self._parts
+        held = np.zeros((furthest.size, 2))
+        edge = np.asarray(self._law.pdf(furthest), dtype=float)
+        if self._fixed.size:
+            xi, weight = self._own(furthest)
+            left = weight * np.exp(-np.minimum(kept[:, own], GONE))
+            held += np.stack([left.sum(axis=1), (left * self._kappa(xi)).sum(axis=1)], axis=1)
+            # what is beside m is summed by own nodes
+            beyond = SIZE * self._last[self._panel(furthest)]
+            first = int(beyond.min())
+            share = np.exp(-np.minimum(kept[:, fixed][:, first:], GONE))
+            share *= np.arange(first, self._fixed.size) >= beyond[:, None]
+            held += share @ self._weights[first:]
+            edge *= np.exp(-np.minimum(kept[:, own.start], GONE))
+        for k, (position, weight) in enumerate(zip(self._atoms, self._atom_weights, strict=True)):
+            here = weight * (furthest < position * (1.0 - TIE))
+            here = here * np.exp(-np.minimum(kept[:, atoms.start + k], GONE))
+            held += np.stack([here, here * self._kappa(position)], axis=1)
+        stiff = edge * self._kappa(np.maximum(furthest, 1e-300))
+        return Left(held[:, 0], stretch * held[:, 1], edge, stiff)
+
+    def _panel(self, m: Array) -> Rows:
+        """The panel that holds m, the first or last where none does."""
+        found = np.searchsorted(self._edges, m, side="right") - 1
+        return np.clip(found, 0, max(self._edges.size - 2, 0))
+
+    def _own(self, m: Array) -> tuple[Array, Array]:
+        """Thresholds beside m and their weights by P_c, both of shape (n, SIZE)."""
+        if not self._fixed.size:
+            return np.repeat(m[:, None], SIZE, axis=1), np.zeros((m.size, SIZE))
+        end = self._edges[self._last[self._panel(m)]]
+        # where all have been met what is left of the panel holds nothing
+        low = np.clip(m, self._edges[0], end * (1.0 - AT_NODE))
+        return nodes(self._law, Panels(np.arange(m.size), low, end, low, low), low)
+
+    def _moved(self, kept: Array, m: Array) -> Array:
+        """A at the nodes beside larger m, from where it stood before; shape (n, SIZE)."""
+        fixed, _, own = self._parts
+        if not (self._fixed.size and m.size):
+            return np.zeros((m.size, SIZE))
+        at = self._own(m)[0]
+        before = self._last[self._panel(kept[:, 0])]
+        end = self._edges[before]
+        low = np.clip(kept[:, 0], self._edges[0], end * (1.0 - AT_NODE))[:, None]
+        room = end[:, None] - low
+        beside = at < end[:, None]
+        panel = np.maximum(self._panel(at.ravel()).reshape(at.shape), before[:, None])
+        panel = np.minimum(panel, self._edges.size - 2)
+        width = self._edges[panel + 1] - self._edges[panel]
+        share = np.where(
+            beside,
+            np.sqrt(np.maximum(at - low, 0.0) / room),
+            (at - self._edges[panel]) / width,
+        )
+        apart = share[:, :, None] - self._places
+        rule = self._barycentric / np.where(np.abs(apart) < AT_NODE, AT_NODE, apart)
+        rule /= rule.sum(axis=-1, keepdims=True)
+        values = kept[:, own][:, None, :]
+        found = (rule * values).sum(axis=-1)
+        row, node = np.nonzero(~beside)
+        if row.size:
+            column = panel[row, node][:, None] * SIZE + np.arange(SIZE)
+            found[row, node] = (rule[row, node] * kept[:, fixed][row[:, None], column]).sum(axis=-1)
+        return np.maximum(found, 0.0)
+
+
+def _fine_edges(contacts: Contacts, rates: RateLaw) -> Array:
+    """The law's panels, cut where ln A may change too fast over them with the threshold."""
+    law = contacts.thresholds
+    edges = law_edges(law)
+    if edges.size:
+        low, high = float(law.ppf(TAIL)), float(law.isf(TAIL))
+        edges = np.unique(np.clip(edges, low, high))
+    if edges.size < 2:
+        return np.empty(0)
+    pieces: list[Array] = []
+    for low, high in pairwise(edges.tolist()):
+        low = max(low, 1e-3 * high)
+        ends = np.array([[low], [high]])
+        levels = rates.log_rate(LOOKS * low, ends, contacts.relative_stiffness(ends))
+        count = max(1, int(np.ceil(np.abs(np.diff(levels, axis=0)).max() / SEEN)))
+        pieces.append(np.linspace(low if pieces else edges[0], high, count + 1)[:-1])
+    return np.append(np.concatenate(pieces), edges[-1])
