@@ -114,6 +114,9 @@ def test_what_has_no_answer_is_said() -> None:
         master.solve(Contacts(WIDE, reforming=0.1), PATH, spring=0.4, slip="reform-after")
     with pytest.raises(InputError, match=r"^path\[0\] = 0.0: at time 0 the drive stands where it balances the start"):
         master.solve(Contacts(WIDE, 0.2, thermal=SOFT), [0.0, 2.0], time=[0.0, 1.0], spring=0.4)
+    cold = Contacts(WIDE, thermal=Thermal("stiff", 1e-4))
+    with pytest.raises(InputError, match=r"^thermal: contacts of stiff rates that break within so thin a skin"):
+        master.solve(cold, PATH, 1e-3, spring=0.4)
 
 
 def test_a_start_whose_mean_is_nothing_but_rounding_does_not_slip() -> None:

@@ -149,7 +149,8 @@ def test_the_error_bounds_what_finer_steps_change(name: str) -> None:
     contacts, keywords = BOUNDED[name]
     path = np.linspace(0.0, 5.0, 101)
     rough, fine = (
-        master.solve(contacts, path, tolerance, spring=0.3, **keywords) for tolerance in (1e-2, 1e-4)
+        master.solve(contacts, path, tolerance, spring=0.3, **keywords)
+        for tolerance in (1e-2, 1e-4)
     )
     assert rough.success and rough.slips.drive.size == fine.slips.drive.size
     slips, known = rough.slips, fine.slips
