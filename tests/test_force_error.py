@@ -7,7 +7,7 @@ corners, which may be refused, are asked the first and the last.
 `make promise` takes 1,000 scenes; fewer are to hold no less, as far as chance lets them tell.
 References are closed forms, else what an older version answered at its tightest at some points of
 the path (tests/promise/references.py), and beside it, all along the path, an answer at a thousandth
-of the tolerance. Where a reference claims an error of its own, that is granted.
+of the tolerance. Where a reference claims an error of its own, that is granted, and round-off.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def judged(asked: Scene, kind: str, reference: Reference | None = None) -> Judge
         known.append((force, Reference(finer.force / mean, finer.force_error)))
     errors = np.array([np.abs(own - truth.force).max() for own, truth in known])
     claims = np.array([truth.claim for _, truth in known])
-    error, least = float(errors.max()), float(np.maximum(errors - claims, 0.0).max())
+    error, least = float(errors.max()), float((errors - np.maximum(claims, ROUND_OFF)).max())
     sure = bool((claims <= 0.3 * np.maximum(claim, errors)).any())
     failed = "" if least <= claim else f"off by {error:.1e}, claims {claim:.1e}"
     overrun = bool(found.success and least > 3.0 * asked.tolerance)

@@ -24,6 +24,8 @@ from origins import (
     StiffRates,
     gaussian,
     gaussian_start,
+    gw_elastic,
+    lubricated,
     mixture,
     persson,
     rectangular,
@@ -213,3 +215,17 @@ def test_delays_on_turning_paths_are_as_good_as_they_claim(seed):
     for tolerance in (1e-5, 1e-7):
         found = master.solve(contacts, path, tolerance)
         assert found.success and apart(found, exact) <= found.force_error + exact.force_error
+
+
+@pytest.mark.parametrize("law", [gw_elastic(1.6), lubricated(1.0)])
+def test_births_that_set_in_a_delay_after_a_stretched_start_are_seen(law):
+    """Breaks begin at once, and births, at a rate that jumps, a delay later: panels end there."""
+    path, ratios = np.linspace(0.0, 2.0, 401), []
+    for start in (0.02, 0.1, 0.3):
+        for delay in (0.5, 0.9, 1.3):
+            contacts = Contacts(law, start, delay=Delay(delay))
+            exact = master.solve(contacts, path, 1e-11)
+            for tolerance in (1e-5, 1e-6, 1e-7):
+                found = master.solve(contacts, path, tolerance)
+                ratios.append(apart(found, exact) / (found.force_error + exact.force_error))
+    assert max(ratios) <= contacts.mean_threshold

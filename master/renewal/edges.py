@@ -109,6 +109,8 @@ def edges(
     waiting += [turn for turn in turns if turn.time <= since]
     meet(turns)
     meet([Moment(t.time - delay, 2) for t in turns if delay > 0.0])
+    # where a start stands stretched, breaks set in at once, and births a delay later
+    meet([Moment(delay, 1)] if delay > 0.0 else [])
     meet(_after(Moment(0.0, 0), 0.0, start, motion, life))
     most = MOST + len(lumps)
     while waiting:
