@@ -131,7 +131,7 @@ def test_a_spread_start_far_beyond_where_new_contacts_break_in_heat() -> None:
     contacts = Contacts(law, start, thermal=thermal)
     longest = 6e-9
     path = np.geomspace(1e-3 * longest, longest, 12)
-    solution = master.solve(contacts, path, 1e-4)
+    solution = master.solve(contacts, path, 1e-8)
     nodes, weights = np.polynomial.legendre.leggauss(200)
     origins, thresholds = 0.05 + 0.25 * nodes, 1.0 + 0.65 * nodes[:, None]
     held = np.exp(-np.stack([thermal.cumulative(origins + x, thresholds, origins) for x in path]))

@@ -14,7 +14,7 @@ from origins import Contacts
 _ACCURACY = 1e-3
 # The same of averages over the stretches at birth. What they miss is the square of this, or beside
 # an onset of P_c some 1e-3 of it, and is looked at as they go.
-_RESOLVED, MOST_RESOLVED = 1e-2, 1e-6
+_RESOLVED, LEAST_RESOLVED, MOST_RESOLVED = 1e-2, 1e-12, 1e-6
 
 
 def life_of(contacts: Contacts, tolerance: float = 0.0) -> Life | None:
@@ -26,7 +26,9 @@ def life_of(contacts: Contacts, tolerance: float = 0.0) -> Life | None:
         return None
     if contacts.thermal is None:
         return ColdLife(contacts)
-    resolved = min(max(_RESOLVED * tolerance, RESOLVED), MOST_RESOLVED)
+    resolved = (
+        min(max(_RESOLVED * tolerance, LEAST_RESOLVED), MOST_RESOLVED) if tolerance else RESOLVED
+    )
     if contacts.thermal.closure == "paper":
         return MeanRateLife(contacts, resolved)
     return ThermalLife(contacts, max(_ACCURACY * tolerance, ACCURACY), resolved)

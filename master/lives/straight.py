@@ -15,6 +15,9 @@ Array = npt.NDArray[np.float64]
 
 # Survival to which the table is refined, in contacts; forces, over the reach, likewise.
 ACCURACY = 1e-13
+# What polynomials may miss at the ends of panels, in units of the accuracy: beside a root they miss
+# more there than in between.
+_ENDS = 100.0
 # Halvings of the longest time, to see lives that are much shorter.
 _RUNGS = 64
 # Share of its time within which a moment is that of an exact threshold.
@@ -74,7 +77,7 @@ class StraightLife:
         self.bend_sizes: Array = np.ones(self.bends.size)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
         shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest
-        self.table = Table(found, edges, accuracy, shortest, ends=not life.quick)
+        self.table = Table(found, edges, accuracy, shortest, ends=0.0 if life.quick else _ENDS)
         self.error = life.error + self.table.error
         ways = bends_of(life, born, speed, life.atoms) if self.atoms.size else np.empty(0)
         self._jumps = ways[ways < longest]

@@ -32,6 +32,9 @@ ACCURACY, ACCURACY_OF_LEG = 0.1, 0.1
 # Coefficients of the table's polynomials: each of its values is a sum over all past births, so that
 # few wide panels are best; and on legs that are shorter than a share of the life's grain.
 SIZE, SIZE_OF_SHORT, SHORT = 18, 7, 0.25
+# What the table may miss at the ends of its panels, in units of its error: there panels of the march
+# begin, and a jump of the number is none that they could follow.
+ENDS = 2.0
 # Contacts that a leg or a lump may have left to be let go, in units of that error: many are felt.
 NEGLIGIBLE = 1e-3
 # Share of a leg below which its table is not halved.
@@ -99,10 +102,10 @@ class Past:
         size = SIZE_OF_SHORT if 0.0 < way < SHORT * self._births.life.grain else SIZE
         # nodes far apart see none of a life that is short
         self._table = Table(
-            *given, ends=True, size=size, first_cut=FIRST_CUT, goes_on=self._goes_on
+            *given, ends=ENDS, size=size, first_cut=FIRST_CUT, goes_on=self._goes_on
         )
         missed = sum(own.missed for own in self._earlier)
-        self.error = max(self.error, self._table.error + missed)
+        self.error = max(self.error, ENDS * self._table.error + missed)
 
     def _holding(self, lumps: list[Lump]) -> list[Lump]:
         """Those lumps of which any is left at the beginning of this leg; the others are told so."""

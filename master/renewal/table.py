@@ -21,10 +21,6 @@ NARROWEST = 1e-15
 # Halvings of a panel: 2^-50 of it is rounding.
 DEPTH = 50
 
-# What a polynomial may miss at its ends, in units of the accuracy: beside a root it misses more
-# there than in between.
-_END = 100.0
-
 
 class Basis(NamedTuple):
     """Nodes of a panel, as shares of it; from values there to coefficients, and these to both ends."""
@@ -56,9 +52,9 @@ class Table:
         A panel is halved while one of its last two coefficients is larger.
     shortest : float
         Length of the shortest panel.
-    ends : bool
-        Whether the functions are looked at at the ends of panels, too: a fall that is over before
-        the first node is seen there.
+    ends : float
+        What a polynomial may miss at the ends of its panel, in units of the accuracy; 0: it is not
+        looked at there. A fall that is over before the first node is seen at an end.
     size : int
         Coefficients of the polynomials.
     first_cut : float
@@ -78,7 +74,7 @@ class Table:
         edges: Array,
         accuracy: float,
         shortest: float,
-        ends: bool = False,
+        ends: float = 0.0,
         size: int = SIZE,
         first_cut: float = 0.5,
         goes_on: Callable[[], bool] = lambda: True,
@@ -88,16 +84,16 @@ class Table:
         kept, self.error = [], 0.0
         for _ in range(DEPTH):
             nodes = low[:, None] + (high - low)[:, None] * basis.nodes
-            if ends:
+            if ends > 0.0:
                 nodes = np.concatenate([low[:, None], nodes, high[:, None]], axis=1)
             values = function(nodes)
-            coefficients = (values[..., 1:-1] if ends else values) @ basis.to_legendre
+            coefficients = (values[..., 1:-1] if ends > 0.0 else values) @ basis.to_legendre
             tail = np.abs(coefficients[..., -2:]).max(axis=(0, 2))
-            if ends:
+            if ends > 0.0:
                 missed = np.abs(coefficients @ basis.at_ends - values[..., [0, -1]]).max(
                     axis=(0, 2)
                 )
-                tail = np.maximum(tail, missed / _END)
+                tail = np.maximum(tail, missed / ends)
             least = np.maximum(shortest, NARROWEST * np.abs(high))
             open_ = (tail > accuracy) & (high - low > least) & (low.size <= MOST + edges.size)
             open_ &= goes_on()

@@ -35,8 +35,9 @@ class _Seen(NamedTuple):
 ACCURACY = 1e-13  # of sums over thresholds, in contacts: that of the panels
 # measured at steady falls: to 1e-13
 _SEEN = _Seen(3.0, 8.0, 2.5)
-# Share of the accuracy below which what is left, or lost, of a panel is nothing
-_NOTHING = 1e-4
+# In units of the accuracy: shares e^-A that are nothing, even where next to none is left of all;
+# losses A where contacts hold; and shares of contacts of which panels are left out
+_GONE, _QUIET, _NO_WEIGHT = 1e-16, 1e-4, 1e-5
 # fall of ln A over a panel: beyond, most of the panel is of no interest
 _STEEP = 100.0
 # A: beside the threshold m, 16 nodes in (x_s - m)^(1/2) see e^-A fall from 1 this far
@@ -80,10 +81,10 @@ class Above:
         self.law, self.rates, self.stiffness = law, rates, stiffness
         self.rooted = rates.vanishes_at_threshold
         self._slight = max(_SLIGHT * accuracy, _LEAST_SLIGHT)
-        self._no_weight = _NOTHING * accuracy
+        self._no_weight = _NO_WEIGHT * accuracy
         # ln A: beyond, a share e^-A is nothing; where A is less, contacts hold
-        self._gone = float(np.log(-np.log(self._no_weight)))
-        self._quiet = float(np.log(self._no_weight))
+        self._gone = float(np.log(-np.log(_GONE * accuracy)))
+        self._quiet = float(np.log(_QUIET * accuracy))
         self.edges: Array = law_edges(law)
         low, high = self.edges[:-1], self.edges[1:]
         whole = Panels(np.arange(low.size), low, high, low, low)  # of levels nobody asks
