@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy.typing as npt
 
 from master.lives.cold import ColdLife
+from master.lives.make import life_of
 from master.outcome import Progress, unheard
-from master.rigid import solve_rigid
+from master.rigid import solve_rigid, times_of
 from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
 from origins import Contacts, Drive
@@ -96,6 +97,9 @@ def solve(
         wall_time = positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     in_time = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
+    if drive.spring is None and contacts.grains is not None:
+        grown = life_of(contacts, longest=float(times_of(drive)[-1]))
+        return solve_rigid(contacts, drive, grown, tolerance, progress, wall_time)
     if drive.spring is None and not in_time:
         life = ColdLife(contacts)
         if life.bends.size <= MOST_BENDS:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.life import UnbentLife
 from master.lives.stretch_rule import finite_density, stretch_panels
 from master.motion.motion import History, Legs
 from origins import Contacts, GrainContact
@@ -27,11 +28,13 @@ Array = npt.NDArray[np.float64]
 GONE = 39.2
 # Bisections that find a stretch to one part in 1e15 of its panel.
 BISECTIONS = 50
+# Length over which survivals are resolved, in standard deviations of the thresholds at first.
+GRAIN = 0.25
 # Share of contacts by which the sums over the starting stretches may be off.
 ERROR = 1e-13
 
 
-class GrainLife:
+class GrainLife(UnbentLife):
     """Life (see master.lives.life) of contacts with growing grains, without heat.
 
     Parameters
@@ -45,8 +48,6 @@ class GrainLife:
     grains' starting age; all others pin as they are born, at the stretch 0, an age of tau_m.
     """
 
-    quiet = 0.0
-    bends: Array = np.empty(0)
     error = ERROR
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
@@ -60,11 +61,12 @@ class GrainLife:
         self.reach = float(self.grains.quantile(-np.expm1(-GONE), oldest))
         # the start reaches as far as its youngest thresholds do
         self.start_reach = self.grains.at_start.support()[1]
+        self.grain = GRAIN * self.grains.at_start.std()
 
-    def left(self, born: Start, history: History) -> Array:
+    def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
         legs = history.legs()
-        if born is not self.start:
+        if not isinstance(born, Start) or born is not self.start:
             hold = np.exp(-np.maximum(self.worst_of_births(legs), self.lost(legs)))
             return np.stack([hold, hold * legs.displacement[..., -1]])
         if born.is_single:

@@ -71,3 +71,20 @@ class Life(Protocol):
         units of <k>, a length.
         """
         ...
+
+
+class UnbentLife:
+    """What lives share whose survival has no bend and that depend on time; attributes as in Life."""
+
+    bends: Array = np.empty(0)
+    atoms: Array = np.empty(0)
+    quiet = 0.0
+    quick = timeless = False
+
+    def marks(self, width: float) -> Array:
+        """See Life."""
+        return self.bends
+
+    def atom_share(self, atom: float, stretch: float) -> float:
+        """See Life; there are no exact thresholds."""
+        return 0.0

@@ -131,8 +131,8 @@ class History:
         shape = np.broadcast_shapes(self.t.shape, self.s.shape)
         middle = shape[1] // 2
         s = self.s[:, min(middle, self.s.shape[1] - 1)]
-        t = self.t.ravel()[self.t.size // 2]
-        last = int(self.motion.leg(t))
+        # one of them may be the knot at which the leg begins
+        last = int(self.motion.leg(0.5 * (float(self.t.min()) + float(self.t.max()))))
         return last, np.broadcast_to(np.minimum(self.motion.leg(s), last), shape[:1])
 
     def legs(self) -> Legs:

@@ -105,12 +105,16 @@ def edges(
     meet([Moment(t.time - delay, 2) for t in turns if delay > 0.0])
     meet(_after(Moment(0.0, 0), 0.0, start, motion, life))
     most = MOST + len(lumps)
+    # what breaks as it is born makes a jump of the rate of breaks a jump again, a delay later
+    smoothed = _lost(_at_once(motion, life, again)) if delay > 0.0 else 1.0
+    if smoothed < 1.0:
+        meet([Moment(delay, smoothed)])
     while waiting:
         moment = waiting.pop(0)
         if moment.generation >= generations or len(found) > most:
             continue
         if delay > 0.0:
-            meet([Moment(moment.time + delay, moment.generation + 1)])
+            meet([Moment(moment.time + delay, moment.generation + smoothed)])
         meet(_after(moment, delay, again, motion, life))
     return Edges(np.array(found), len(lumps) > MOST_LUMPS, met)
 
@@ -155,10 +159,21 @@ def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life)
     found = []
     for stretch in [law.mean()] if law.is_single else list(law.breakpoints):
         for passing in passings(motion, moment.time + delay, float(stretch), life.bends):
-            share = life.atom_share(passing.mark, float(stretch))
-            lost = -np.log10(share) / DIGITS_A_GENERATION if share > 0.0 else 1.0
+            lost = _lost(life.atom_share(passing.mark, float(stretch)))
             found.append(Moment(passing.time, moment.generation + lost))
     return found
+
+
+def _lost(share: float) -> float:
+    """How many generations of smoothing a share is worth that keeps a bend as it is."""
+    return float(-np.log10(share) / DIGITS_A_GENERATION) if share > 0.0 else 1.0
+
+
+def _at_once(motion: Motion, life: Life, again: Start) -> float:
+    """The share of births that breaks at once, on the fastest leg of the motion."""
+    leg = int(np.argmax(np.abs(motion.speeds)))
+    now = np.full((1, 1), 0.5 * (motion.times[leg] + motion.times[leg + 1]))
+    return 1.0 - float(life.left(again, motion.history(now, now))[0, 0, 0])
 
 
 class Passing(NamedTuple):
