@@ -9,10 +9,10 @@ import numpy.typing as npt
 from master.lives.cold import ColdLife
 from master.lives.make import life_of
 from master.outcome import Progress, unheard
-from master.rigid import solve_rigid, times_of
+from master.rigid import motion_of, solve_rigid, times_of
 from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
-from origins import Contacts, Drive
+from origins import Contacts, Drive, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance, positive
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 # Points at which P_c jumps or bends: of more, the sums are too many for panels to end at each, and
 # the older road for forward motion is faster (islands, histograms).
 MOST_BENDS = 10
+# Error of the share that holds of contacts that age, in units of the tolerance.
+AGED = 0.5
 
 
 def solve(
@@ -97,9 +99,16 @@ def solve(
         wall_time = positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     in_time = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
-    if drive.spring is None and contacts.grains is not None:
+    if contacts.ageing is not None and contacts.ageing.closure == "paper":
+        return solve_paper(contacts, drive, tolerance, progress)
+    if drive.spring is None and "grains" in in_time:
         grown = life_of(contacts, longest=float(times_of(drive)[-1]))
         return solve_rigid(contacts, drive, grown, tolerance, progress, wall_time)
+    if drive.spring is None and "ageing" in in_time:
+        motion, _ = motion_of(drive, contacts.mean_threshold)
+        if motion.one_leg:
+            aged = life_of(contacts, float(motion.speeds[0]), accuracy=AGED * tolerance)
+            return solve_rigid(contacts, drive, aged, tolerance, progress, wall_time)
     if drive.spring is None and not in_time:
         life = ColdLife(contacts)
         if life.bends.size <= MOST_BENDS:
@@ -112,3 +121,17 @@ def solve(
     solved: TimedSolution | SoftSolution | AgeingTransient
     solved = solve_old(contacts, path, tolerance, **keywords, progress=progress)
     return solved
+
+
+def solve_paper(
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress
+) -> AgeingTransient:
+    """(Q15), the paper's closure of ageing, on a rigid slider that moves forward at one speed."""
+    from master.paper.q15_transient import solve_q15
+
+    drive.only_forward("the paper's closure of ageing")
+    if drive.time is not None:
+        raise InputError(
+            "time: the paper's closure of ageing takes one speed all along; write velocity= instead"
+        )
+    return solve_q15(contacts, drive, tolerance, progress)

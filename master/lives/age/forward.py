@@ -10,8 +10,10 @@ import numpy.typing as npt
 from scipy.interpolate import BSpline, make_interp_spline
 
 from master.lives.age.ageing import AgeingLife
+from master.lives.age.grid import narrowest
 from master.lives.age.passage import Passage
 from master.lives.age.starts import StretchRules
+from master.lives.life import UnbentLife
 from master.lives.stretch_rule import StretchRule
 from master.motion.motion import History, Motion
 from origins import Contacts
@@ -27,6 +29,8 @@ SPENT = 1e-12
 LOOKS = 100
 # Degree of the splines between the steps of a strand; their errors are below the steps' own.
 DEGREE = 5
+# Length over which survivals are resolved, of the narrowest width of the laws.
+GRAIN = 0.25
 # Mean lives, as long as the reach over the speed, after which next to none holds.
 LONGEST = 3.0
 
@@ -42,7 +46,7 @@ class Survival(Protocol):
         ...
 
 
-class ForwardAgeing:
+class ForwardAgeing(UnbentLife):
     """Life (see master.lives.life) of contacts that age, closure "exact", where X = v t.
 
     Towards a Gaussian final law without heat by the integral equation of the first passage; any
@@ -58,26 +62,29 @@ class ForwardAgeing:
         Error of the share that holds that is aimed at.
     """
 
-    bends: Array = np.empty(0)
-    quiet = 0.0
-
     def __init__(self, contacts: Contacts, velocity: float, accuracy: float = 1e-10) -> None:
-        assert contacts.ageing is not None and velocity != 0.0
+        ageing = contacts.ageing
+        assert ageing is not None and velocity != 0.0
         self._contacts, self._velocity, self._accuracy = contacts, velocity, accuracy
         self._rules = StretchRules(contacts, accuracy, self._shares)
-        self._passages = contacts.ageing.normal is not None and contacts.thermal is None
+        self._passages = ageing.normal is not None and contacts.thermal is None
         self._tables: dict[float, Survival] = {}
         self._strands: AgeingLife | None = None
+        ends = np.array(ageing.final.support() if ageing.normal is None else [])
+        # where thresholds are reflected contacts begin to break all at once
+        self.bends: Array = ends[np.isfinite(ends) & (ends > 0.0)]
         self.reach = 0.0
         self.table(0.0)
+        self.grain = GRAIN * min(narrowest(law) for law in (contacts.thresholds, ageing.final))
 
     @property
     def error(self) -> float:
         """Of the share that holds, as measured so far."""
         return self._rules.error + max(table.error for table in self._tables.values())
 
-    def left(self, born: Start, history: History) -> Array:
+    def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
+        assert isinstance(born, Start)
         lag = np.maximum(history.t - history.s, 0.0)
         share, force = np.zeros(lag.shape), np.zeros(lag.shape)
         rule = self._rules.of(born)
