@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.cold import NONE_LEFT
 from master.lives.life import Life
 from master.motion.motion import History, Motion
 from master.renewal.table import Table
@@ -14,6 +15,10 @@ Array = npt.NDArray[np.float64]
 
 # Survival to which the table is refined, in contacts; forces, over the reach, likewise.
 ACCURACY = 1e-13
+# Halvings of the longest time, to see lives that are much shorter: the digits of a time.
+_RUNGS = 52
+# Share of its time within which a moment is that of an exact threshold.
+_TIE = 1e-11
 # The narrowest panel of the table, of its length.
 SHORTEST = 1e-12
 
@@ -33,23 +38,44 @@ class StraightLife:
         dX/dt of the leg.
     longest : float
         The longest time since birth: that of the leg, or from where on none holds.
+    accuracy : float
+        Of the share that is left, and of the force over the reach.
+
+    Attributes as in Life, and
+
+    asked : float
+        The longest time that was asked for.
+    longest : float
+        The same, or a time from which on heat has left none.
     """
 
-    def __init__(self, life: Life, born: Start, speed: float, longest: float) -> None:
+    def __init__(
+        self, life: Life, born: Start, speed: float, longest: float, accuracy: float = ACCURACY
+    ) -> None:
         self.life, self.reach, self.quiet = life, life.reach, life.quiet
         self.atoms, self.grain, self.quick = life.atoms, life.grain, True
         self.timeless = life.timeless
-        moving = bends_of(life, born, speed)
-        self.bends: Array = moving[moving < longest]
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         scale = np.array([1.0, 1.0 / life.reach])[:, None, None]
 
         def found(lag: Array) -> Array:
             return life.left(born, motion.history(lag, np.zeros((1, 1)))) * scale
 
-        edges = np.concatenate([[0.0], self.bends, [longest]])
-        self.table = Table(found, edges, ACCURACY, SHORTEST * longest)
+        self.asked, ladder = longest, np.empty(0)
+        if not life.quick:
+            ladder = longest * 0.5 ** np.arange(_RUNGS, -1.0, -1.0)
+            left = found(ladder[:, None])[0, :, 0]
+            ladder, left = ladder[1.0 - left > accuracy], left[1.0 - left > accuracy]
+            dead = np.flatnonzero(left < NONE_LEFT)
+            if dead.size:
+                longest, ladder = float(ladder[dead[0]]), ladder[: dead[0]]
+        self.longest, moving = longest, bends_of(life, born, speed)
+        self.bends: Array = moving[moving < longest]
+        edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
+        self.table = Table(found, edges, accuracy, SHORTEST * longest, ends=not life.quick)
         self.error = life.error + self.table.error
+        ways = bends_of(life, born, speed, life.atoms) if self.atoms.size else np.empty(0)
+        self._jumps = ways[ways < longest]
 
     def marks(self, width: float) -> Array:
         """Times since birth between which the table is smooth enough for panels of a width."""
@@ -61,17 +87,30 @@ class StraightLife:
 
     def left(self, born: Start | Array, history: History) -> Array:
         """See Life; born is the law that the table was made for, and the history is along `clock`."""
-        found = self.table(history.now)
+        lag, last = history.now, self.table.end[-1]
+        if not self.life.quick:  # the longest time, at which a leg may end, belongs to the table
+            lag = np.where(
+                lag <= last * (1.0 + _TIE), np.minimum(lag, np.nextafter(last, 0.0)), lag
+            )
+        for jump in self._jumps:
+            middle = lag[:, lag.shape[1] // 2, None]
+            beside = np.nextafter(jump, np.where(middle < jump, 0.0, np.inf))
+            lag = np.where(np.abs(lag - jump) <= _TIE * (jump + history.t), beside, lag)
+        found = self.table(lag)
         found[1] *= self.reach
         return found
 
 
-def bends_of(life: Life, born: Start, speed: float) -> Array:
-    """Times since birth at which what is left bends; sorted, none where the slider stands still."""
+def bends_of(life: Life, born: Start, speed: float, marks: Array | None = None) -> Array:
+    """Times since birth at which what is left bends; sorted, none where the slider stands still.
+
+    marks : lengths at which it does; None: all bends of the life, and its reach
+    """
+    marks = np.append(life.bends, life.reach) if marks is None else marks
     first, last = sorted(np.sign(speed) * np.array(born.span))
     ends = {first, last, *(np.sign(speed) * born.breakpoints)}
     # a contact born at r < 0 comes back to its largest |x| after a way of -2 r
-    ways = [mark - end for mark in [*life.bends, life.reach] for end in ends]
+    ways = [mark - end for mark in marks for end in ends]
     ways += [-2.0 * end for end in ends]
     return np.unique([way / abs(speed) for way in ways if way > 0.0 and speed])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -65,6 +66,16 @@ class Motion:
         """The motion through these positions from the first, t being the way gone."""
         way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
         return cls(way, positions)
+
+    def since(self, leg: int) -> Motion:
+        """The same motion with times and positions counted from the beginning of a leg.
+
+        What happens shortly after a knot keeps its digits then, however late that is.
+        """
+        other = copy(self)
+        other.times = self.times - self.times[leg]
+        other.positions = self.positions - self.positions[leg]
+        return other
 
     @property
     def one_leg(self) -> bool:

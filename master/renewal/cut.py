@@ -9,7 +9,9 @@ import numpy as np
 from master.renewal import rule
 from master.renewal.births import Births
 from master.renewal.kernels import TARGETS
-from master.renewal.march import NOTHING, Lump, March, Run
+from master.renewal.lumps import NOTHING, Lump
+from master.renewal.march import March
+from master.renewal.run import Run
 
 # Width, in grains, of the last panel of a time in which none is born.
 SHORT = 1e-6
@@ -27,6 +29,7 @@ def cut(march: March, t: float, births: Births) -> March:
     births.work = march.births.work
     begun = int(np.searchsorted(march.begin, t - 1e-9 * march.grain))
     other.begin, other.width = march.begin[:begun], march.width[:begun]
+    other.since = march.since[:begun]
     other.breaks, other.force = march.breaks[:begun], march.force[:begun]
     other.wrong = march.wrong[:begun]
     if begun and other.reached > t:

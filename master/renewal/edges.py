@@ -80,7 +80,8 @@ def edges(
     """
     generations = -np.log10(tolerance) / DIGITS_A_GENERATION
     end = float(motion.times[-1])
-    grain = life.grain / float(np.abs(motion.speeds).max())
+    fastest = float(np.abs(motion.speeds).max())
+    grain = life.grain / fastest if fastest else 0.0
     if born is None:
         born = [Together(0.0, 1.0, start.mean())] if start.is_single else []
     lumps = _lump_times(motion, life, born, again, delay, since)

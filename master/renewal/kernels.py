@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.straight import StraightLife, clock
+from master.lives.straight import ACCURACY, StraightLife, clock
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births
@@ -41,7 +41,11 @@ class Kernels:
     def __init__(self, births: Births) -> None:
         self._births, self._motion = births, births.motion
         self._known: dict[tuple[float, float], Kernel] = {}
-        self._straight: dict[tuple[float, float], StraightLife] = {}
+        self._straight: dict[float, StraightLife] = {}
+        # the longest that the slider keeps each speed
+        self._lasting: dict[float, float] = {}
+        for speed, duration in zip(births.motion.speeds, np.diff(births.motion.times), strict=True):
+            self._lasting[speed] = max(float(duration), self._lasting.get(speed, 0.0))
 
     def along(self, births: Births) -> Kernels:
         """Kernels for births of the same contacts along another motion; what is known is shared."""
@@ -56,10 +60,25 @@ class Kernels:
 
     def longest(self, leg: int) -> float:
         """The longest time for which contacts born on a leg may be seen on it."""
-        speed = float(self._motion.speeds[leg])
         duration = float(np.diff(self._motion.times)[leg])
+        longest = min(duration, self._reaching(leg))
+        return longest if self._births.life.quick else min(longest, self.straight(leg).longest)
+
+    def _reaching(self, leg: int) -> float:
+        """The time after which contacts born on a leg are stretched beyond reach."""
+        speed = abs(float(self._motion.speeds[leg]))
         lasting = self._births.life.reach + max(abs(end) for end in self._births.law.span)
-        return min(duration, lasting / abs(speed)) if speed else duration
+        return lasting / speed if speed else np.inf
+
+    def straight(self, leg: int) -> StraightLife:
+        """The table of what is left of contacts born on a leg."""
+        births, speed = self._births, float(self._motion.speeds[leg])
+        longest = min(self._lasting[speed], self._reaching(leg))
+        if speed not in self._straight or self._straight[speed].asked < longest:
+            accuracy = ACCURACY if births.life.quick else max(ACCURACY, 0.1 * births.accuracy)
+            life = StraightLife(births.life, births.law, speed, longest, accuracy)
+            self._straight[speed] = life
+        return self._straight[speed]
 
     def on(self, leg: int, width: float, panels: int) -> Kernel:
         """Kernel of panels so many apart, or until none of the births holds."""
@@ -72,24 +91,29 @@ class Kernels:
             return known
         panels = min(most, max(panels, 2 * have))
         t = width * (np.arange(have, panels)[:, None] + TARGETS)
-        found = self._along(leg, panels * width).blocks(t.ravel(), 0.0, width)
+        found = self.on_leg(leg, panels * width).blocks(t.ravel(), 0.0, width)
         number, force = found.reshape(2, panels - have, TARGETS.size, -1)
         if known:
             number = np.concatenate([known.number, number])
             force = np.concatenate([known.force, force])
-        solve = known.solve if known else np.linalg.inv(number[0, 1 : rule.DEGREE + 1, 1:])
-        kernel = Kernel(number, force, np.asarray(solve, dtype=float))
+        solve = known.solve if known else _inverse(number[0, 1 : rule.DEGREE + 1, 1:])
+        kernel = Kernel(number, force, solve)
         self._known[speed, width] = kernel
         return kernel
 
-    def _along(self, leg: int, duration: float) -> Births:
+    def on_leg(self, leg: int, duration: float) -> Births:
         """Births on a leg that goes on: from a table, unless what is left is as quickly told."""
         births, speed = self._births, float(self._motion.speeds[leg])
         if births.life.quick and births.law.is_single:
             straight = Motion(np.array([0.0, duration]), np.array([0.0, duration * speed]))
             return Births(births.life, births.law, straight, births.delay, births.accuracy)
-        key = speed, self.longest(leg)
-        if key not in self._straight:
-            self._straight[key] = StraightLife(births.life, births.law, *key)
         relaxed = SingleStart(0.0)
-        return Births(self._straight[key], relaxed, clock(duration), births.delay, births.accuracy)
+        return Births(self.straight(leg), relaxed, clock(duration), births.delay, births.accuracy)
+
+
+def _inverse(number: Array) -> Array:
+    """The inverse of a matrix; nan where it has none, as on a panel far wider than a life."""
+    try:
+        return np.asarray(np.linalg.inv(number), dtype=float)
+    except np.linalg.LinAlgError:
+        return np.full(number.shape, np.nan)

@@ -16,70 +16,30 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from master.renewal import rule
+from master.renewal import known, rule
 from master.renewal.births import Births
 from master.renewal.edges import LEAST_LUMP
 from master.renewal.kernels import TARGETS, Kernels
+from master.renewal.leg_births import Panels
+from master.renewal.lumps import NOTHING, Lump, breaking
+from master.renewal.pace import NARROWEST, NARROWEST_IN_TIME, ROUNDED, Pace
+from master.renewal.past import Past
+from master.renewal.run import Run, solve_run, steady
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
-# Panels whose breaks or survivors are fewer than this add nothing to what rounds at 1e-16.
-NOTHING = 1e-18
-# Width of the narrowest panel, in units of the life's grain, below which halving has met a point
-# that no panel resolves.
-NARROWEST = 1e-10
-# Width of a panel, in units of its time, that rounding spoils.
-ROUNDED = 1e-13
-# Panels of a first run, and of the longest: a run that fails is solved in vain.
-FIRST, LONGEST = 8, 256
-# Panels narrower than half a grain are doubled at once where they resolve more than is asked;
-# wider ones after so many, since other widths need other kernels.
-PATIENCE = 32
 # Segments longer than so many of the last panels are tried on wide panels first.
 LONG = 1000.0
 # Panels, as seen from later targets, that are integrated one by one before halving ends: some 10 s.
 MOST_WORK = 6_000_000
 # What solving a panel costs beside, in such pieces.
 RUN_WORK = 100
-# What conservation and force miss between the nodes, times this, bounds the error of a panel: it
-# is looked for at a few points, and the largest in between is up to twice as large.
-MARGIN = 2.0
-
-
-@dataclass
-class Lump:
-    """Contacts that were born, or stood at t = 0, at one moment.
-
-    time : of the birth; weight : share of all contacts; law : of the stretches at birth
-    holds : whether any of them is left
-    """
-
-    time: float
-    weight: float
-    law: Start
-    holds: bool = True
-
-
-class Run(NamedTuple):
-    """Panels of one width, one after the other, as solved.
-
-    breaks : array of shape (panels, DEGREE + 1), since each panel's beginning, at 0 and the nodes
-    force : the same of the force
-    wrong : array of shape (panels,), bound on the error of the number of breaks, and of the force
-        over the longest stretch, on each
-    """
-
-    breaks: Array
-    force: Array
-    wrong: Array
 
 
 class March:
@@ -105,6 +65,7 @@ class March:
     Attributes
     ----------
     begin, width, breaks, force, wrong : lists, one entry a panel
+    since : list, the panels' beginnings since that of their leg, which keeps all digits
     lumps : list of Lump
     alive : list of int
         Panels of whose births some may still hold.
@@ -132,6 +93,7 @@ class March:
         self.stretch, self.until, self.unfinished = stretch, until, False
         self.settled = np.inf
         self.begin: list[float] = []
+        self.since: list[float] = []
         self.width: list[float] = []
         self.breaks: list[Array] = []
         self.force: list[Array] = []
@@ -139,11 +101,14 @@ class March:
         self.lumps = [Lump(0.0, 1.0, start)]
         self.alive: list[int] = []
         self.kernels, self.allowed = Kernels(births), np.inf
+        # where single survivals take long to tell, those of earlier legs are kept in a table
+        self._past = None if self.life.quick else Past(births, self.kernels, tolerance)
 
     @property
     def life_error(self) -> float:
         """Error of what is left of contacts, which no panel sees."""
-        return max([self.life.error, *self.kernels.errors])
+        past = 0.0 if self._past is None else self._past.error
+        return max([self.life.error, *self.kernels.errors]) + past
 
     @property
     def reached(self) -> float:
@@ -159,62 +124,71 @@ class March:
     def runs(self) -> Iterator[None]:
         """Solve all panels, and stop to be asked for more after each run of them."""
         leg = -1
-        for begin, end in zip(self.edges[:-1], self.edges[1:], strict=True):
+        legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
+        for begin, end, now in zip(self.edges[:-1], self.edges[1:], legs, strict=True):
             self._break_lumps(begin, end)
-            now = int(self.motion.leg(0.5 * (begin + end)))
+            since = self.motion.times[now]
             if now != leg and (leg >= 0 or self.allowed == np.inf):
                 speed = abs(float(self.motion.speeds[now]))
                 self.allowed = self.grain / speed if speed else 0.25 * (end - begin)
             leg = now
-            yield from self._segment(begin, end, leg)
+            if self._past is not None:
+                own = self.edges[np.append(legs == now, False) | np.append(False, legs == now)]
+                self._past.enter(int(leg), own - since, self.lumps, self._panels())
+                self._past.between(begin - since, end - since)
+            yield from self._segment(begin - since, end - since, int(leg))
             if self.unfinished:
                 break
 
-    def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
-        """Solve from one edge to the next."""
-        allowed = self.allowed
-        speed = abs(float(self.motion.speeds[leg]))
+    def _panels(self, which: npt.NDArray[np.intp] | slice = slice(None)) -> Panels:
+        """Solved panels."""
+        lists = (np.array(each, dtype=float) for each in (self.begin, self.since, self.width))
+        begin, since, width = (array[which] for array in lists)
+        breaks = np.array(self.breaks).reshape(-1, rule.DEGREE + 1)
+        return Panels(begin, since, width, breaks[which])
+
+    def _pace(self, begin: float, end: float, leg: int) -> Pace:
+        """The widths of panels on a segment."""
+        allowed, speed = self.allowed, abs(float(self.motion.speeds[leg]))
+        most = self.life.reach / speed if speed else np.inf
         if speed and end - begin > LONG * allowed:
             # after a narrow feature: to find the width from above takes fewer panels
-            allowed = min(0.25 * (end - begin), self.life.reach / speed)
-        t, width, count, smooth = begin, 0.0, FIRST, 0
-        narrowest = NARROWEST * (self.grain / speed if speed else end - begin)
-        narrowest = max(narrowest, ROUNDED * end)
-        while end - t > 1e-9 * min(allowed, end - begin):
+            allowed = min(0.25 * (end - begin), most)
+        in_time = self._past is not None
+        narrowest = NARROWEST_IN_TIME if in_time else NARROWEST
+        narrowest = max(narrowest * (self.grain / speed if speed else end - begin), ROUNDED * end)
+        return Pace(allowed, self.grain, speed, most, narrowest, self.tolerance, in_time)
+
+    def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
+        """Solve from one edge to the next; both are times since the leg's beginning."""
+        pace = self._pace(begin, end, leg)
+        t, width = begin, 0.0
+        while end - t > 1e-9 * min(pace.allowed, end - begin):
             if clock.monotonic() > self.until:
                 self.unfinished = True
                 break
             if self._settled(leg, end - t):
                 self._rest(t, end, leg)
                 break
-            left = max(1, int(np.ceil((end - t) / allowed * (1.0 - 1e-9))))
+            left = max(1, int(np.ceil((end - t) / pace.allowed * (1.0 - 1e-9))))
             if abs((end - t) / left - width) > 1e-9 * width:
                 width = (end - t) / left
-            run = self._run(t, width, min(count, left), leg)
-            bad = np.flatnonzero(run.wrong > self.tolerance)
-            if self.births.work > MOST_WORK:
+            run = self._run(t, width, min(pace.count, left), leg)
+            bad, hurried = np.flatnonzero(run.wrong > self.tolerance), self.births.work > MOST_WORK
+            if hurried:
                 bad = bad[:0]  # what is not resolved by now stays, with its error
-            elif bad.size and width < narrowest:
+            elif width < pace.narrowest:
                 bad = bad[bad > 0]  # no panel resolves this one: it stays, with its error
             good = int(bad[0]) if bad.size else run.wrong.size
-            self.keep(t, width, run, good)
+            self.keep(self.motion.times[leg] + t, width, run, good, t)
             t = t + good * width if good < left else end
             if bad.size:
-                hopeless = run.wrong[bad[0]] > 100.0 * self.tolerance
-                allowed, count, smooth = (0.25 if hopeless else 0.5) * width, 1, 0
-                self.allowed = allowed
-                continue
-            count = min(2 * count, LONGEST)
-            needless = run.wrong.max() < max(self.tolerance * 0.5**rule.DEGREE, 1e-14)
-            smooth = smooth + good if needless else 0
-            still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
-            patience = 0 if still or width * speed <= 0.5 * self.grain else PATIENCE
-            if self.births.work > MOST_WORK or (smooth > patience and width > 0.6 * allowed):
-                allowed, count, smooth = 2.0 * width, max(1, count // 2), 0
-                if speed:
-                    allowed = min(allowed, self.life.reach / speed)
-            self.allowed = allowed
-            yield
+                pace.refused(width, run.wrong[bad[0]])
+            else:
+                pace.resolved(width, run, hurried)
+            self.allowed = pace.allowed
+            if not bad.size:
+                yield
 
     def _settled(self, leg: int, left: float) -> bool:
         """Whether all that may be felt has broken at one rate, so that the rest of a leg will too.
@@ -225,22 +199,19 @@ class March:
         memory = self.kernels.longest(leg) + self.births.delay
         if left < 8.0 * memory or not self.begin or not self.motion.speeds[leg]:
             return False
-        gone = self.begin[-1] + self.width[-1] - max(self.motion.times[leg], self.lumps[-1].time)
-        if gone < 1.1 * memory:
+        if self.reached - max(self.motion.times[leg], self.lumps[-1].time) < 1.1 * memory:
             return False
         first, width = len(self.begin), 0.0
         while width < 1.1 * memory:
             first -= 1
             width += self.width[first]
-        widths = np.array(self.width[first:])
-        rates = np.array(self.breaks[first:]) @ rule.SLOPES_AT_GAUSS.T / widths[:, None]
-        force = np.array(self.force[first:])
-        alike = np.ptp(rates) < 0.25 * self.tolerance * rates.mean()
-        return bool(alike and np.ptp(force) < 0.25 * self.tolerance * self.stretch)
+        panels = Run(np.array(self.breaks[first:]), np.array(self.force[first:]), np.empty(0))
+        return steady(panels, np.array(self.width[first:]), self.tolerance, self.stretch)
 
     def _rest(self, t: float, end: float, leg: int) -> None:
         """One panel of steady breaks up to shortly before the end of the leg, then three more."""
-        self.settled = min(self.settled, t - 0.5 * self.width[-1])
+        since = float(self.motion.times[leg])
+        self.settled = min(self.settled, since + t - 0.5 * self.width[-1])
         memory = self.kernels.longest(leg) + self.births.delay
         rate = self.breaks[-1][-1] / self.width[-1]
         share = np.append(0.0, rule.NODES)
@@ -248,13 +219,17 @@ class March:
         wrong = np.full(1, self.wrong[-1] + 0.25 * self.tolerance)
         ends = [t, end - 3.0 * memory, end - 2.0 * memory, end - memory, end]
         for first, second in pairwise(ends):
-            breaks = rate * (second - first) * share
-            self.keep(first, second - first, Run(breaks[None], last[None], wrong), 1)
+            run = Run((rate * (second - first) * share)[None], last[None], wrong)
+            self.keep(since + first, second - first, run, 1, first)
 
-    def keep(self, t: float, width: float, run: Run, good: int) -> None:
-        """Take over the first panels of a run, and note those of whose births some may hold."""
-        first = len(self.begin)
-        self.begin.extend(t + width * np.arange(good))
+    def keep(self, t: float, width: float, run: Run, good: int, since: float | None = None) -> None:
+        """Take over the first panels of a run, and note those of whose births some may hold.
+
+        since : t counted from the beginning of its leg, where that is not 0
+        """
+        first, steps = len(self.begin), width * np.arange(good)
+        self.begin.extend(t + steps)
+        self.since.extend((t if since is None else since) + steps)
         self.width.extend([width] * good)
         self.breaks.extend(run.breaks[:good])
         self.force.extend(run.force[:good])
@@ -263,35 +238,16 @@ class March:
         self.alive.extend(first + np.flatnonzero(broken))
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
-        """Panels of one width from t on."""
+        """Panels of one width from t on, since the leg's beginning."""
         self.births.work += RUN_WORK * count
         same = self._same(width, leg)
         kernel = self.kernels.on(leg, width, same + count)
         grid = t + width * (np.arange(count)[:, None] + TARGETS)
-        number, force = self.known(grid, same)
-        apart = min(kernel.number.shape[0], same + count)
-        size, nodes = rule.DEGREE + 1, slice(1, rule.DEGREE + 1)
-        # farthest panels first, as they stand
-        far = kernel.number[apart - 1 : 0 : -1, nodes].transpose(1, 0, 2)
-        far = np.ascontiguousarray(far.reshape(rule.DEGREE, -1))
-        panels = np.zeros((apart - 1 + count, size))
-        kept = min(same, apart - 1)
-        if kept:
-            panels[apart - 1 - kept : apart - 1] = self.breaks[-kept:]
-        flat, missing = panels.reshape(-1), 1.0 - number[:, nodes]
-        for panel in range(count):
-            past = flat[panel * size : (panel + apart - 1) * size]
-            panels[panel + apart - 1, 1:] = kernel.solve @ (missing[panel] - far @ past)
-        # number and force at all targets, of all panels at once
-        windows = np.lib.stride_tricks.sliding_window_view(panels, (apart, size))
-        both = np.concatenate([kernel.number[:apart], kernel.force[:apart]], axis=1)[::-1]
-        both = both.transpose(1, 0, 2).reshape(2 * TARGETS.size, -1)
-        added = windows.reshape(count, -1) @ both.T
-        number, force = number + added[:, : TARGETS.size], force + added[:, TARGETS.size :]
-        lost = np.abs(number[:, size:] - 1.0).max(axis=1)
-        bent = np.abs(force[:, :size] @ rule.AT_CHECKS.T - force[:, size:]).max(axis=1)
-        wrong = MARGIN * (lost + bent / self.stretch)
-        return Run(panels[apart - 1 :], force[:, :size], wrong)
+        if self._past is None:
+            found = self.known(self.motion.times[leg] + grid, same)
+        else:
+            found = self._known_in_time(self._past, grid, same)
+        return solve_run(kernel, found, self.breaks[len(self.breaks) - same :], self.stretch)
 
     def _same(self, width: float, leg: int) -> int:
         """How many of the last panels, all on this leg, have this width."""
@@ -302,70 +258,43 @@ class March:
             same += 1
         return same
 
-    def known(self, grid: Array, same: int = 0) -> tuple[Array, Array]:
+    def _seen(self, same: int) -> npt.NDArray[np.intp]:
+        """The panels of whose births some may hold, but the last `same`."""
+        last = len(self.begin) - same
+        return np.array([panel for panel in self.alive if panel < last], dtype=int)
+
+    def _forget(self, gone: npt.NDArray[np.intp]) -> None:
+        """None of the births of these panels holds any more."""
+        dead = set(gone.tolist())
+        self.alive = [panel for panel in self.alive if panel not in dead] if dead else self.alive
+
+    def known(self, grid: Array, same: int = 0) -> Array:
         """Number and force at later times, of lumps and of all panels but the last `same`.
 
-        grid : array of shape (panels, TARGETS.size), all on one leg; its middle column tells on
-            which side of an exact threshold a row is
+        grid : array of shape (panels, TARGETS.size), as known.of_lumps takes it
         """
-        number, force, now = np.zeros(grid.shape), np.zeros(grid.shape), float(grid[0, 0])
-        middle = grid[:, TARGETS.size // 2]
-        for lump in self.lumps:
-            if not lump.holds or self._gone(now, lump.law, np.array([[lump.time]]))[0]:
-                continue
-            out = middle < lump.time
-            number[out] += lump.weight
-            if not out.all():
-                history = self.motion.history(grid[~out], np.full((1, 1), lump.time))
-                held, pull = self.life.left(lump.law, history)
-                number[~out] += lump.weight * held
-                force[~out] += lump.weight * pull
-        last = len(self.begin) - same
-        seen = np.array([panel for panel in self.alive if panel < last], dtype=int)
+        out, seen = known.of_lumps(self.births, self.lumps, grid), self._seen(same)
         if seen.size:
-            begin, width = np.array(self.begin)[seen], np.array(self.width)[seen]
-            s = np.stack([begin, begin + 0.5 * width, begin + width], axis=1) + self.births.delay
-            gone = self._gone(now, self.births.law, s)
-            if gone.any():
-                dead = set(seen[gone].tolist())
-                self.alive = [panel for panel in self.alive if panel not in dead]
-            whole = self.births.still_whole(grid, begin, width)
-            breaks = np.array(self.breaks)[seen]
-            for which, sums in (
-                (whole, self.births.whole_sums),
-                (~whole & ~gone, self.births.sums),
-            ):
-                if which.any():
-                    added = sums(grid.ravel(), begin[which], width[which], breaks[which])
-                    number += added[0].reshape(grid.shape)
-                    force += added[1].reshape(grid.shape)
-        return number, force
+            panels = self._panels(seen)
+            added = known.of_panels(self.births, grid, panels.begin, panels.width, panels.breaks)
+            self._forget(seen[added.gone])
+            out += added.sums
+        return out
 
-    def _gone(self, t: float, law: Start, s: Array) -> npt.NDArray[np.bool_]:
-        """Whether contacts born at s, shape (n, columns), have all been stretched beyond reach by t.
-
-        Those that are out at t are not gone.
-        """
-        first, last = law.span
-        history = self.motion.history(np.full((1, 1), t), np.minimum(s, t))
-        least = np.maximum(first + history.high.min(axis=1), -(last + history.low.max(axis=1)))
-        return np.asarray((least >= self.life.reach) & (s.max(axis=1) < t))
+    def _known_in_time(self, past: Past, grid: Array, same: int) -> Array:
+        """The same at times since the leg's beginning, where single survivals take long to tell."""
+        out, seen = past.at(grid, self.lumps), self._seen(same)
+        if seen.size:
+            added = past.on_leg(grid, self._panels(seen))
+            self._forget(seen[added.gone])
+            out += added.sums
+        return out
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a new lump of what reaches an exact threshold at the edge t."""
-        if not t > 0.0 or not len(self.births.life.atoms):
+        if not t > 0.0 or not len(self.life.atoms):
             return
         before, after = t - 0.5 * self.width[-1], t + 0.5 * (end - t)
-        lost = 0.0
-        for lump in self.lumps:
-            if not lump.holds or lump.time >= t:
-                continue
-            born = np.full((1, 1), lump.time)
-            held = [
-                float(self.life.left(lump.law, self.motion.history(at, born))[0, 0, 0])
-                for at in (np.array([[t, before, t]]), np.array([[t, after, t]]))
-            ]
-            lost += lump.weight * (held[0] - held[1])
-            lump.holds = lump.weight * held[1] > NOTHING
+        lost = breaking(self.births, self.lumps, before, t, after)
         if lost > LEAST_LUMP:
             self.lumps.append(Lump(t + self.births.delay, lost, self.births.law))

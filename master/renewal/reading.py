@@ -10,7 +10,8 @@ import numpy.typing as npt
 from master.renewal import rule
 from master.renewal.births import Births
 from master.renewal.edges import CLOSE
-from master.renewal.march import NOTHING, March
+from master.renewal.lumps import NOTHING
+from master.renewal.march import March
 
 Array = npt.NDArray[np.float64]
 

@@ -19,6 +19,10 @@ DEPTH = 50
 
 _NODES = 0.5 * (legendre.leggauss(SIZE)[0] + 1.0)
 _TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * _NODES - 1.0, SIZE - 1)).T
+_AT_ENDS: Array = legendre.legvander(np.array([-1.0, 1.0]), SIZE - 1).T
+# What a polynomial may miss at its ends, in units of the accuracy: beside a root it misses more
+# there than in between.
+_END = 100.0
 
 
 class Table:
@@ -34,6 +38,9 @@ class Table:
         A panel is halved while one of its last two coefficients is larger.
     shortest : float
         Length of the shortest panel.
+    ends : bool
+        Whether the functions are looked at at the ends of panels, too: a fall that is over before
+        the first node is seen there.
 
     Attributes
     ----------
@@ -42,14 +49,25 @@ class Table:
     """
 
     def __init__(
-        self, function: Callable[[Array], Array], edges: Array, accuracy: float, shortest: float
+        self,
+        function: Callable[[Array], Array],
+        edges: Array,
+        accuracy: float,
+        shortest: float,
+        ends: bool = False,
     ) -> None:
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
         kept, self.error = [], 0.0
         for _ in range(DEPTH):
             nodes = low[:, None] + (high - low)[:, None] * _NODES
-            coefficients = function(nodes) @ _TO_LEGENDRE
+            if ends:
+                nodes = np.concatenate([low[:, None], nodes, high[:, None]], axis=1)
+            values = function(nodes)
+            coefficients = (values[..., 1:-1] if ends else values) @ _TO_LEGENDRE
             tail = np.abs(coefficients[..., -2:]).max(axis=(0, 2))
+            if ends:
+                missed = np.abs(coefficients @ _AT_ENDS - values[..., [0, -1]]).max(axis=(0, 2))
+                tail = np.maximum(tail, missed / _END)
             open_ = (tail > accuracy) & (high - low > shortest) & (low.size <= MOST + edges.size)
             kept.append((low[~open_], high[~open_], coefficients[:, ~open_]))
             self.error = max(self.error, float(tail[~open_].max(initial=0.0)))

@@ -1,0 +1,51 @@
+"""Lumps: contacts that were born together, at one moment, as those are that met one exact threshold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from master.renewal.births import Births
+from origins.start import Start
+
+Array = npt.NDArray[np.float64]
+
+# Panels whose breaks or survivors are fewer than this add nothing to what rounds at 1e-16.
+NOTHING = 1e-18
+
+
+@dataclass
+class Lump:
+    """Contacts that were born, or stood at t = 0, at one moment.
+
+    time : of the birth; weight : share of all contacts; law : of the stretches at birth
+    holds : whether any of them is left
+    """
+
+    time: float
+    weight: float
+    law: Start
+    holds: bool = True
+
+
+def breaking(births: Births, lumps: Sequence[Lump], before: float, t: float, after: float) -> float:
+    """Share of all contacts that reach an exact threshold, together, at the edge t.
+
+    before, after : moments on either side of the edge, on which side a contact is; lumps of which
+        none is left are told so
+    """
+    lost = 0.0
+    for lump in lumps:
+        if not lump.holds or lump.time >= t:
+            continue
+        born = np.full((1, 1), lump.time)
+        held = [
+            float(births.life.left(lump.law, births.motion.history(at, born))[0, 0, 0])
+            for at in (np.array([[t, before, t]]), np.array([[t, after, t]]))
+        ]
+        lost += lump.weight * (held[0] - held[1])
+        lump.holds = lump.weight * held[1] > NOTHING
+    return lost
