@@ -39,7 +39,7 @@ class ColdLife:
     the contacts that break there, of the panels on which a polynomial follows it.
     """
 
-    quick = timeless = True
+    quick = timeless = fresh_start = True
 
     def __init__(self, contacts: Contacts) -> None:
         law = contacts.thresholds

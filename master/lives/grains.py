@@ -48,7 +48,7 @@ class GrainLife(UnbentLife):
     grains' starting age; all others pin as they are born, at the stretch 0, an age of tau_m.
     """
 
-    error = ERROR
+    error, fresh_start = ERROR, False
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         grains = contacts.grains

@@ -36,6 +36,8 @@ class Life(Protocol):
         Length over which the survival has to be resolved.
     quick : bool
         Whether `left`, of births at one stretch, takes no longer than a look-up in a table.
+    fresh_start : bool
+        Whether contacts of the start are as young as those that are born later on.
     timeless : bool
         Whether only the way counts, and not the time that it took.
     error : float
@@ -48,6 +50,7 @@ class Life(Protocol):
     bends: Array
     grain: float
     quick: bool
+    fresh_start: bool
     timeless: bool
     error: float
 
@@ -80,6 +83,7 @@ class UnbentLife:
     atoms: Array = np.empty(0)
     quiet = 0.0
     quick = timeless = False
+    fresh_start = True
 
     def marks(self, width: float) -> Array:
         """See Life."""

@@ -149,8 +149,8 @@ class Past:
     def _is_past(self, lump: Lump) -> bool:
         """Whether a lump was born before this leg, or otherwise than contacts re-form."""
         if lump.time == self._late:
-            law, again = lump.law, self._births.law
-            return not (law is again or (law.span == again.span and law.is_single))
+            law, again, alike = lump.law, self._births.law, self._births.life.fresh_start
+            return not (law is again or (alike and law.span == again.span and law.is_single))
         return lump.time < self._late
 
     def at(self, x: Array, lumps: Sequence[Lump]) -> Array:

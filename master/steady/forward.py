@@ -50,7 +50,7 @@ class ForwardLife:
         Tables of contacts born at the stretches of re-forming, and of the start.
     """
 
-    quick = timeless = True
+    quick = timeless = fresh_start = True
 
     def __init__(self, life: Life, births: Travel, start: Travel) -> None:
         self.again, self.at_start = SingleStart(0.0), SingleStart(0.0)

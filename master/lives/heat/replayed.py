@@ -41,6 +41,7 @@ class ReplayedLife:
 
     quiet = 0.0
     quick = timeless = False
+    fresh_start = True
 
     def __init__(self, law: Thresholds, edges: Array) -> None:
         self._law = law
