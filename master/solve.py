@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy.typing as npt
 
 from master.lives.cold import ColdLife
-from master.lives.make import life_of
+from master.lives.make import ageing_life, life_of
 from master.outcome import Progress, unheard
 from master.rigid import motion_of, solve_rigid, times_of
 from master.soft.solution import SoftSolution, solve_soft
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 # the older road for forward motion is faster (islands, histograms).
 MOST_BENDS = 10
 # Error of the share that holds of contacts that age, in units of the tolerance.
-AGED = 0.5
+AGED = 0.15
 
 
 def solve(
@@ -106,9 +106,8 @@ def solve(
         return solve_rigid(contacts, drive, grown, tolerance, progress, wall_time)
     if drive.spring is None and "ageing" in in_time:
         motion, _ = motion_of(drive, contacts.mean_threshold)
-        if motion.one_leg:
-            aged = life_of(contacts, float(motion.speeds[0]), accuracy=AGED * tolerance)
-            return solve_rigid(contacts, drive, aged, tolerance, progress, wall_time)
+        aged = ageing_life(contacts, motion, AGED * tolerance)
+        return solve_rigid(contacts, drive, aged, tolerance, progress, wall_time)
     if drive.spring is None and not in_time:
         life = ColdLife(contacts)
         if life.bends.size <= MOST_BENDS:

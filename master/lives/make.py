@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from master.lives.age.forward import ForwardAgeing
+from master.lives.age.path import AgeingPath
 from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
 from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.thermal import ThermalLife
 from master.lives.life import Life
 from master.lives.warm_grains import WarmGrainLife
+from master.motion.motion import Motion
 from origins import Contacts, InputError
 
 
@@ -33,6 +35,15 @@ def life_of(
     if contacts.thermal is None:
         return ColdLife(contacts)
     return ThermalLife(contacts) if contacts.thermal.closure == "exact" else MeanRateLife(contacts)
+
+
+def ageing_life(contacts: Contacts, motion: Motion, accuracy: float) -> Life:
+    """The life of contacts that age, closure "exact", on any motion of the slider."""
+    check_ageing(contacts)
+    if motion.one_leg:
+        longest = float(motion.times[-1])
+        return ForwardAgeing(contacts, float(motion.speeds[0]), accuracy, longest)
+    return AgeingPath(contacts, motion, accuracy)
 
 
 def check_ageing(contacts: Contacts) -> None:

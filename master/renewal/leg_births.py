@@ -88,6 +88,8 @@ class LegBirths:
         Of the number and, over the reach, the force that the births add.
     """
 
+    error = 0.0  # pieces are halved until none counts
+
     def __init__(self, births: Births, leg: int, panels: Panels, accuracy: float) -> None:
         self._births, self._leg, self._accuracy = births, leg, accuracy
         self._begin, self._width = panels.since, panels.width

@@ -16,12 +16,14 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.age.path import AgeingPath
 from master.lives.straight import clock
 from master.renewal.births import Births
 from master.renewal.kernels import Kernels
 from master.renewal.known import Added
 from master.renewal.leg_births import PAIR_WORK, LegBirths, Panels
 from master.renewal.lumps import NOTHING, Lump
+from master.renewal.strand_births import StrandBirths
 from master.renewal.table import Table
 
 Array = npt.NDArray[np.float64]
@@ -56,7 +58,7 @@ class Past:
 
     def __init__(self, births: Births, kernels: Kernels, tolerance: float) -> None:
         self._births, self._kernels, self._accuracy = births, kernels, ACCURACY * tolerance
-        self._legs: list[LegBirths] = []
+        self._legs: list[LegBirths | StrandBirths] = []
         self._leg, self._begin, self._end = -1, 0.0, 0.0
         self._table: Table | None = None
         self.error = 0.0
@@ -89,7 +91,7 @@ class Past:
             shortest = SHORTEST * edges[-1]
             all_edges = np.unique(np.concatenate([rungs, within]))
             self._table = Table(found, all_edges, self._accuracy, shortest, ends=True)
-            self.error = max(self.error, self._table.error)
+            self.error = max(self.error, self._table.error + sum(own.error for own in self._legs))
 
     def _parts(self, x: Array, lumps: Sequence[Lump]) -> list[Array]:
         """Number and force of each earlier leg's births, and of each lump, at times x; (2, n) each."""
@@ -140,7 +142,8 @@ class Past:
                 if births.delay > 0.0:
                     born = some.begin + births.delay - motion.times[earlier]
                     some = some._replace(since=np.maximum(born, 0.0))
-                self._legs.append(LegBirths(births, earlier, some, self._accuracy))
+                kind = StrandBirths if isinstance(births.life, AgeingPath) else LegBirths
+                self._legs.append(kind(births, earlier, some, self._accuracy))
 
     @property
     def _negligible(self) -> float:

@@ -57,19 +57,31 @@ class ForwardAgeing(UnbentLife):
     ----------
     contacts : Contacts
     velocity : float
-        v != 0, a length per time; of either sign.
+        A length per time, of either sign.
     accuracy : float
         Error of the share that holds that is aimed at.
+    longest : float
+        Time after which no contact is looked at any more; finite where the velocity is 0.
+    strands : AgeingLife, optional
+        What strands follow, where it is known.
     """
 
-    def __init__(self, contacts: Contacts, velocity: float, accuracy: float = 1e-10) -> None:
+    def __init__(
+        self,
+        contacts: Contacts,
+        velocity: float,
+        accuracy: float = 1e-10,
+        longest: float = np.inf,
+        strands: AgeingLife | None = None,
+    ) -> None:
         ageing = contacts.ageing
-        assert ageing is not None and velocity != 0.0
+        assert ageing is not None and (velocity != 0.0 or np.isfinite(longest))
+        self._longest, self._strands = longest, strands
         self._contacts, self._velocity, self._accuracy = contacts, velocity, accuracy
         self._rules = StretchRules(contacts, accuracy, self._shares)
         self._passages = ageing.normal is not None and contacts.thermal is None
+        self._passages &= velocity != 0.0
         self._tables: dict[float, Survival] = {}
-        self._strands: AgeingLife | None = None
         ends = np.array(ageing.final.support() if ageing.normal is None else [])
         # where thresholds are reflected contacts begin to break all at once
         self.bends: Array = ends[np.isfinite(ends) & (ends > 0.0)]
@@ -121,22 +133,25 @@ class ForwardAgeing(UnbentLife):
             laws = contacts.thresholds, contacts.ageing.final
             reach = max(float(law.isf(1e-17)) for law in laws)
             reach -= min(contacts.start.span[0] * np.sign(self._velocity), 0.0)
-            motion = Motion(np.array([0.0, reach / speed]), np.array([0.0, reach]))
+            lasts = min(reach / speed, self._longest)
+            motion = Motion(np.array([0.0, lasts]), np.array([0.0, lasts * speed]))
             self._strands = AgeingLife(contacts, motion, self._accuracy)
-        return StrandSurvival(self._strands, along, speed)
+        return StrandSurvival(self._strands, along, speed, self._longest)
 
 
 class StrandSurvival:
-    """Survival of contacts born at one stretch that age at one speed > 0, followed by a strand.
+    """Survival of contacts born at one stretch that age at one speed >= 0, followed by a strand.
 
     Where |x| turns at 0, and where it comes up to the lower end of the final law, another table
     begins; each is over the root of the time since it began, as survivals change there.
     """
 
-    def __init__(self, life: AgeingLife, stretch: float, speed: float) -> None:
+    def __init__(self, life: AgeingLife, stretch: float, speed: float, most: float) -> None:
         strands = life.begin(SingleStart(stretch))
-        longest = LONGEST * (life.reach - stretch) / speed
-        marks = (np.array([0.0, life.mesh.cells[0].floor]) - stretch) / speed
+        marks, longest = np.empty(0), most
+        if speed > 0.0:
+            longest = min(longest, LONGEST * (life.reach - stretch) / speed)
+            marks = (np.array([0.0, life.mesh.cells[0].floor]) - stretch) / speed
         marks = np.unique([0.0, *marks[(marks > 0.0) & (marks < longest)], longest])
         self._begins: list[float] = []
         self._splines: list[BSpline] = []
@@ -158,7 +173,7 @@ class StrandSurvival:
             strands.since = 0.0
             if share < SPENT:
                 break
-        self.error = life.error + share
+        self.error = life.error + (share if share < SPENT else 0.0)
 
     def survival(self, lag: Array) -> Array:
         """Share at times `lag` >= 0 since the birth, same shape."""
