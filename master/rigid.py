@@ -33,6 +33,8 @@ BEYOND = 1e-9
 FINEST = 1e-14
 # Error of an integral over births, in units of the tolerance: a panel is the sum of some hundred.
 ACCURACY = 3e-3
+# Share of the tolerance that is left to panels where what is left of contacts is not exact.
+OF_PANELS = 0.8
 # First guess of a panel's width, in units of the length over which the survival is resolved, at a
 # tolerance of 1e-8; a polynomial of degree 16 on wider panels errs by the power 16 more.
 GRAINS = 6.0
@@ -137,6 +139,7 @@ def march_of(
     taken = round_off(motion, contacts.mean_threshold)
     taken += life.error * stretch / contacts.mean_threshold
     left = max(tolerance - taken, 0.4 * tolerance)
+    left *= 1.0 if life.quick else OF_PANELS
     allowed = max(left * contacts.mean_threshold / stretch, FINEST)
     accuracy = max(ACCURACY * allowed, 1e-15)
     births = Births(life, again, motion, contacts.waiting_time, accuracy)

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from master.lives.cold import ColdLife
-from master.lives.make import ageing_life, life_of
+from master.lives.make import life_of
 from master.outcome import Progress, unheard
-from master.rigid import motion_of, solve_rigid, times_of
+from master.rigid import motion_of, solve_rigid
 from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
@@ -24,9 +23,6 @@ if TYPE_CHECKING:
 # Points at which P_c jumps or bends: of more, the sums are too many for panels to end at each, and
 # the older road for forward motion is faster (islands, histograms).
 MOST_BENDS = 10
-# Error of the share that holds of contacts that age, in units of the tolerance.
-AGED = 0.15
-
 
 def solve(
     contacts: Contacts,
@@ -101,17 +97,12 @@ def solve(
     in_time = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         return solve_paper(contacts, drive, tolerance, progress)
-    if drive.spring is None and "grains" in in_time:
-        grown = life_of(contacts, longest=float(times_of(drive)[-1]))
-        return solve_rigid(contacts, drive, grown, tolerance, progress, wall_time)
-    if drive.spring is None and "ageing" in in_time:
+    life = None
+    if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
-        aged = ageing_life(contacts, motion, AGED * tolerance)
-        return solve_rigid(contacts, drive, aged, tolerance, progress, wall_time)
-    if drive.spring is None and not in_time:
-        life = ColdLife(contacts)
-        if life.bends.size <= MOST_BENDS:
-            return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
+        life = life_of(contacts, tolerance, motion)
+    if life is not None and (in_time or life.bends.size <= MOST_BENDS):
+        return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
     if drive.spring is not None and not in_time and contacts.delay is None:
         return solve_soft(contacts, drive, tolerance, progress, wall_time)
     from master._old.solve import solve as solve_old

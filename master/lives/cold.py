@@ -40,6 +40,7 @@ class ColdLife:
     """
 
     quick = timeless = fresh_start = True
+    pair_work = 1
 
     def __init__(self, contacts: Contacts) -> None:
         law = contacts.thresholds

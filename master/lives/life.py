@@ -36,6 +36,8 @@ class Life(Protocol):
         Length over which the survival has to be resolved.
     quick : bool
         Whether `left`, of births at one stretch, takes no longer than a look-up in a table.
+    pair_work : int
+        What `left` of one birth at one moment costs, in look-ups in a table.
     fresh_start : bool
         Whether contacts of the start are as young as those that are born later on.
     timeless : bool
@@ -50,6 +52,7 @@ class Life(Protocol):
     bends: Array
     grain: float
     quick: bool
+    pair_work: int
     fresh_start: bool
     timeless: bool
     error: float
@@ -83,7 +86,7 @@ class UnbentLife:
     atoms: Array = np.empty(0)
     quiet = 0.0
     quick = timeless = False
-    fresh_start = True
+    fresh_start, pair_work = True, 1
 
     def marks(self, width: float) -> Array:
         """See Life."""

@@ -6,44 +6,52 @@ from master.lives.age.forward import ForwardAgeing
 from master.lives.age.path import AgeingPath
 from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
+from master.lives.heat.above import ACCURACY
 from master.lives.heat.mean_rate import MeanRateLife
+from master.lives.heat.stretches import RESOLVED
 from master.lives.heat.thermal import ThermalLife
 from master.lives.life import Life
 from master.lives.warm_grains import WarmGrainLife
 from master.motion.motion import Motion
 from origins import Contacts, InputError
 
+# Error of what is left of contacts, in units of the tolerance: a sum over births weighs many.
+_ACCURACY = 1e-3
+# The same of averages over the stretches at birth. What they miss is the square of this, or beside
+# an onset of P_c some 1e-3 of it, and is looked at as they go.
+_RESOLVED, MOST_RESOLVED = 1e-2, 1e-6
+# Error of the share that holds of contacts that age, in units of the tolerance, and its least.
+_AGED, _FINEST = 0.1, 1e-10
+
 
 def life_of(
-    contacts: Contacts, velocity: float = 0.0, longest: float = 0.0, accuracy: float = 1e-10
+    contacts: Contacts, tolerance: float = 0.0, motion: Motion | None = None
 ) -> Life | None:
     """The life of these contacts; None where only the old solvers know what is left of them.
 
-    velocity : dX/dt, only asked for by thresholds that age: where it is 0 there is no life of these
-    longest : time after which no contact is looked at any more, only asked for by thresholds that
-        grow: where it is 0 there is no life of these
-    accuracy : of the share that holds, where it is found by steps
+    tolerance : of the force, in mean thresholds; 0: what is left is known as well as can be
+    motion : of the slider; contacts that age have no life that does not ask it
     """
-    if contacts.grains is not None and longest > 0.0:
-        warm = contacts.thermal is not None
+    if contacts.grains is not None:
+        if motion is None:
+            return None
+        longest, warm = float(motion.times[-1]), contacts.thermal is not None
         return WarmGrainLife(contacts, longest) if warm else GrainLife(contacts, longest)
-    if contacts.ageing is not None and velocity != 0.0:
+    if contacts.ageing is not None:
+        if motion is None:
+            return None
         check_ageing(contacts)
-        return ForwardAgeing(contacts, velocity, accuracy)
-    if contacts.ageing is not None or contacts.grains is not None:
-        return None
-    if contacts.thermal is None:
-        return ColdLife(contacts)
-    return ThermalLife(contacts) if contacts.thermal.closure == "exact" else MeanRateLife(contacts)
-
-
-def ageing_life(contacts: Contacts, motion: Motion, accuracy: float) -> Life:
-    """The life of contacts that age, closure "exact", on any motion of the slider."""
-    check_ageing(contacts)
-    if motion.one_leg:
+        accuracy = max(_AGED * tolerance, _FINEST)
+        if not motion.one_leg:
+            return AgeingPath(contacts, motion, accuracy)
         longest = float(motion.times[-1])
         return ForwardAgeing(contacts, float(motion.speeds[0]), accuracy, longest)
-    return AgeingPath(contacts, motion, accuracy)
+    if contacts.thermal is None:
+        return ColdLife(contacts)
+    resolved = min(max(_RESOLVED * tolerance, RESOLVED), MOST_RESOLVED)
+    if contacts.thermal.closure == "paper":
+        return MeanRateLife(contacts, resolved)
+    return ThermalLife(contacts, max(_ACCURACY * tolerance, ACCURACY), resolved)
 
 
 def check_ageing(contacts: Contacts) -> None:

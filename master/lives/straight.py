@@ -55,6 +55,7 @@ class StraightLife:
         self.life, self.reach, self.quiet = life, life.reach, life.quiet
         self.atoms, self.grain, self.quick = life.atoms, life.grain, True
         self.timeless, self.fresh_start = life.timeless, life.fresh_start
+        self.pair_work = 1
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         scale = np.array([1.0, 1.0 / life.reach])[:, None, None]
 

@@ -84,6 +84,8 @@ class WarmGrainLife(GrainLife):
         Measured: the first, the middle and the last of the rows' columns are told twice.
     """
 
+    pair_work = 1000
+
     def __init__(self, contacts: Contacts, longest: float) -> None:
         super().__init__(contacts, longest)
         assert contacts.thermal is not None

@@ -31,8 +31,10 @@ CLOSE = 1e-13
 ROUNDING = 8.0 * float(np.finfo(float).eps)
 # Targets times panels that are integrated at once: some 100 MB of arrays.
 CHUNK = 40_000
-# How much longer a piece takes whose survivals are no look-up in a table.
-SLOWER = 10
+# What a survival averaged over the stretches at birth costs, in such from one stretch.
+SPREAD_WORK = 40
+# Pieces, as seen from later targets, that are integrated one by one before halving ends: some 10 s.
+MOST_WORK = 6_000_000
 # Halvings of a piece whose survival no polynomial follows.
 DEPTH = 40
 
@@ -75,7 +77,9 @@ class Births:
     Attributes
     ----------
     work : int
-        Pieces that were integrated so far, each counted as often as it takes longer.
+        Pieces that were integrated so far.
+    dear : int
+        What one survival after moves of several legs costs, in such pieces.
     """
 
     def __init__(
@@ -83,7 +87,7 @@ class Births:
     ) -> None:
         self.life, self.law, self.motion, self.delay = life, law, motion, delay
         self.accuracy, self.work = accuracy, 0
-        self._cost = 1 if life.quick else SLOWER
+        self.dear = life.pair_work if law.is_single else life.pair_work * SPREAD_WORK
 
     def blocks(self, t: Array, begin: float, width: float) -> Array:
         """Number and force at times t per value of the breaks at the nodes of one panel.
@@ -167,7 +171,7 @@ class Births:
             length = (right - left)[:, None]
             share = left[:, None] + length * rule.GAUSS_NODES
             s = begin[panel, None] + width[panel, None] * share + self.delay
-            self.work += row.size * self._cost
+            self.work += row.size
             kernels = self.life.left(self.law, self.motion.history(t[target, None], s))
             rough = self._rough(kernels[0], t[target], length[:, 0], width[panel])
             done = ~rough

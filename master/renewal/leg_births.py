@@ -7,6 +7,7 @@ the panels of the breaks are.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,7 @@ Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 # Gauss nodes of a piece in the time of birth.
-SIZE = 12
+SIZE = 16
 # Halvings of a piece: rounding of times ends it before.
 DEPTH = 60
 # Two times nearer than this share of their leg are one.
@@ -30,8 +31,6 @@ CLOSE = 1e-13
 ROUNDING = 1e-14
 # Pairs of pieces and panels that are summed at once: some 100 MB of arrays.
 CHUNK = 100_000
-# What a survival after moves of several legs costs, in pieces of births on one leg.
-PAIR_WORK = 6
 
 _NODES, _ = legendre.leggauss(SIZE)
 _TO_LEGENDRE = np.linalg.inv(legendre.legvander(_NODES, SIZE - 1)).T
@@ -86,12 +85,25 @@ class LegBirths:
         Those whose births lie on the leg; `since` tells when, counted from its beginning.
     accuracy : float
         Of the number and, over the reach, the force that the births add.
+    goes_on : callable
+        Whether there is time for pieces to be halved.
+
+    Attributes
+    ----------
+    missed : float
+        What no polynomial followed when halving ended, of the number of contacts.
     """
 
-    error = 0.0  # pieces are halved until none counts
-
-    def __init__(self, births: Births, leg: int, panels: Panels, accuracy: float) -> None:
+    def __init__(
+        self,
+        births: Births,
+        leg: int,
+        panels: Panels,
+        accuracy: float,
+        goes_on: Callable[[], bool] = lambda: True,
+    ) -> None:
         self._births, self._leg, self._accuracy = births, leg, accuracy
+        self._goes_on, self.missed = goes_on, 0.0
         self._begin, self._width = panels.since, panels.width
         self._last = float(self._begin[-1] + self._width[-1])
         self._slopes = panels.breaks @ rule.SLOPES.T
@@ -114,10 +126,12 @@ class LegBirths:
                 break
             length = (pieces.right - pieces.left)[:, None]
             s = pieces.left[:, None] + length * _SHARES
-            births.work += PAIR_WORK * s.size
+            births.work += births.dear * s.size
             found = births.life.left(births.law, self._motion.history(t[pieces.target, None], s))
             series = found[..., 1:-1] @ _TO_LEGENDRE
-            rough = self._rough(pieces, found[0], series) & (halving < DEPTH - 1)
+            rough = self._rough(pieces, found[0], series)
+            if halving == DEPTH - 1 or not self._goes_on():
+                rough[:] = False
             self._add(out, pieces.pick(~rough), series[:, ~rough])
             pieces = pieces.pick(rough).halved()
         return out
@@ -134,7 +148,10 @@ class LegBirths:
         wrong = np.maximum(tail, missed / _END)
         wide = pieces.right - pieces.left > CLOSE * (self._ends[-1] - self._ends[0])
         wide &= pieces.right - pieces.left > ROUNDING * np.abs(pieces.right)
-        return np.asarray((wrong * born > self._accuracy) & wide)
+        rough = wrong * born > self._accuracy
+        if rough.any() and not self._goes_on():
+            self.missed = max(self.missed, float((wrong * born)[rough].sum()))
+        return np.asarray(rough & wide)
 
     def _cut(self, t: Array) -> _Pieces:
         """The leg's births in pieces, for each target, between which what is left bends."""

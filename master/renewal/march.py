@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal import known, rule
-from master.renewal.births import Births
+from master.renewal.births import MOST_WORK, Births
 from master.renewal.edges import LEAST_LUMP
 from master.renewal.kernels import TARGETS, Kernels
 from master.renewal.leg_births import Panels
@@ -36,8 +36,6 @@ Array = npt.NDArray[np.float64]
 
 # Segments longer than so many of the last panels are tried on wide panels first.
 LONG = 1000.0
-# Panels, as seen from later targets, that are integrated one by one before halving ends: some 10 s.
-MOST_WORK = 6_000_000
 # What solving a panel costs beside, in such pieces.
 RUN_WORK = 100
 
@@ -102,7 +100,7 @@ class March:
         self.alive: list[int] = []
         self.kernels, self.allowed = Kernels(births), np.inf
         # where single survivals take long to tell, those of earlier legs are kept in a table
-        self._past = None if self.life.quick else Past(births, self.kernels, tolerance)
+        self._past = None if self.life.quick else Past(births, self.kernels, tolerance, until)
 
     @property
     def life_error(self) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from master.renewal import rule
 from master.renewal.run import Run
 
@@ -21,6 +23,11 @@ PATIENCE = 32
 # smooth, so that wide ones err by the power 16 more. Where contacts break at all rates at once,
 # panels may widen as time goes by, and are tried sooner.
 WIDEN, WIDEN_IN_TIME = 0.5**rule.DEGREE, 1e-2
+# Share of the tolerance below which panels in heat are tried four times as wide.
+FAR_BELOW = 1e-6
+
+# Share of a refused panel's width that is tried at least next.
+STEEPEST = 1e-3
 
 
 class Pace:
@@ -63,17 +70,26 @@ class Pace:
         self._grain, self._speed, self._most = grain, speed, most
         self.narrowest, self._tolerance, self._in_time = narrowest, tolerance, in_time
         self._smooth, self._wait, self._widened = 0, 0, False
+        self._last = 0.0, 0.0  # width and error of the last panel, if that was refused
 
     def refused(self, width: float, wrong: float) -> None:
         """A panel of this width missed the tolerance."""
         hopeless = wrong > 100.0 * self._tolerance
-        self.allowed, self.count, self._smooth = (0.25 if hopeless else 0.5) * width, 1, 0
+        narrower = 0.25 if hopeless else 0.5
+        if self._in_time and self._last[0] > width and wrong < self._last[1] < np.inf:
+            # as some power of the width, as beside an onset of P_c
+            power = np.log(self._last[1] / wrong) / np.log(self._last[0] / width)
+            goal = (0.5 * self._tolerance / wrong) ** (1.0 / power)
+            narrower = float(np.clip(goal, STEEPEST, narrower))
+        self._last = width, wrong
+        self.allowed, self.count, self._smooth = narrower * width, 1, 0
         if self._widened and self._in_time:  # it was tried too soon
             self._wait = min(max(2, 2 * self._wait), PATIENCE)
         self._widened = False
 
     def resolved(self, width: float, run: Run, hurried: bool) -> None:
         """All panels of a run were good enough; hurried: wider ones are tried whatever they miss."""
+        self._last = 0.0, 0.0
         self._wait, self._widened = (self._wait // 2 if self._widened else self._wait), False
         self.count = min(2 * self.count, LONGEST)
         spare = self._tolerance * (WIDEN_IN_TIME if self._in_time else WIDEN)
@@ -83,5 +99,7 @@ class Pace:
         narrow = still or width * self._speed <= 0.5 * self._grain
         patience = self._wait if narrow else PATIENCE
         if hurried or (self._smooth > patience and width > 0.6 * self.allowed):
-            self.count, self._smooth, self._widened = max(1, self.count // 2), 0, True
-            self.allowed = min(2.0 * width, self._most)
+            self.count = 1 if self._in_time else max(1, self.count // 2)
+            self._smooth, self._widened = 0, True
+            spare = self._in_time and run.wrong.max() < FAR_BELOW * self._tolerance
+            self.allowed = min((4.0 if spare else 2.0) * width, self._most)

@@ -11,25 +11,29 @@ Times are counted from the beginning of the present leg, so that they keep their
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from master.lives import straight
 from master.lives.age.path import AgeingPath
-from master.lives.straight import clock
-from master.renewal.births import Births
+from master.renewal.births import MOST_WORK, Births
 from master.renewal.kernels import Kernels
 from master.renewal.known import Added
-from master.renewal.leg_births import PAIR_WORK, LegBirths, Panels
+from master.renewal.leg_births import LegBirths, Panels
 from master.renewal.lumps import NOTHING, Lump
 from master.renewal.strand_births import StrandBirths
 from master.renewal.table import Table
 
 Array = npt.NDArray[np.float64]
 
-# Error of all past births, in units of the tolerance.
-ACCURACY = 1e-2
+# Errors of the table and of the births of one leg, in units of the tolerance.
+ACCURACY, ACCURACY_OF_LEG = 0.1, 0.05
+# Coefficients of the table's polynomials: each of its values is a sum over all past births, so that
+# few wide panels are best.
+SIZE = 18
 # Contacts that a leg or a lump may have left to be let go, in units of that error: many are felt.
 NEGLIGIBLE = 1e-3
 # Share of a leg below which its table is not halved.
@@ -49,6 +53,8 @@ class Past:
         Which know what is left of contacts that were born on the present leg.
     tolerance : float
         Of the number of breaks.
+    until : float
+        Reading of time.monotonic() after which nothing is refined.
 
     Attributes
     ----------
@@ -56,8 +62,11 @@ class Past:
         Bound on the error of the number that all legs so far had from their tables.
     """
 
-    def __init__(self, births: Births, kernels: Kernels, tolerance: float) -> None:
-        self._births, self._kernels, self._accuracy = births, kernels, ACCURACY * tolerance
+    def __init__(
+        self, births: Births, kernels: Kernels, tolerance: float, until: float = np.inf
+    ) -> None:
+        self._births, self._kernels, self._until = births, kernels, until
+        self._accuracy, self._of_leg = ACCURACY * tolerance, ACCURACY_OF_LEG * tolerance
         self._legs: list[LegBirths | StrandBirths] = []
         self._leg, self._begin, self._end = -1, 0.0, 0.0
         self._table: Table | None = None
@@ -80,28 +89,35 @@ class Past:
         scale = np.array([1.0, 1.0 / self._births.life.reach])[:, None, None]
 
         def found(x: Array) -> Array:
-            out = np.zeros((2, *x.shape))
-            for parts in self._parts(x.ravel(), holding):
-                out += parts.reshape(out.shape)
-            return out * scale
+            return np.add.reduce(self._parts(x, holding)) * scale
 
         holding = [lump for lump in holding if lump.holds]
         if holding or self._legs:
             within = edges[(edges > 0.0) & (edges < rungs[-1])]
             shortest = SHORTEST * edges[-1]
             all_edges = np.unique(np.concatenate([rungs, within]))
-            self._table = Table(found, all_edges, self._accuracy, shortest, ends=True)
-            self.error = max(self.error, self._table.error + sum(own.error for own in self._legs))
+            given = found, all_edges, self._accuracy, shortest
+            self._table = Table(*given, ends=True, size=SIZE, goes_on=self._goes_on)
+            missed = sum(own.missed for own in self._legs)
+            self.error = max(self.error, self._table.error + missed)
+
+    def _goes_on(self) -> bool:
+        """Whether there is work and time left."""
+        return self._births.work <= MOST_WORK and clock.monotonic() <= self._until
 
     def _parts(self, x: Array, lumps: Sequence[Lump]) -> list[Array]:
-        """Number and force of each earlier leg's births, and of each lump, at times x; (2, n) each."""
+        """Number and force of each earlier leg's births, and of each lump: arrays (2, *x.shape).
+
+        x : array of shape (rows, columns); the middle column tells on which side of an exact
+            threshold a row is
+        """
         # the moment at which the leg begins would count as one of the leg before
         t = np.maximum(x, np.finfo(float).tiny)
-        parts = [own.sums(t) for own in self._legs]
+        parts = [own.sums(t.ravel()).reshape(2, *x.shape) for own in self._legs]
         for lump in lumps:
-            self._births.work += PAIR_WORK * t.size
-            history = self._motion.history(t[:, None], np.full((1, 1), lump.time - self._late))
-            parts.append(lump.weight * self._births.life.left(lump.law, history)[..., 0])
+            self._births.work += self._births.dear * t.size
+            history = self._motion.history(t, np.full((1, 1), lump.time - self._late))
+            parts.append(lump.weight * self._births.life.left(lump.law, history))
         return parts
 
     def _rungs(self, lumps: Sequence[Lump], length: float) -> Array:
@@ -112,16 +128,16 @@ class Past:
         beginning are let go.
         """
         times = np.array([0.0, _RUNG * length, length])
-        parts, count = self._parts(times, lumps), len(self._legs)
-        felt = [bool(abs(part[0, 0]) > self._negligible) for part in parts]
+        parts, count = self._parts(times[:, None], lumps), len(self._legs)
+        felt = [bool(abs(part[0, 0, 0]) > self._negligible) for part in parts]
         for lump, part in zip(lumps, parts[count:], strict=True):
-            lump.holds = bool(part[0, 0] > NOTHING)
-        number = np.array([part[0] for part in parts]).sum(axis=0)
+            lump.holds = bool(part[0, 0, 0] > NOTHING)
+        number = np.add.reduce(parts)[0, :, 0]
         kept = [part for part, feels in zip(self._legs, felt[:count], strict=True) if feels]
         self._legs, lumps = kept, [lump for lump in lumps if lump.holds]
         while number[1] < 0.5 * number[0] and times.size < _MOST_RUNGS:
             finer = times[1] * _RUNG ** np.arange(_RUNGS_AT_ONCE, 0.0, -1.0)
-            found = np.array([part[0] for part in self._parts(finer, lumps)]).sum(axis=0)
+            found = np.add.reduce(self._parts(finer[:, None], lumps))[0, :, 0]
             times, number = np.insert(times, 1, finer), np.insert(number, 1, found)
         first = int(np.flatnonzero(number >= 0.5 * number[0])[-1])
         ended = np.append(np.flatnonzero(number < self._negligible), times.size - 1)[0]
@@ -143,7 +159,7 @@ class Past:
                     born = some.begin + births.delay - motion.times[earlier]
                     some = some._replace(since=np.maximum(born, 0.0))
                 kind = StrandBirths if isinstance(births.life, AgeingPath) else LegBirths
-                self._legs.append(kind(births, earlier, some, self._accuracy))
+                self._legs.append(kind(births, earlier, some, self._of_leg, self._goes_on))
 
     @property
     def _negligible(self) -> float:
@@ -179,7 +195,7 @@ class Past:
 
     def _straight(self, lag: Array) -> Array:
         """What is left of contacts born on this leg a time before, shape (2, *lag.shape)."""
-        history = clock(1.0).history(np.maximum(lag, 0.0), np.zeros((1, 1)))
+        history = straight.clock(1.0).history(np.maximum(lag, 0.0), np.zeros((1, 1)))
         return self._kernels.straight(self._leg).left(self._births.law, history)
 
     def on_leg(self, x: Array, panels: Panels) -> Added:

@@ -7,6 +7,7 @@ is that over these few, as what holds of them is a polynomial on each piece of t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -29,8 +30,8 @@ SIZE = 8
 # are halved at most.
 FIRST, HALVINGS = 4.0, 5
 
-# Error of a piece, in units of that of a table of all sums: it is the largest of all times.
-PIECE = 3.0
+# Error of a piece, in units of that of the leg: it is the largest of all times.
+PIECE = 0.2
 # Contacts that all births of a leg may have left to be let go, in units of that error.
 NEGLIGIBLE = 1e-4
 
@@ -65,15 +66,23 @@ class StrandBirths:
 
     Attributes
     ----------
-    error : float
-        Of the sums, in contacts: what polynomials in the time of birth miss.
+    missed : float
+        Error of the number: what polynomials in the time of birth do not follow.
     """
 
-    def __init__(self, births: Births, leg: int, panels: Panels, accuracy: float) -> None:
+    def __init__(
+        self,
+        births: Births,
+        leg: int,
+        panels: Panels,
+        accuracy: float,
+        goes_on: Callable[[], bool] = lambda: True,
+    ) -> None:
         life = births.life
         assert isinstance(life, AgeingPath)
         self._life, self._births, self._leg, self._seen = life, births, leg, leg
-        self._panels, self._accuracy, self.error = panels, PIECE * accuracy, 0.0
+        self._panels, self._accuracy, self._goes_on = panels, PIECE * accuracy, goes_on
+        self.missed = 0.0
         self._slopes = panels.breaks @ rule.SLOPES.T
         first, last = float(panels.since[0]), float(panels.since[-1] + panels.width[-1])
         speed, width = abs(float(life.motion.speeds[leg])), FIRST * life.mesh.width
@@ -109,9 +118,11 @@ class StrandBirths:
             found = self._life.follow(waiting.strands, leg)
             told = found.left.reshape(*found.left.shape[:-1], -1, SIZE)
             wrong = _missed(told[:, 0]) * np.abs(waiting.weight).sum(axis=1)
-            rough = (wrong > self._accuracy) & (halving < HALVINGS)
+            rough = wrong > self._accuracy
+            if halving == HALVINGS or not self._goes_on():
+                rough[:] = False
             self._series(found, told, waiting.weight, ~rough, first=halving == 0)
-            self.error = max(self.error, float(wrong[~rough].sum()))
+            self.missed = max(self.missed, float(wrong[~rough].sum()))
             kept = waiting.pick(np.flatnonzero(~rough))
             done = kept if done is None else done.join(kept)
             if not rough.any():

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,16 +19,30 @@ MOST = 1024
 # Halvings of a panel: 2^-50 of it is rounding.
 DEPTH = 50
 
-_NODES = 0.5 * (legendre.leggauss(SIZE)[0] + 1.0)
-_TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * _NODES - 1.0, SIZE - 1)).T
-_AT_ENDS: Array = legendre.legvander(np.array([-1.0, 1.0]), SIZE - 1).T
 # What a polynomial may miss at its ends, in units of the accuracy: beside a root it misses more
 # there than in between.
 _END = 100.0
 
 
+class _Basis(NamedTuple):
+    """Nodes of a panel, as shares of it; from values there to coefficients, and these to both ends."""
+
+    nodes: Array
+    to_legendre: Array
+    at_ends: Array
+
+
+@lru_cache
+def _basis(size: int) -> _Basis:
+    """That of polynomials with so many coefficients."""
+    z = legendre.leggauss(size)[0]
+    to_legendre = np.linalg.inv(legendre.legvander(z, size - 1)).T
+    at_ends = legendre.legvander(np.array([-1.0, 1.0]), size - 1).T
+    return _Basis(0.5 * (z + 1.0), np.asarray(to_legendre, dtype=float), at_ends)
+
+
 class Table:
-    """Functions of one length x >= 0, polynomials of degree SIZE - 1 between edges; 0 beyond the last.
+    """Functions of one length x >= 0, polynomials between edges; 0 beyond the last.
 
     Parameters
     ----------
@@ -41,6 +57,10 @@ class Table:
     ends : bool
         Whether the functions are looked at at the ends of panels, too: a fall that is over before
         the first node is seen there.
+    size : int
+        Coefficients of the polynomials.
+    goes_on : callable
+        Whether there is time for panels to be halved.
 
     Attributes
     ----------
@@ -55,20 +75,26 @@ class Table:
         accuracy: float,
         shortest: float,
         ends: bool = False,
+        size: int = SIZE,
+        goes_on: Callable[[], bool] = lambda: True,
     ) -> None:
+        basis = _basis(size)
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
         kept, self.error = [], 0.0
         for _ in range(DEPTH):
-            nodes = low[:, None] + (high - low)[:, None] * _NODES
+            nodes = low[:, None] + (high - low)[:, None] * basis.nodes
             if ends:
                 nodes = np.concatenate([low[:, None], nodes, high[:, None]], axis=1)
             values = function(nodes)
-            coefficients = (values[..., 1:-1] if ends else values) @ _TO_LEGENDRE
+            coefficients = (values[..., 1:-1] if ends else values) @ basis.to_legendre
             tail = np.abs(coefficients[..., -2:]).max(axis=(0, 2))
             if ends:
-                missed = np.abs(coefficients @ _AT_ENDS - values[..., [0, -1]]).max(axis=(0, 2))
+                missed = np.abs(coefficients @ basis.at_ends - values[..., [0, -1]]).max(
+                    axis=(0, 2)
+                )
                 tail = np.maximum(tail, missed / _END)
             open_ = (tail > accuracy) & (high - low > shortest) & (low.size <= MOST + edges.size)
+            open_ &= goes_on()
             kept.append((low[~open_], high[~open_], coefficients[:, ~open_]))
             self.error = max(self.error, float(tail[~open_].max(initial=0.0)))
             low, high = low[open_], high[open_]
@@ -81,7 +107,7 @@ class Table:
         self.begin: Array = begin[order]
         self.end: Array = np.concatenate([part[1] for part in kept])[order]
         parts = np.concatenate([part[2] for part in kept], axis=1)[:, order]
-        self._parts = np.ascontiguousarray(np.moveaxis(parts, -1, 0))  # (SIZE, functions, panels)
+        self._parts = np.ascontiguousarray(np.moveaxis(parts, -1, 0))  # (size, functions, panels)
 
     @property
     def edges(self) -> Array:

@@ -15,11 +15,11 @@ import numpy.typing as npt
 from master.lives.cold import ColdLife
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births
+from master.renewal.births import MOST_WORK, Births
 from master.renewal.cut import cut, hold
 from master.renewal.edges import Moment, Together, edges
 from master.renewal.kernels import TARGETS
-from master.renewal.march import MOST_WORK, March
+from master.renewal.march import March
 from master.soft.curve import Curve, Panels
 from origins import Contacts
 from origins.start import SingleStart, Start

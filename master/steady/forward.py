@@ -51,6 +51,7 @@ class ForwardLife:
     """
 
     quick = timeless = fresh_start = True
+    pair_work = 1
 
     def __init__(self, life: Life, births: Travel, start: Travel) -> None:
         self.again, self.at_start = SingleStart(0.0), SingleStart(0.0)

@@ -32,21 +32,22 @@ class _Seen(NamedTuple):
     slope: float
 
 
+ACCURACY = 1e-13  # of sums over thresholds, in contacts: that of the panels
 # measured at steady falls: to 1e-13
 _SEEN = _Seen(3.0, 8.0, 2.5)
-# ln A: a share e^-A below 1e-29 is nothing; where A is below 1e-17, contacts hold
-_GONE, _QUIET = 4.2, -39.0
+# Share of the accuracy below which what is left, or lost, of a panel is nothing
+_NOTHING = 1e-4
 # fall of ln A over a panel: beyond, most of the panel is of no interest
 _STEEP = 100.0
 # A: beside the threshold m, 16 nodes in (x_s - m)^(1/2) see e^-A fall from 1 this far
 _FALL = 4.0
 # width over distance: of panels that do not feel a root this far away, to 1e-13
 _APART = 12.0
-# lengths in units of the threshold: what a root does to the sum over panels as narrow is rounding
-_SLIGHT = 1e-8
+# lengths in units of the threshold: what a root does to the sum over panels as narrow is nothing,
+# in units of the accuracy, and where that is rounding
+_SLIGHT, _LEAST_SLIGHT = 1e3, 1e-8
 # lengths in units of the threshold: narrower panels hold no weight that could be told from rounding
 _NARROW = 4e-16
-_NO_WEIGHT = 1e-18  # share of contacts: panels that hold less are left out
 _DEAD = 7.0  # ln A: e^-A is 0
 _AT_ONCE = 512  # panels summed together: their nodes stay in the processor's cache
 
@@ -65,11 +66,24 @@ class Above:
     rates : RateLaw
     stiffness : callable
         k_i/<k> at thresholds; None where it is 1 for all.
+    accuracy : float
+        Of the sums, in contacts; at best 1e-13.
     """
 
-    def __init__(self, law: Thresholds, rates: RateLaw, stiffness: Stiffness | None) -> None:
+    def __init__(
+        self,
+        law: Thresholds,
+        rates: RateLaw,
+        stiffness: Stiffness | None,
+        accuracy: float = ACCURACY,
+    ) -> None:
         self.law, self.rates, self.stiffness = law, rates, stiffness
         self.rooted = rates.vanishes_at_threshold
+        self._slight = max(_SLIGHT * accuracy, _LEAST_SLIGHT)
+        self._no_weight = _NOTHING * accuracy
+        # ln A: beyond, a share e^-A is nothing; where A is less, contacts hold
+        self._gone = float(np.log(-np.log(self._no_weight)))
+        self._quiet = float(np.log(self._no_weight))
         self.edges: Array = law_edges(law)
         low, high = self.edges[:-1], self.edges[1:]
         whole = Panels(np.arange(low.size), low, high, low, low)  # of levels nobody asks
@@ -115,7 +129,7 @@ class Above:
         least = np.maximum(replay.least, SMALLEST)
         ends = np.maximum(self.edges, least[:, None])
         level = replay.log_spent(np.arange(least.size), ends)
-        quiet = level < _QUIET
+        quiet = level < self._quiet
         if self.rooted:
             peak = self.fastest(least)
             quiet &= ends >= peak[:, None]
@@ -125,7 +139,7 @@ class Above:
         loud = np.maximum(loud, np.searchsorted(self.edges, least))
         kept = np.minimum(loud, self.edges.size - 1)
         inside = np.arange(self.edges.size - 1) < kept[:, None]
-        inside &= -np.diff(self.beyond[0]) * share[:, None] > _NO_WEIGHT
+        inside &= -np.diff(self.beyond[0]) * share[:, None] > self._no_weight
         row, col = np.nonzero(inside & (ends[:, 1:] > ends[:, :-1]))
         panels = Panels(
             row, ends[row, col], ends[row, col + 1], level[row, col], level[row, col + 1]
@@ -143,14 +157,16 @@ class Above:
         """The panels cut until the nodes of each see how A falls through 1 on it."""
         done: list[Panels] = []
         while panels.row.size:
-            panels = panels.pick(np.minimum(panels.first, panels.last) < _GONE)
-            at = panels.low + _share(panels) * (panels.high - panels.low)
+            panels = panels.pick(np.minimum(panels.first, panels.last) < self._gone)
+            share = _share(panels, self._gone, self._quiet)
+            at = panels.low + share * (panels.high - panels.low)
             if self.rooted:
                 beside = np.flatnonzero(self._beside(panels, replay))
                 grown = _grown(panels.first[beside], panels.last[beside])
                 # as the root of the way
                 part = np.minimum(np.square(0.5 * _FALL / np.maximum(grown, _FALL)), 0.5)
                 at[beside] = panels.low[beside] + part * (panels.high - panels.low)[beside]
+                at = np.minimum(at, panels.low + self._widest(panels, replay))
             level = replay.log_spent(panels.row, at[:, None])[:, 0]
             top = np.maximum(np.maximum(panels.first, panels.last), level)
             # of ln A, as if it fell all along as fast as on the steeper part
@@ -159,7 +175,7 @@ class Above:
             if self.rooted:
                 highest = np.maximum(level, panels.last)[beside]
                 seen[beside] |= _grown(panels.first[beside], highest) <= _FALL
-                seen &= self._apart(panels, replay)
+                seen &= panels.high - panels.low <= 1.001 * self._widest(panels, replay)
             seen |= panels.high - panels.low <= _NARROW * panels.high
             done.append(panels.pick(seen))
             cut = ~seen
@@ -170,11 +186,10 @@ class Above:
         """Panels that begin at the largest |x|, and on which A grows with x_s."""
         return (panels.low <= replay.least[panels.row]) & (panels.last >= panels.first)
 
-    def _apart(self, panels: Panels, replay: Replay) -> npt.NDArray[np.bool_]:
-        """Panels far enough from the next largest |x|, where A is a root of the distance, too."""
+    def _widest(self, panels: Panels, replay: Replay) -> Array:
+        """Width of panels that lie far enough from the next largest |x|, where A is a root, too."""
         distance = panels.low - replay.shoulder[panels.row]
-        width = panels.high - panels.low
-        return (width <= _APART * distance) | (width <= _SLIGHT * panels.high)
+        return np.maximum(_APART * distance, self._slight * panels.high)
 
     def _values(self, panels: Panels, replay: Replay) -> Array:
         """Both sums on each panel; shape (2, n)."""
@@ -189,16 +204,16 @@ def _grown(first: Array, last: Array) -> Array:
     return np.exp(np.minimum(last, 300.0)) - np.exp(np.minimum(first, 300.0))
 
 
-def _share(panels: Panels) -> Array:
+def _share(panels: Panels, gone: float, quiet: float) -> Array:
     """Where to cut panels, as a share of each: in the middle, or where steep ones get of interest.
 
-    ln A is about straight on a steep panel; only between _GONE and _QUIET it has to be followed.
+    ln A is about straight on a steep panel; only between `quiet` and `gone` it has to be followed.
     """
     share = np.full(panels.row.size, 0.5)
     fall = panels.first - panels.last
     steep = np.flatnonzero(fall > _STEEP)
     first, last = panels.first[steep], panels.last[steep]
-    goal = np.where(first > 2.0 * _GONE, 1.5 * _GONE, 1.5 * _QUIET)
+    goal = np.where(first > 2.0 * gone, 1.5 * gone, 1.5 * quiet)
     cut = np.clip((first - goal) / fall[steep], 0.01, 0.99)
     share[steep] = np.where((last < goal) & (goal < first), cut, 0.5)
     return share

@@ -12,7 +12,7 @@ from master.lives.cold import TIE
 from master.lives.heat.above import Above
 from master.lives.heat.mean_rate_sum import mean_rate
 from master.lives.heat.replayed import ReplayedLife, rates_of
-from master.lives.heat.stretches import Moves
+from master.lives.heat.stretches import RESOLVED, Moves
 from master.motion.motion import Legs
 from origins import Contacts
 
@@ -59,12 +59,14 @@ class MeanRateLife(ReplayedLife):
     ----------
     contacts : Contacts
         With thermal; independent stiffness.
+    resolved : float
+        See ReplayedLife.
     """
 
-    def __init__(self, contacts: Contacts) -> None:
+    def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
         rates = rates_of(contacts)
         self._above = Above(contacts.thresholds, rates, None)
-        super().__init__(contacts.thresholds, self._above.edges)
+        super().__init__(contacts.thresholds, self._above.edges, resolved)
         edges = np.unique(np.concatenate([[0.0, self.reach], self.bends, self._above.edges]))
         edges = edges[edges <= self.reach]
         barrier = float(np.log(rates.scale) - rates.log_rate(0.0, self.reach, 1.0))

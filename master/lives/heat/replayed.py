@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.cold import NONE_LEFT
-from master.lives.heat.stretches import Moves, averaged, missed
+from master.lives.heat.stretches import RESOLVED, Left, Moves, Rules, averaged, missed
 from master.motion.motion import History, Legs
 from origins import Contacts
 from origins.rate_law import RateLaw
@@ -37,14 +37,17 @@ class ReplayedLife:
     law : Thresholds
     edges : array of shape (n,)
         Of panels on which the law is smooth; none where there are atoms alone.
+    resolved : float
+        To which averages over the stretches at birth are resolved.
     """
 
     quiet = 0.0
     quick = timeless = False
-    fresh_start = True
+    fresh_start, pair_work = True, 6
 
-    def __init__(self, law: Thresholds, edges: Array) -> None:
-        self._law = law
+    def __init__(self, law: Thresholds, edges: Array, resolved: float = RESOLVED) -> None:
+        self._law, self.resolved = law, resolved
+        self._rules: tuple[Start, Rules] | None = None
         self.atoms: Array = law.atoms[0]
         self._weights = law.atoms[1]
         self.reach = min(float(law.support()[1]), float(law.isf(NONE_LEFT)))
@@ -86,7 +89,7 @@ class ReplayedLife:
             found = self._of(pairs, stretch.ravel(), side, moves, legs)
             return found.reshape(2, *stretch.shape)
 
-        out = averaged(born, moves, self.reach, self.bends, inside)
+        out = self._averaged(born, moves, inside)
         some = every[every.size // 2 % ONE_OF :: ONE_OF * _DEARER]
         few = Moves(*(part[some] for part in moves))
 
@@ -96,6 +99,24 @@ class ReplayedLife:
         change = missed(born, few, self.reach, self.bends, again, out[:, some])
         self.error = max(self.error, MARGIN * change)
         return out.reshape(2, *shape)
+
+    def _averaged(self, born: Start, moves: Moves, inside: Left) -> Array:
+        """Averages over the stretches: by Gauss rules of the law where two agree, else by pieces."""
+        given = self.reach, self.bends
+        if self.atoms.size or max(np.abs(born.span)) >= self.reach:
+            return averaged(born, moves, *given, inside, self.resolved)
+        if self._rules is None or self._rules[0] is not born:
+            self._rules = born, Rules.of(born)
+        tried = self._rules[1].averaged(moves, self.reach, inside, self.resolved)
+        some = np.flatnonzero(~tried.agreed)
+        if some.size:
+
+            def of_some(pair: Rows, stretch: Array) -> Array:
+                return inside(some[pair], stretch)
+
+            few = Moves(*(part[some] for part in moves))
+            tried.found[:, some] = averaged(born, few, *given, of_some, self.resolved)
+        return tried.found
 
     def _of(self, pair: Rows, born: Array, side: Array, moves: Moves, legs: Legs) -> Array:
         """Share and force of contacts of these pairs, born at these stretches; shape (2, n).

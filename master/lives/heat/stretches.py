@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.stretch_rule import StretchRule, stretch_rule
 from master.motion.motion import History
 from origins.start import Start
 
@@ -21,7 +22,12 @@ _LAST = np.linalg.inv(np.polynomial.legendre.legvander(_NODES, _SIZE - 1))[-2:].
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 # A sum over Gauss nodes is wrong by about the square of the last coefficient where all is smooth;
 # beside an onset of P_c, where it is not, by some 1e-3 of it
-_RESOLVED = 1e-9
+RESOLVED = 1e-9
+# Nodes of the two Gauss rules of a law that are tried before it is cut into pieces
+_MANY, _FEWER = 14, 9
+# Difference of the two, in units of what pieces are resolved to: a table of the average, which is far
+# more accurate, would follow larger ones.
+_AGREED = 1e-3
 _HALVINGS = 40
 _PIECES = 4  # of a law's span to begin with: a Gaussian to 8 widths is resolved by twice as many
 _NARROW = 1e-13  # share of the span: narrower pieces hold no weight
@@ -54,12 +60,48 @@ class Moves(NamedTuple):
 Left = Callable[[Rows, Array], Array]
 
 
-def averaged(law: Start, moves: Moves, reach: float, bends: Array, left: Left) -> Array:
+def averaged(
+    law: Start, moves: Moves, reach: float, bends: Array, left: Left, resolved: float = RESOLVED
+) -> Array:
     """Share and force averaged over the law's stretches below `reach`; shape (2, pairs).
 
     left : asked for stretches of which each row lies within one smooth piece
+    resolved : last coefficients at which pieces are no longer halved
     """
-    return _summed(_pieces(law, moves, reach, bends), law, reach, moves.now.size, left)
+    pieces = _pieces(law, moves, reach, bends)
+    return _summed(pieces, law, reach, moves.now.size, left, resolved)
+
+
+class _Tried(NamedTuple):
+    """found : array of shape (2, n), an average; agreed : of shape (n,), whether it is good."""
+
+    found: Array
+    agreed: npt.NDArray[np.bool_]
+
+
+class Rules(NamedTuple):
+    """Two Gauss rules of a law of stretches, the one of fewer nodes last.
+
+    They take a tenth of the nodes that pieces take, and agree where what is left of contacts is
+    smooth over all stretches at birth.
+    """
+
+    many: StretchRule
+    fewer: StretchRule
+
+    @classmethod
+    def of(cls, law: Start) -> Rules:
+        """The rules of a law with a density."""
+        return cls(*(stretch_rule(law, np.inf, count) for count in (_MANY, _FEWER)))
+
+    def averaged(self, moves: Moves, reach: float, left: Left, resolved: float) -> _Tried:
+        """The average over stretches by the larger rule, and where the fewer nodes agree."""
+        pair, split = np.arange(moves.now.size), self.many.stretch.size
+        nodes = np.concatenate([self.many.stretch, self.fewer.stretch])
+        values = left(pair, np.tile(nodes, (pair.size, 1)))
+        found = values[..., :split] @ self.many.weight
+        change = np.abs(found - values[..., split:] @ self.fewer.weight)
+        return _Tried(found, np.maximum(change[0], change[1] / reach) <= _AGREED * resolved)
 
 
 def missed(law: Start, moves: Moves, reach: float, bends: Array, left: Left, found: Array) -> float:
@@ -67,7 +109,7 @@ def missed(law: Start, moves: Moves, reach: float, bends: Array, left: Left, fou
     pair, low, high = _pieces(law, moves, reach, bends)
     middle = 0.5 * (low + high)
     halves = _Pieces(np.tile(pair, 2), np.append(low, middle), np.append(middle, high))
-    again = _summed(halves, law, reach, moves.now.size, left)
+    again = _summed(halves, law, reach, moves.now.size, left, RESOLVED)
     return float(np.abs(again - found)[0].max(initial=0.0))
 
 
@@ -99,7 +141,9 @@ def _pieces(law: Start, moves: Moves, reach: float, bends: Array) -> _Pieces:
     return _Pieces(pair[alive], begin[alive], end[alive])
 
 
-def _summed(pieces: _Pieces, law: Start, reach: float, pairs: int, left: Left) -> Array:
+def _summed(
+    pieces: _Pieces, law: Start, reach: float, pairs: int, left: Left, resolved: float
+) -> Array:
     """The sum over the pieces, which are halved until a polynomial follows on each."""
     pair, low, high = pieces
     kept = law.cdf(reach) - law.cdf(-reach)
@@ -108,7 +152,7 @@ def _summed(pieces: _Pieces, law: Start, reach: float, pairs: int, left: Left) -
         length = (high - low)[:, None]
         born = low[:, None] + length * _NODES
         values = left(pair, born) * (law.pdf(born) * length / kept)
-        rough = np.abs(values[0] @ _LAST).max(axis=1, initial=0.0) > _RESOLVED
+        rough = np.abs(values[0] @ _LAST).max(axis=1, initial=0.0) > resolved
         if halving == _HALVINGS - 1:
             rough[:] = False
         for kind in (0, 1):

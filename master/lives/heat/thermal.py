@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.cold import TIE
-from master.lives.heat.above import Above
+from master.lives.heat.above import ACCURACY, Above
 from master.lives.heat.replay import Replay
 from master.lives.heat.replayed import MARGIN, ONE_OF, ReplayedLife, rates_of
-from master.lives.heat.stretches import Moves
+from master.lives.heat.stretches import RESOLVED, Moves
 from master.motion.motion import Legs
 from origins import Contacts
 
@@ -33,14 +33,20 @@ class ThermalLife(ReplayedLife):
     ----------
     contacts : Contacts
         With thermal, closure "exact"; independent or linked stiffness.
+    accuracy : float
+        Of the share of contacts that holds; what it comes to is `error`.
+    resolved : float
+        See ReplayedLife.
     """
 
-    def __init__(self, contacts: Contacts) -> None:
+    def __init__(
+        self, contacts: Contacts, accuracy: float = ACCURACY, resolved: float = RESOLVED
+    ) -> None:
         law, self._rates = contacts.thresholds, rates_of(contacts)
         linked = contacts.stiffness == "linked"
         self._stiffness = contacts.relative_stiffness if linked else None
-        self._above = Above(law, self._rates, self._stiffness)
-        super().__init__(law, self._above.edges)
+        self._above = Above(law, self._rates, self._stiffness, accuracy)
+        super().__init__(law, self._above.edges, resolved)
 
     def _of(self, pair: Rows, born: Array, side: Array, moves: Moves, legs: Legs) -> Array:
         """See ReplayedLife."""
