@@ -12,7 +12,7 @@ Times are counted from the beginning of the present leg, so that they keep their
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -69,7 +69,7 @@ class Past:
         self._accuracy, self._of_leg = ACCURACY * tolerance, ACCURACY_OF_LEG * tolerance
         self._legs: list[LegBirths | StrandBirths] = []
         self._leg, self._begin, self._end = -1, 0.0, 0.0
-        self._table: Table | None = None
+        self._table: Callable[[Array], Array] | None = None
         self.error = 0.0
 
     def enter(self, leg: int, edges: Array, lumps: Sequence[Lump], panels: Panels) -> None:
@@ -96,10 +96,14 @@ class Past:
             within = edges[(edges > 0.0) & (edges < rungs[-1])]
             shortest = SHORTEST * edges[-1]
             all_edges = np.unique(np.concatenate([rungs, within]))
-            given = found, all_edges, self._accuracy, shortest
-            self._table = Table(*given, ends=True, size=SIZE, goes_on=self._goes_on)
-            missed = sum(own.missed for own in self._legs)
-            self.error = max(self.error, self._table.error + missed)
+            wrong = sum(own.missed for own in self._legs)
+            if isinstance(self._births.life, AgeingPath):
+                self._table = found  # by splines already
+            else:
+                given = found, all_edges, self._accuracy, shortest
+                table = Table(*given, ends=True, size=SIZE, goes_on=self._goes_on)
+                self._table, wrong = table, wrong + table.error
+            self.error = max(self.error, wrong)
 
     def _goes_on(self) -> bool:
         """Whether there is work and time left."""
