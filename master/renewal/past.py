@@ -30,6 +30,7 @@ from master.renewal.table import Table
 Array = npt.NDArray[np.float64]
 
 # Errors of the table and of the births of one leg, in units of the tolerance.
+FINER = 0.2  # where a survival costs no more than a look-up in a table
 ACCURACY, ACCURACY_OF_LEG = 0.1, 0.05
 # Coefficients of the table's polynomials: each of its values is a sum over all past births, so that
 # few wide panels are best.
@@ -67,6 +68,8 @@ class Past:
     ) -> None:
         self._births, self._kernels, self._until = births, kernels, until
         self._accuracy, self._of_leg = ACCURACY * tolerance, ACCURACY_OF_LEG * tolerance
+        if births.life.pair_work == 1:
+            self._accuracy *= FINER
         self._legs: list[LegBirths | StrandBirths] = []
         self._leg, self._begin, self._end = -1, 0.0, 0.0
         self._table: Callable[[Array], Array] | None = None
