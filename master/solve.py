@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from master._old.timed import TimedSolution
     from master.paper.q15_transient import AgeingTransient
 
-# Points at which P_c jumps or bends: of more, the sums are too many for panels to end at each, and
-# the older road for forward motion is faster (islands, histograms).
-MOST_BENDS = 10
 
 def solve(
     contacts: Contacts,
@@ -97,12 +94,11 @@ def solve(
     in_time = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         return solve_paper(contacts, drive, tolerance, progress)
-    life = None
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         life = life_of(contacts, tolerance, motion)
-    if life is not None and (in_time or life.bends.size <= MOST_BENDS):
-        return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
+        if life is not None:
+            return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
     if drive.spring is not None and not in_time and contacts.delay is None:
         return solve_soft(contacts, drive, tolerance, progress, wall_time)
     from master._old.solve import solve as solve_old

@@ -35,8 +35,11 @@ def life_of(
     if contacts.grains is not None:
         if motion is None:
             return None
-        longest, warm = float(motion.times[-1]), contacts.thermal is not None
-        return WarmGrainLife(contacts, longest) if warm else GrainLife(contacts, longest)
+        longest = float(motion.times[-1])
+        if contacts.thermal is None:
+            return GrainLife(contacts, longest)
+        # whose quantiles are summed for each birth and moment: too long on several legs
+        return WarmGrainLife(contacts, longest) if motion.one_leg else None
     if contacts.ageing is not None:
         if motion is None:
             return None

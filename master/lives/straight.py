@@ -72,6 +72,7 @@ class StraightLife:
                 longest, ladder = float(ladder[dead[0]]), ladder[: dead[0]]
         self.longest, moving = longest, bends_of(life, born, speed)
         self.bends: Array = moving[moving < longest]
+        self.bend_sizes: Array = np.ones(self.bends.size)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
         self.table = Table(found, edges, accuracy, SHORTEST * longest, ends=not life.quick)
         self.error = life.error + self.table.error

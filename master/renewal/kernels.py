@@ -80,6 +80,11 @@ class Kernels:
             self._straight[speed] = life
         return self._straight[speed]
 
+    def widths(self, leg: int) -> Array:
+        """Widths of panels for which there is a kernel on a leg."""
+        speed = float(self._motion.speeds[leg])
+        return np.array([width for known, width in self._known if known == speed])
+
     def on(self, leg: int, width: float, panels: int) -> Kernel:
         """Kernel of panels so many apart, or until none of the births holds."""
         speed, delay = float(self._motion.speeds[leg]), self._births.delay

@@ -62,6 +62,7 @@ class ForwardLife:
         self.atoms: Array = np.unique(np.concatenate([travel.atoms for travel in both]))
         bends = np.concatenate([travel.bends for travel in both])
         self.bends: Array = np.unique(bends[bends <= self.reach])
+        self.bend_sizes: Array = np.ones(self.bends.size)
         lost = -np.diff(births.table(births.table.edges)[0])
         weight = np.maximum(lost, 0.0)
         self.grain = float(births.table.widths @ weight / weight.sum())

@@ -85,6 +85,7 @@ class ForwardAgeing(UnbentLife):
         ends = np.array(ageing.final.support() if ageing.normal is None else [])
         # where thresholds are reflected contacts begin to break all at once
         self.bends: Array = ends[np.isfinite(ends) & (ends > 0.0)]
+        self.bend_sizes: Array = np.ones(self.bends.size)
         self.reach = 0.0
         self.table(0.0)
         self.grain = GRAIN * min(narrowest(law) for law in (contacts.thresholds, ageing.final))
