@@ -21,7 +21,9 @@ _ACCURACY = 1e-3
 # an onset of P_c some 1e-3 of it, and is looked at as they go.
 _RESOLVED, MOST_RESOLVED = 1e-2, 1e-6
 # Error of the share that holds of contacts that age, in units of the tolerance, and its least.
-_AGED, _FINEST = 0.1, 1e-10
+_AGED, _FINEST = 0.2, 1e-10
+# The same in steady motion, where strands are followed: finer ones take long.
+_STEPPED = 1e-7
 
 
 def life_of(
@@ -55,6 +57,34 @@ def life_of(
     if contacts.thermal.closure == "paper":
         return MeanRateLife(contacts, resolved)
     return ThermalLife(contacts, max(_ACCURACY * tolerance, ACCURACY), resolved)
+
+
+def steady_life(contacts: Contacts, velocity: float) -> Life:
+    """The life of contacts on a slider that moves forward at one speed v > 0, for any time.
+
+    Raises InputError where contacts have no law each by itself, and where none holds that pins.
+    """
+    if contacts.grains is not None:
+        contacts.grains.breaking(velocity)
+        longest = _outlived(contacts, velocity)
+        return (GrainLife if contacts.thermal is None else WarmGrainLife)(contacts, longest)
+    if contacts.ageing is not None:
+        check_ageing(contacts)
+        closed = contacts.ageing.normal is not None and contacts.thermal is None
+        return ForwardAgeing(contacts, velocity, _FINEST if closed else _STEPPED)
+    life = life_of(contacts)
+    assert life is not None
+    return life
+
+
+def _outlived(contacts: Contacts, velocity: float) -> float:
+    """A time after which even the strongest contacts of the start, whose grains grow, are broken."""
+    grains = contacts.grains
+    assert grains is not None and grains.age is not None
+    longest, behind = grains.growth.first_pinning_time, max(-contacts.start.span[0], 0.0)
+    while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - behind:
+        longest *= 1.5
+    return longest
 
 
 def check_ageing(contacts: Contacts) -> None:

@@ -116,6 +116,7 @@ class Forward:
         self.again, self.start, self.life = births.born, contacts.start, life
         if not life.quick:
             alike = births.born.is_single and contacts.start.span == births.born.span
+            alike = alike and life.fresh_start
             start = births if alike else Travel(life, contacts.start, velocity, births.accuracy)
             self.life = forward = ForwardLife(life, births, start)
             self.again, self.start = forward.again, forward.at_start

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.life import Life
-from master.lives.make import life_of
+from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.outcome import WELL, judged
 from master.steady.travel import NONE, Travel
@@ -20,7 +20,6 @@ from origins.quadrature import gauss
 from origins.start import SingleStart, Start
 
 if TYPE_CHECKING:
-    from master._old.steady import SteadyState as OldSteadyState
     from master.paper.q15_steady import AgeingSteadyState
 
 Array = npt.NDArray[np.float64]
@@ -130,7 +129,7 @@ class SteadyState:
 
 def steady_state(
     contacts: Contacts, *, velocity: float = 1.0
-) -> SteadyState | OldSteadyState | AgeingSteadyState:
+) -> SteadyState | AgeingSteadyState:
     """Kinetic force and distribution of stretches in steady sliding (paper Eqs. Q11a-Q11d).
 
     Parameters
@@ -151,12 +150,7 @@ def steady_state(
         check_alone(contacts)
         return paper_steady_state(contacts.thresholds, contacts.ageing, velocity)
     check_finite(contacts)
-    life = life_of(contacts)
-    if life is None:
-        # ageing, growing grains and the paper's closure of temperature, until they are lives
-        from master._old.steady import steady_state as old_steady_state
-
-        return old_steady_state(contacts, velocity=velocity)
+    life = steady_life(contacts, velocity)
     cycle = cycle_of(contacts, Travel(life, births_of(contacts), velocity))
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     force, off = cycle.force(wait)
@@ -201,7 +195,7 @@ def cycle_of(contacts: Contacts, travel: Travel) -> Cycle:
     """What happens from a birth to the break, where thresholds are for life."""
     far_length, far_area = _beyond(contacts, travel)
     length, area = travel.length, travel.area
-    if contacts.thermal is None and contacts.reforming is None:
+    if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
         # closed moments, against which what is left is held
         law, power = contacts.thresholds, _power(contacts)
         length = law.mean()
@@ -222,6 +216,8 @@ def _beyond(contacts: Contacts, travel: Travel) -> tuple[float, float]:
 
     None holds beyond its threshold, and the tail falls as its power at the end of the table says.
     """
+    if contacts.ageing is not None or contacts.grains is not None:
+        return 0.0, 0.0  # what holds at the end of the tables is in their errors
     law, power, far = contacts.thresholds, _power(contacts), travel.far
     if contacts.thermal is not None:  # rarer ones are left out of E itself
         far = max(far, float(law.isf(RAREST)))

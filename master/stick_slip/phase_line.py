@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.make import life_of
+from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.forward import births_table
 from master.steady.points import Points, changed
@@ -110,12 +110,6 @@ def phase_line(
 
 def _critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
     """K* and its error at one point."""
-    life = life_of(contacts)
-    if life is None:
-        # ageing and growing grains, until they are lives
-        from master._old.cycle import Cycle
-        from master._old.propensity import extremes as old_extremes
-
-        return old_extremes(contacts, Cycle(contacts, velocity), tolerance)[:2]
+    life = steady_life(contacts, velocity)
     travel = births_table(contacts, life, velocity, tolerance)
     return extremes(contacts, life, travel, velocity, tolerance)[:2]

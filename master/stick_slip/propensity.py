@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from master.lives.make import life_of
+from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.forward import births_table
 from master.steady.steady import check_finite, cycle_of
@@ -75,13 +75,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     check_contacts(contacts, "master.propensity", LAWS)
     check_finite(contacts)
     velocity = positive("velocity", velocity)
-    life = life_of(contacts)
-    if life is None:
-        # ageing and growing grains, until they are lives
-        from master._old.propensity import propensity as old_propensity
-
-        old = old_propensity(contacts, tolerance, velocity=velocity)
-        return Propensity(**vars(old))
+    life = steady_life(contacts, velocity)
     travel = births_table(contacts, life, velocity, tolerance)
     kinetic, off = cycle_of(contacts, travel).force(velocity * contacts.waiting_time)
     if not kinetic > 0.0:

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import chebyshev
 from scipy.interpolate import BSpline, make_interp_spline
 
 from master.lives.age.ageing import AgeingLife
@@ -31,6 +32,10 @@ LOOKS = 100
 DEGREE = 5
 # Length over which survivals are resolved, of the narrowest width of the laws.
 GRAIN = 0.25
+# Stretches from which those in between are interpolated, on (-1, 1), and from survivals there to
+# Chebyshev coefficients.
+_CHEBYSHEV: Array = np.cos(np.pi * (np.arange(16) + 0.5) / 16)
+_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_CHEBYSHEV, 15))
 # Mean lives, as long as the reach over the speed, after which next to none holds.
 LONGEST = 3.0
 
@@ -97,8 +102,10 @@ class ForwardAgeing(UnbentLife):
 
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
-        assert isinstance(born, Start)
         lag = np.maximum(history.t - history.s, 0.0)
+        if not isinstance(born, Start):
+            share = self._held(np.broadcast_to(born, lag.shape), lag)
+            return np.stack([share, share * (born + self._velocity * lag)])
         share, force = np.zeros(lag.shape), np.zeros(lag.shape)
         rule = self._rules.of(born)
         for stretch, weight in zip(rule.stretch, rule.weight, strict=True):
@@ -106,6 +113,26 @@ class ForwardAgeing(UnbentLife):
             share += held
             force += held * (stretch + self._velocity * lag)
         return np.stack([share, force])
+
+    def _held(self, stretch: Array, lag: Array) -> Array:
+        """Share that holds of contacts born at many stretches, arrays of one shape.
+
+        A polynomial of the stretch on either side of 0.
+        """
+        out = np.zeros(lag.shape)
+        for side in (stretch < 0.0, stretch >= 0.0):
+            if not side.any():
+                continue
+            low, high = float(stretch[side].min()), float(stretch[side].max())
+            if low == high:
+                out[side] = self.table(low).survival(lag[side])
+                continue
+            nodes = 0.5 * (low + high) + 0.5 * (high - low) * _CHEBYSHEV
+            known = [self.table(float(node)).survival(lag[side]) for node in nodes]
+            z = (2.0 * stretch[side] - low - high) / (high - low)
+            series = np.tensordot(_TO_SERIES, np.array(known), axes=1)
+            out[side] = np.clip(chebyshev.chebval(z, series, tensor=False), 0.0, 1.0)
+        return out
 
     def _shares(self, rule: StretchRule) -> Array:
         """What holds after many times of contacts born at the stretches of a rule."""
