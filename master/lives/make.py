@@ -11,7 +11,6 @@ from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.stretches import RESOLVED
 from master.lives.heat.thermal import ThermalLife
 from master.lives.life import Life
-from master.lives.warm_grains import WarmGrainLife
 from master.motion.motion import Motion
 from origins import Contacts, InputError
 
@@ -37,11 +36,9 @@ def life_of(
     if contacts.grains is not None:
         if motion is None:
             return None
-        longest = float(motion.times[-1])
         if contacts.thermal is None:
-            return GrainLife(contacts, longest)
-        # whose quantiles are summed for each birth and moment: too long on several legs
-        return WarmGrainLife(contacts, longest) if motion.one_leg else None
+            return GrainLife(contacts, float(motion.times[-1]))
+        return None  # warm ones, master.lives.warm_grains, take ten times as long there still
     if contacts.ageing is not None:
         if motion is None:
             return None
@@ -59,22 +56,22 @@ def life_of(
     return ThermalLife(contacts, max(_ACCURACY * tolerance, ACCURACY), resolved)
 
 
-def steady_life(contacts: Contacts, velocity: float) -> Life:
+def steady_life(contacts: Contacts, velocity: float) -> Life | None:
     """The life of contacts on a slider that moves forward at one speed v > 0, for any time.
+
+    None where only the old solvers know it.
 
     Raises InputError where contacts have no law each by itself, and where none holds that pins.
     """
     if contacts.grains is not None:
         contacts.grains.breaking(velocity)
-        longest = _outlived(contacts, velocity)
-        return (GrainLife if contacts.thermal is None else WarmGrainLife)(contacts, longest)
+        cold = contacts.thermal is None
+        return GrainLife(contacts, _outlived(contacts, velocity)) if cold else None
     if contacts.ageing is not None:
         check_ageing(contacts)
         closed = contacts.ageing.normal is not None and contacts.thermal is None
         return ForwardAgeing(contacts, velocity, _FINEST if closed else _STEPPED)
-    life = life_of(contacts)
-    assert life is not None
-    return life
+    return life_of(contacts)
 
 
 def _outlived(contacts: Contacts, velocity: float) -> float:

@@ -84,7 +84,7 @@ class ForwardLife:
         way = history.now
         middle = way[:, way.shape[1] // 2, None]
         # at the end of a row a jump is not passed, or has been, as the middle of the row tells
-        found = travel.table(middle + (way - middle) * (1.0 - 1e-14))
+        found = travel.table(np.maximum(middle + (way - middle) * (1.0 - 1e-14), 0.0))
         found[1] *= travel.scale
         return found
 
