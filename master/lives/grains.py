@@ -31,7 +31,7 @@ BISECTIONS = 50
 # Length over which survivals are resolved, in standard deviations of the thresholds at first.
 GRAIN = 0.25
 # Share of contacts by which the sums over the starting stretches may be off.
-ERROR = 1e-13
+ERROR = 5e-14
 
 
 class GrainLife(UnbentLife):
@@ -66,13 +66,17 @@ class GrainLife(UnbentLife):
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
         legs = history.legs()
+        if not isinstance(born, Start) and np.any(born):  # births are at 0
+            stretch = np.asarray(born)[..., None] + legs.displacement
+            hold = _held(self.hazards(stretch, self.start_since, legs))
+            return np.stack([hold, hold * stretch[..., -1]])
         if not isinstance(born, Start) or born is not self.start:
             hold = np.exp(-np.maximum(self.worst_of_births(legs), self.lost(legs)))
             return np.stack([hold, hold * legs.displacement[..., -1]])
         if born.is_single:
             stretch = born.mean() + legs.displacement
             hazards = self.hazards(stretch, self.start_since, legs)
-            hold = np.exp(hazards[..., 0] - hazards.max(axis=-1))
+            hold = _held(hazards)
             return np.stack([hold, hold * stretch[..., -1]])
         return self._left_of_spread_start(born, legs)
 
@@ -117,7 +121,7 @@ class GrainLife(UnbentLife):
         nodes, weights = gauss(low, high)
         weights = weights * finite_density(born, nodes)
         hazards = self._hazards_from(nodes, row[:, None], moves)
-        hold = weights * np.exp(hazards[..., 0] - hazards.max(axis=-1))
+        hold = weights * _held(hazards)
         stretch = nodes + moves.displacement[row, -1:]
         parts = np.stack([hold, hold * stretch, weights]).sum(axis=-1)
         share, force, weight = (
@@ -153,6 +157,15 @@ class GrainLife(UnbentLife):
         stretch = start[..., None] + moves.displacement[row]
         own = Legs(stretch, moves.duration[row], moves.speed)
         return self.hazards(stretch, self.start_since, own)
+
+
+def _held(hazards: Array) -> Array:
+    """Share that holds of contacts with these hazards at all moments, (..., moments); those whose
+    thresholds were met at first do not."""
+    first = hazards[..., 0]
+    with np.errstate(invalid="ignore"):
+        lost = hazards.max(axis=-1) - first
+    return np.exp(-np.where(np.isfinite(first), lost, np.inf))
 
 
 def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:

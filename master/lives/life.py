@@ -59,7 +59,11 @@ class Life(Protocol):
     pair_work: int
     fresh_start: bool
     timeless: bool
-    error: float
+
+    @property
+    def error(self) -> float:
+        """See above."""
+        ...
 
     def marks(self, width: float) -> Array:
         """The bends, and |x| between which the survival is smooth enough for panels of a width."""

@@ -65,7 +65,8 @@ def steady_life(contacts: Contacts, velocity: float) -> Life | None:
     """
     if contacts.grains is not None:
         contacts.grains.breaking(velocity)
-        cold = contacts.thermal is None
+        # so fast that next to none holds, what does is lost beside those that do not
+        cold = contacts.thermal is None and contacts.grains.holds_at(velocity)
         return GrainLife(contacts, _outlived(contacts, velocity)) if cold else None
     if contacts.ageing is not None:
         check_ageing(contacts)

@@ -22,7 +22,9 @@ Array = npt.NDArray[np.float64]
 
 RELAXED = SingleStart(0.0)
 # Of what a finer resolution changes, what it leaves at most: errors fall by more with each.
-FELL = 0.25
+FELL = 0.5
+# The largest difference of all moments, in units of that of those looked at.
+MARGIN = 2.0
 # Part of the error that a finer resolution has to take away for a still finer one to be tried.
 HARDLY = 0.7
 # What rounding leaves, of the share that holds.
@@ -66,14 +68,14 @@ class AgeingLife:
         self.mesh = Mesh(contacts, 1, self.fastest)
         before = self._trial()
         # of two resolutions, before what they tell is extrapolated
-        self._missed = self._differed
+        self._missed = MARGIN * self._differed
         while self._missed > accuracy and self.mesh.resolution < FINEST:
             if not self.mesh.cells[1].can_be_finer:
                 break
             self.mesh = Mesh(contacts, self.mesh.resolution + 1, self.fastest)
             now = self._trial()
             last, missed = self._missed, FELL * float(np.abs(now - before).max())
-            self._missed, before = min(missed, self._differed), now
+            self._missed, before = min(missed, MARGIN * self._differed), now
             if self._missed > HARDLY * last:
                 break
 

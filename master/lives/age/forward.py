@@ -34,8 +34,8 @@ DEGREE = 5
 GRAIN = 0.25
 # Stretches from which those in between are interpolated, on (-1, 1), and from survivals there to
 # Chebyshev coefficients.
-_CHEBYSHEV: Array = np.cos(np.pi * (np.arange(16) + 0.5) / 16)
-_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_CHEBYSHEV, 15))
+_CHEBYSHEV: Array = np.cos(np.pi * (np.arange(22) + 0.5) / 22)
+_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_CHEBYSHEV, 21))
 # Mean lives, as long as the reach over the speed, after which next to none holds.
 LONGEST = 3.0
 
@@ -197,7 +197,7 @@ class StrandSurvival:
                     break
             self._begins.append(begin)
             self._splines.append(make_interp_spline(np.sqrt(times), shares, k=DEGREE))
-            self.reach_lag = begin + times[-1]
+            self.reach_lag = float(begin + times[-1])
             strands.since = 0.0
             if share < SPENT:
                 break
