@@ -33,6 +33,10 @@ BEYOND = 1e-9
 FINEST = 1e-14
 # Error of an integral over births, in units of the tolerance: a panel is the sum of some hundred.
 ACCURACY = 3e-3
+# Lives on a path on which the speed changes: births of each leg are followed on the next.
+MOST_LIVES = 1e7
+# Life over delay: positions at which contacts form again know no shorter ones.
+SHORTEST_LIFE = 1e-12
 # Share of the tolerance that is left to panels where what is left of contacts is not exact.
 OF_PANELS = 0.8
 # First guess of a panel's width, in units of the length over which the survival is resolved, at a
@@ -55,6 +59,7 @@ def solve_rigid(
     until = np.inf if wall_time is None else clock.monotonic() + wall_time
     timeless = life.timeless and not contacts.waiting_time
     motion, moments = motion_of(drive, mean, timeless)
+    check_lives(contacts, motion, life)
     march = march_of(contacts, motion, life, tolerance, until).run()
     reached = march.begin[-1] + march.width[-1] if march.begin else 0.0
     kept = np.full(moments.size, True)
@@ -127,6 +132,39 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     knots = np.concatenate([[0.0], times, [times[-1] + longer]])
     positions = np.concatenate([[0.0], drive.path, [drive.path[-1] + longer * speed]])
     return Motion(knots, positions), times
+
+
+def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
+    """Refuse contacts that heat ends too soon for positions, or for turns, to be told.
+
+    Raises InputError.
+    """
+    if life.timeless or contacts.thermal is None:
+        return
+    again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
+    mean, scale = contacts.mean_threshold, contacts.thermal.rates.scale
+    fastest = float(np.abs(motion.speeds).max())
+    if not scale * mean < FURTHEST * fastest and fastest > 0.0:
+        share = f"{fastest / scale / mean:.1g} of a mean threshold"
+        refuse(
+            "velocity",
+            float(f"{fastest:.12g}"),
+            f"contacts break by themselves within {share}; slide faster",
+        )
+    times = np.geomspace(1e-3, 1e50, 54)[:, None] / scale
+    at_rest = Motion(np.array([0.0, times[-1, 0]]), np.zeros(2))
+    held = life.left(again, at_rest.history(times, np.zeros((1, 1))))[0, :, 0]
+    lasts = float(times[min(int((held > 0.5).sum()), times.size - 1), 0])
+    moving = float(np.diff(motion.times)[motion.speeds != 0.0].sum())
+    if not motion.one_leg and moving > MOST_LIVES * lasts:
+        many = f"contacts break some {moving / lasts:.0e} times on the way"
+        told = (
+            f"{many}, of which {MOST_LIVES:.0e} are the most where the speed changes; slide faster"
+        )
+        refuse("attempt_frequency", scale, told)
+    if lasts < SHORTEST_LIFE * contacts.waiting_time:
+        told = f"contacts hold for {lasts:.0e}, too short to follow beside the delay"
+        refuse("delay", contacts.waiting_time, told)
 
 
 def march_of(

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from master.motion.motion import Motion
 from master.lives.age.path import AgeingPath
+from master.motion.motion import Motion
 from master.renewal import reading
 from master.renewal.march import March
 from origins import InputError

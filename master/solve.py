@@ -39,9 +39,10 @@ def solve(
     work: `rigid` turns contacts and drive into a motion (motion.motion) and a life (lives.cold, ...:
     what is left of contacts born together); renewal.edges says where panels end, renewal.march
     solves them one after the other with what renewal.births and renewal.kernels say of earlier
-    births, by the polynomials of renewal.rule; renewal.reading reads force and holding share. Under
-    a spring soft.solution follows the same march from slip to slip. How that equation follows from
-    (Q5a) stands in docs/equations.md; the paper's own scheme is master.paper.explicit.
+    births, by the polynomials of renewal.rule; renewal.reading reads force and holding share. With
+    heat renewal.past keeps what was born on earlier legs of the path. Under a spring soft.solution
+    follows the same march from slip to slip. How that equation follows from (Q5a) stands in
+    docs/equations.md; the paper's own scheme is master.paper.explicit.
 
     Parameters
     ----------
@@ -72,12 +73,12 @@ def solve(
         Called as progress(error), in mean thresholds, with the error estimate.
     wall_time : float, optional
         Seconds after which the solution ends with what it has, success being False: the path is cut
-        there. Taken at T = 0 and without delay under a spring.
+        there. Taken but where contacts age or grow, and under a spring at T = 0 without delay.
 
     Returns
     -------
-    Solution, TimedSolution where contacts have rates or age and the path turns round or takes its
-    own time, SoftSolution where there is a spring, AgeingTransient for the paper's closure of ageing
+    Solution, TimedSolution where contacts age or grow and the path turns round or takes its own
+    time, SoftSolution where there is a spring, AgeingTransient for the paper's closure of ageing
         With success = False and the reason in `message` where the tolerance was not reached.
 
     Raises

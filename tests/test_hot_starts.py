@@ -12,8 +12,7 @@ from scipy.integrate import quad
 
 import master
 from master._old.breaking_law import BreakingLaw
-from master._old.origin_breaks import OriginBreaks
-from origins import Contacts, Delay, InputError, Thermal, gaussian, gaussian_start, mixture
+from origins import Contacts, Delay, InputError, Thermal, gaussian, gaussian_start
 
 WIDE = scipy.stats.lomax(2.1)
 
@@ -140,25 +139,3 @@ def test_a_spread_start_far_beyond_where_new_contacts_break_in_heat() -> None:
     # what later contacts bear is below the path's length
     assert np.abs(solution.force - plain).max() <= solution.force_error + 2.0 * longest
     assert solution.success and solution.force_error < 1e-8
-
-
-def test_what_few_strong_contacts_do_far_behind_the_others_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Most break at once in heat, whose sums do with few panels; the rest in a narrow peak, which needs more."""
-    law = mixture([gaussian(0.25, 0.01), gaussian(1.3, 4e-4)], [0.95, 0.05])
-    contacts = Contacts(law, scipy.stats.uniform(-0.18, 0.36), thermal=Thermal("soft", 0.0012, 1e14))
-    x, seen = np.linspace(1.1, 1.3, 6), []
-    leave_out = OriginBreaks._leave_out
-
-    def compared(self: OriginBreaks, top: float, marks: np.ndarray) -> None:
-        leave_out(self, top, marks)
-        seen.append(self._integrals(x / self._unit)[0] / self._unit)
-        assert self._spread is not None
-        self._spare, self._cuts = np.zeros(self._spare.size, dtype=bool), self._spread.cuts
-        seen.append(self._integrals(x / self._unit)[0] / self._unit)
-        raise InterruptedError
-
-    monkeypatch.setattr(OriginBreaks, "_leave_out", compared)
-    with pytest.raises(InterruptedError):
-        master.solve(contacts, [1.5], 1e-3)
-    assert seen[1].max() > 0.05
-    np.testing.assert_allclose(seen[0], seen[1], atol=2e-3 * seen[1].max())

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy.stats
 from heat_references import GAUSS, HEAT, LAWS, PATHS, WEIGHTS, left_by_definition, spent
 from scipy.integrate import quad
 
@@ -221,3 +222,20 @@ def test_the_measured_error_bounds_that_of_a_jump_not_told():
     lives = [ThermalLife(Contacts(law, thermal=Thermal("soft", 0.05))) for law in (told, silent)]
     right, wrong = (life.left(SingleStart(0.0), history)[0] for life in lives)
     assert lives[1].error >= np.abs(right - wrong).max() - 1e-14
+
+
+def test_a_bend_near_the_end_of_the_stretches_at_birth_is_seen():
+    """Starts in an even slab, of which those just below 0.1 alone reach the first thresholds."""
+    start, way = scipy.stats.uniform(-0.2, 0.3), 0.402
+    contacts = Contacts(rectangular(0.5, 1.5), start, thermal=Thermal("soft", 0.05))
+    motion = Motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+    history = motion.history(np.full((1, 1), way), np.zeros((1, 1)))
+    found = ThermalLife(contacts, 1e-9, 1e-8).left(contacts.start, history)[0, 0, 0]
+    one = ThermalLife(contacts)
+    edges = [-0.2, -0.1, 0.0, 0.098, 0.1]
+    exact = 0.0
+    for low, high in pairwise(edges):
+        born = (low + (high - low) * GAUSS)[:, None]
+        every = motion.history(np.full(born.shape, way), np.zeros(born.shape))
+        exact += (high - low) / 0.3 * WEIGHTS @ one.left(born, every)[0, :, 0]
+    assert abs(found - exact) < 1e-9

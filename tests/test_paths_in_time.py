@@ -53,7 +53,7 @@ def test_stiff_contacts_held_at_their_largest_stretch() -> None:
     """Broken ones stay out, so that what holds is a sum over thresholds; right above the stretch hardly any break."""
     law, thermal = gaussian(1.0, 0.2), Thermal("stiff", 0.1, 3.0)
     path, time = np.array([0.9, 0.9, 0.7, 1.0]), np.array([0.9, 20.0, 20.5, 21.1])
-    solved = master.solve(Contacts(law, thermal=thermal, delay=Delay(1e3)), path, 1e-7, time=time)
+    solved = master.solve(Contacts(law, thermal=thermal, delay=Delay(1e3)), path, 1e-8, time=time)
     assert solved.success, solved.message
     x, t = np.append(0.0, path), np.append(0.0, time)
     nodes, weights = np.polynomial.legendre.leggauss(20)

@@ -15,12 +15,15 @@ Array = npt.NDArray[np.float64]
 
 # Survival to which the table is refined, in contacts; forces, over the reach, likewise.
 ACCURACY = 1e-13
-# Halvings of the longest time, to see lives that are much shorter: the digits of a time.
-_RUNGS = 52
+# What polynomials may miss at the ends of panels, in units of the accuracy: beside a root they miss
+# more there than in between.
+_ENDS = 100.0
+# Halvings of the longest time, to see lives that are much shorter.
+_RUNGS = 64
 # Share of its time within which a moment is that of an exact threshold.
 _TIE = 1e-11
-# The narrowest panel of the table, of its length.
-SHORTEST = 1e-12
+# The narrowest panel of the table, of its length; lives may be far shorter in heat.
+SHORTEST, SHORTEST_IN_HEAT = 1e-12, 1e-20
 
 
 class StraightLife:
@@ -74,7 +77,8 @@ class StraightLife:
         self.bends: Array = moving[moving < longest]
         self.bend_sizes: Array = np.ones(self.bends.size)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
-        self.table = Table(found, edges, accuracy, SHORTEST * longest, ends=not life.quick)
+        shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest
+        self.table = Table(found, edges, accuracy, shortest, ends=0.0 if life.quick else _ENDS)
         self.error = life.error + self.table.error
         ways = bends_of(life, born, speed, life.atoms) if self.atoms.size else np.empty(0)
         self._jumps = ways[ways < longest]
@@ -98,7 +102,8 @@ class StraightLife:
             middle = lag[:, lag.shape[1] // 2, None]
             beside = np.nextafter(jump, np.where(middle < jump, 0.0, np.inf))
             lag = np.where(np.abs(lag - jump) <= _TIE * (jump + history.t), beside, lag)
-        found = self.table(lag)
+        # a time since birth may be rounded below 0, where the first panel, if narrow, tells anything
+        found = self.table(np.maximum(lag, 0.0))
         found[1] *= self.reach
         return found
 

@@ -146,6 +146,10 @@ def _lump_times(
 
     for lump in born if life.atoms.size else ():
         spread(lump)
+    # what is born in a hold stands at one stretch, as lumps do
+    holds = motion.times[1:][motion.speeds == 0.0] if not life.timeless and again.is_single else []
+    for t in holds if life.atoms.size else ():
+        spread(Together(float(t), 1.0, again.mean()))
     while coming and len(found) <= MOST_LUMPS:
         time, share = heapq.heappop(coming)
         while coming and coming[0][0] <= time * (1.0 + CLOSE):

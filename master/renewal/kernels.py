@@ -11,6 +11,7 @@ from master.lives.straight import ACCURACY, StraightLife, clock
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births
+from master.renewal.edges import UNFELT
 from origins.start import SingleStart
 
 Array = npt.NDArray[np.float64]
@@ -80,10 +81,18 @@ class Kernels:
             self._straight[speed] = life
         return self._straight[speed]
 
-    def widths(self, leg: int) -> Array:
-        """Widths of panels for which there is a kernel on a leg."""
+    def known_width(self, leg: int, width: float, unfelt: float) -> float:
+        """This width, or one of this leg that differs by what is not felt: its kernel is known.
+
+        Edges that are sums of the same bends lie at equal distances, but for rounding.
+
+        unfelt : length
+        """
         speed = float(self._motion.speeds[leg])
-        return np.array([width for known, width in self._known if known == speed])
+        slack = min(unfelt / abs(speed) if speed else 0.0, UNFELT * width)
+        known = [other for with_speed, other in self._known if with_speed == speed]
+        nearest = min(known, key=lambda other: abs(other - width), default=width)
+        return nearest if abs(nearest - width) <= slack else width
 
     def on(self, leg: int, width: float, panels: int) -> Kernel:
         """Kernel of panels so many apart, or until none of the births holds."""

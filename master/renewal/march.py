@@ -23,9 +23,9 @@ import numpy.typing as npt
 
 from master.renewal import known, rule
 from master.renewal.births import MOST_WORK, Births
+from master.renewal.earlier import Panels
 from master.renewal.edges import LEAST_LUMP, UNFELT
 from master.renewal.kernels import TARGETS, Kernels
-from master.renewal.leg_births import Panels
 from master.renewal.lumps import NOTHING, Lump, breaking
 from master.renewal.pace import NARROWEST, NARROWEST_IN_TIME, ROUNDED, Pace
 from master.renewal.past import Past
@@ -90,8 +90,7 @@ class March:
         self.life, self.motion = births.life, births.motion
         self.stretch, self.until, self.unfinished = stretch, until, False
         self.settled = np.inf
-        self.begin: list[float] = []
-        self.since: list[float] = []
+        self.begin, self.since = list[float](), list[float]()
         self.width: list[float] = []
         self.breaks: list[Array] = []
         self.force: list[Array] = []
@@ -154,7 +153,8 @@ class March:
             allowed = min(0.25 * (end - begin), most)
         in_time = self._past is not None
         narrowest = NARROWEST_IN_TIME if in_time else NARROWEST
-        narrowest = max(narrowest * (self.grain / speed if speed else end - begin), ROUNDED * end)
+        narrowest *= self.grain / speed if speed else end - begin
+        narrowest = max(narrowest, ROUNDED * (begin if in_time else end))
         return Pace(allowed, self.grain, speed, most, narrowest, self.tolerance, in_time)
 
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
@@ -170,12 +170,13 @@ class March:
                 break
             left = max(1, int(np.ceil((end - t) / pace.allowed * (1.0 - 1e-9))))
             if abs((end - t) / left - width) > 1e-9 * width:
-                width = self._known_width((end - t) / left, left, leg)
+                unfelt = UNFELT * self.tolerance * self.grain / left
+                width = self.kernels.known_width(leg, (end - t) / left, unfelt)
             run = self._run(t, width, min(pace.count, left), leg)
             bad, hurried = np.flatnonzero(run.wrong > self.tolerance), self.births.work > MOST_WORK
-            if hurried:
-                bad = bad[:0]  # what is not resolved by now stays, with its error
-            elif width < pace.narrowest:
+            if hurried:  # what is not resolved by now stays, with its error
+                bad = bad[:0]
+            elif width < max(pace.narrowest, ROUNDED * t):
                 bad = bad[bad > 0]  # no panel resolves this one: it stays, with its error
             good = int(bad[0]) if bad.size else run.wrong.size
             self.keep(self.motion.times[leg] + t, width, run, good, t)
@@ -187,20 +188,6 @@ class March:
             self.allowed = pace.allowed
             if not bad.size:
                 yield
-
-    def _known_width(self, width: float, panels: int, leg: int) -> float:
-        """This width, or one of this leg that differs by what is not felt: its kernel is known.
-
-        Edges that are sums of the same bends lie at equal distances, but for rounding.
-        """
-        speed = abs(float(self.motion.speeds[leg]))
-        slack = UNFELT * self.tolerance * (self.grain / speed if speed else 0.0) / panels
-        known = self.kernels.widths(leg)
-        if known.size:
-            nearest = float(known[np.abs(known - width).argmin()])
-            if abs(nearest - width) <= min(slack, UNFELT * width):
-                return nearest
-        return width
 
     def _settled(self, leg: int, left: float) -> bool:
         """Whether all that may be felt has broken at one rate, so that the rest of a leg will too.
@@ -308,5 +295,6 @@ class March:
             return
         before, after = t - 0.5 * self.width[-1], t + 0.5 * (end - t)
         lost = breaking(self.births, self.lumps, before, t, after)
+        lost += 0.0 if self._past is None else self._past.breaking(t)
         if lost > LEAST_LUMP:
             self.lumps.append(Lump(t + self.births.delay, lost, self.births.law))

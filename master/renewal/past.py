@@ -20,9 +20,9 @@ import numpy.typing as npt
 from master.lives import straight
 from master.lives.age.path import AgeingPath
 from master.renewal.births import MOST_WORK, Births
+from master.renewal.earlier import EarlierBirths, Panels
 from master.renewal.kernels import Kernels
 from master.renewal.known import Added
-from master.renewal.leg_births import LegBirths, Panels
 from master.renewal.lumps import NOTHING, Lump
 from master.renewal.strand_births import StrandBirths
 from master.renewal.table import Table
@@ -30,18 +30,21 @@ from master.renewal.table import Table
 Array = npt.NDArray[np.float64]
 
 # Errors of the table and of the births of one leg, in units of the tolerance.
-FINER = 0.2  # where a survival costs no more than a look-up in a table
-ACCURACY, ACCURACY_OF_LEG = 0.1, 0.05
+ACCURACY, ACCURACY_OF_LEG = 0.1, 0.1
 # Coefficients of the table's polynomials: each of its values is a sum over all past births, so that
-# few wide panels are best.
-SIZE = 18
+# few wide panels are best; and on legs that are shorter than a share of the life's grain.
+SIZE, SIZE_OF_SHORT, SHORT = 18, 7, 0.25
+# What the table may miss at the ends of its panels, in units of its error: there panels of the march
+# begin, and a jump of the number is none that they could follow.
+ENDS = 2.0
 # Contacts that a leg or a lump may have left to be let go, in units of that error: many are felt.
 NEGLIGIBLE = 1e-3
 # Share of a leg below which its table is not halved.
-SHORTEST = 1e-14
-# Share of each length of a ladder of the next one, how many of these there may be, and how many are
-# asked for at once.
-_RUNG, _MOST_RUNGS, _RUNGS_AT_ONCE = 1.0 / 16.0, 20, 4
+SHORTEST = 1e-20
+# How far beside an exact threshold a panel is looked at, as a share of it.
+BESIDE = 1e-7
+# Share of a leg's first panel at which it is cut.
+FIRST_CUT = 1.0 / 16.0
 
 
 class Past:
@@ -68,9 +71,7 @@ class Past:
     ) -> None:
         self._births, self._kernels, self._until = births, kernels, until
         self._accuracy, self._of_leg = ACCURACY * tolerance, ACCURACY_OF_LEG * tolerance
-        if births.life.pair_work == 1:
-            self._accuracy *= FINER
-        self._legs: list[LegBirths | StrandBirths] = []
+        self._earlier: list[EarlierBirths | StrandBirths] = []
         self._leg, self._begin, self._end = -1, 0.0, 0.0
         self._table: Callable[[Array], Array] | None = None
         self.error = 0.0
@@ -82,31 +83,55 @@ class Past:
         self._close(leg, panels)
         self._leg, self._motion = leg, self._births.motion.since(leg)
         self._late = float(self._births.motion.times[leg])
-        for own in self._legs:
-            own.seen_from(self._motion)
-        holding = [lump for lump in lumps if lump.holds and self._is_past(lump)]
+        self._earlier = [
+            own for own in self._earlier if own.seen_from(self._motion, self._negligible)
+        ]
+        holding = self._holding([lump for lump in lumps if lump.holds and self._is_past(lump)])
         self._table = None
-        if not holding and not self._legs:
+        if not holding and not self._earlier:
             return
-        rungs = self._rungs(holding, float(edges[-1]))
         scale = np.array([1.0, 1.0 / self._births.life.reach])[:, None, None]
 
         def found(x: Array) -> Array:
+            if self._births.life.atoms.size:
+                # at an edge the births of a hold may meet an exact threshold, all at once
+                inside = BESIDE * np.ptp(x, axis=1, keepdims=True)
+                x = np.clip(x, x[:, :1] + inside, x[:, -1:] - inside)
             return np.add.reduce(self._parts(x, holding)) * scale
 
-        holding = [lump for lump in holding if lump.holds]
-        if holding or self._legs:
-            within = edges[(edges > 0.0) & (edges < rungs[-1])]
-            shortest = SHORTEST * edges[-1]
-            all_edges = np.unique(np.concatenate([rungs, within]))
-            wrong = sum(own.missed for own in self._legs)
-            if isinstance(self._births.life, AgeingPath):
-                self._table = found  # by splines already
-            else:
-                given = found, all_edges, self._accuracy, shortest
-                table = Table(*given, ends=True, size=SIZE, goes_on=self._goes_on)
-                self._table, wrong = table, wrong + table.error
-            self.error = max(self.error, wrong)
+        if isinstance(self._births.life, AgeingPath):
+            self._table = found  # by splines already
+            self.error = max(self.error, sum(own.missed for own in self._earlier))
+            return
+        given = found, np.unique(edges), self._accuracy, SHORTEST * float(edges[-1])
+        way = abs(float(self._motion.speeds[leg])) * float(edges[-1])
+        size = SIZE_OF_SHORT if 0.0 < way < SHORT * self._births.life.grain else SIZE
+        # nodes far apart see none of a life that is short
+        table = Table(*given, ends=ENDS, size=size, first_cut=FIRST_CUT, goes_on=self._goes_on)
+        self._table, missed = table, sum(own.missed for own in self._earlier)
+        self.error = max(self.error, ENDS * table.error + missed)
+
+    def _holding(self, lumps: list[Lump]) -> list[Lump]:
+        """Those lumps of which any is left at the beginning of this leg; the others are told so."""
+        for law in {id(lump.law): lump.law for lump in lumps}.values():
+            own = [lump for lump in lumps if lump.law is law]
+            s = np.array([[lump.time - self._late] for lump in own])
+            history = self._motion.history(np.full(s.shape, np.finfo(float).tiny), s)
+            held = self._births.life.left(law, history)[0, :, 0]
+            for lump, left in zip(own, held, strict=True):
+                lump.holds = bool(left * lump.weight > NOTHING)
+        return [lump for lump in lumps if lump.holds]
+
+    def breaking(self, t: float) -> float:
+        """Share of all contacts that were born in holds and reach an exact threshold at t.
+
+        t : an edge, on this leg
+        """
+        t -= self._late
+        near = t - BESIDE * min(t, self._births.life.grain) * np.array([2.0, 1.0, 0.0])
+        held = [own.sums(near)[0] for own in self._earlier if own.in_hold] if t > 0.0 else []
+        # less what breaks at a rate
+        return float(sum(-np.diff(part, n=2)[0] for part in held))
 
     def _goes_on(self) -> bool:
         """Whether there is work and time left."""
@@ -120,35 +145,12 @@ class Past:
         """
         # the moment at which the leg begins would count as one of the leg before
         t = np.maximum(x, np.finfo(float).tiny)
-        parts = [own.sums(t.ravel()).reshape(2, *x.shape) for own in self._legs]
+        parts = [own.sums(t.ravel()).reshape(2, *x.shape) for own in self._earlier]
         for lump in lumps:
             self._births.work += self._births.dear * t.size
             history = self._motion.history(t, np.full((1, 1), lump.time - self._late))
             parts.append(lump.weight * self._births.life.left(lump.law, history))
         return parts
-
-    def _rungs(self, lumps: Sequence[Lump], length: float) -> Array:
-        """Times since the leg's beginning, first 0, between which the table looks for its panels.
-
-        They get denser towards 0 until half of all contacts hold, as nodes far apart see none of a
-        short life, and end where next to none is left. Legs and lumps of which none is felt at the
-        beginning are let go.
-        """
-        times = np.array([0.0, _RUNG * length, length])
-        parts, count = self._parts(times[:, None], lumps), len(self._legs)
-        felt = [bool(abs(part[0, 0, 0]) > self._negligible) for part in parts]
-        for lump, part in zip(lumps, parts[count:], strict=True):
-            lump.holds = bool(part[0, 0, 0] > NOTHING)
-        number = np.add.reduce(parts)[0, :, 0]
-        kept = [part for part, feels in zip(self._legs, felt[:count], strict=True) if feels]
-        self._legs, lumps = kept, [lump for lump in lumps if lump.holds]
-        while number[1] < 0.5 * number[0] and times.size < _MOST_RUNGS:
-            finer = times[1] * _RUNG ** np.arange(_RUNGS_AT_ONCE, 0.0, -1.0)
-            found = np.add.reduce(self._parts(finer[:, None], lumps))[0, :, 0]
-            times, number = np.insert(times, 1, finer), np.insert(number, 1, found)
-        first = int(np.flatnonzero(number >= 0.5 * number[0])[-1])
-        ended = np.append(np.flatnonzero(number < self._negligible), times.size - 1)[0]
-        return np.append(0.0, times[max(first, 1) : ended + 1])
 
     def between(self, begin: float, end: float) -> None:
         """From now on moments lie between these edges of the leg, and at an edge on this side."""
@@ -165,8 +167,15 @@ class Past:
                 if births.delay > 0.0:
                     born = some.begin + births.delay - motion.times[earlier]
                     some = some._replace(since=np.maximum(born, 0.0))
-                kind = StrandBirths if isinstance(births.life, AgeingPath) else LegBirths
-                self._legs.append(kind(births, earlier, some, self._of_leg, self._goes_on))
+                if isinstance(births.life, AgeingPath):
+                    strands = StrandBirths(births, earlier, some, self._of_leg, self._goes_on)
+                    self._earlier.append(strands)
+                    continue
+                last = self._earlier[-1] if self._earlier else None
+                if not isinstance(last, EarlierBirths) or not last.follows(earlier):
+                    last = EarlierBirths(births, self._of_leg, self._goes_on)
+                    self._earlier.append(last)
+                last.add(earlier, some)
 
     @property
     def _negligible(self) -> float:

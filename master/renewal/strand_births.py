@@ -20,7 +20,7 @@ from master.lives.age.strands import Strands
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births
-from master.renewal.leg_births import Panels
+from master.renewal.earlier import Panels
 
 Array = npt.NDArray[np.float64]
 
@@ -31,9 +31,7 @@ SIZE = 8
 FIRST, HALVINGS = 4.0, 5
 
 # Error of a piece, in units of that of the leg: it is the largest of all times.
-PIECE = 0.2
-# Contacts that all births of a leg may have left to be let go, in units of that error.
-NEGLIGIBLE = 1e-4
+PIECE = 0.1
 
 _NODES = legendre.leggauss(SIZE)[0]
 _TO_LEGENDRE = np.linalg.inv(legendre.legvander(_NODES, SIZE - 1)).T
@@ -82,7 +80,7 @@ class StrandBirths:
         assert isinstance(life, AgeingPath)
         self._life, self._births, self._leg, self._seen = life, births, leg, leg
         self._panels, self._accuracy, self._goes_on = panels, PIECE * accuracy, goes_on
-        self.missed = 0.0
+        self.missed, self.in_hold = 0.0, False
         self._slopes = panels.breaks @ rule.SLOPES.T
         first, last = float(panels.since[0]), float(panels.since[-1] + panels.width[-1])
         speed, width = abs(float(life.motion.speeds[leg])), FIRST * life.mesh.width
@@ -91,16 +89,19 @@ class StrandBirths:
         self._pieces = self._born(edges[:-1], edges[1:])
         self._splines: BSpline | None = None
 
-    def seen_from(self, motion: Motion) -> None:
-        """Follow all along the present leg, from the beginning of which this motion counts."""
+    def seen_from(self, motion: Motion, negligible: float) -> bool:
+        """Follow all along the present leg, from the beginning of which this motion counts.
+
+        Returns whether more of them than is negligible hold at its beginning.
+        """
         leg = int(motion.leg(np.finfo(float).tiny))
         while self._seen < leg:
             self._seen += 1
             left = np.abs(self._pieces.weight).ravel() @ self._pieces.strands.left()[0]
-            if left > self._accuracy * NEGLIGIBLE:
-                self._follow(self._seen)
-            else:
-                self._splines = None
+            if not left > negligible:
+                return False
+            self._follow(self._seen)
+        return True
 
     def sums(self, t: Array) -> Array:
         """Number and force at times t, shape (n,), since the leg's beginning; shape (2, n)."""

@@ -19,12 +19,8 @@ MOST = 1024
 # Halvings of a panel: 2^-50 of it is rounding.
 DEPTH = 50
 
-# What a polynomial may miss at its ends, in units of the accuracy: beside a root it misses more
-# there than in between.
-_END = 100.0
 
-
-class _Basis(NamedTuple):
+class Basis(NamedTuple):
     """Nodes of a panel, as shares of it; from values there to coefficients, and these to both ends."""
 
     nodes: Array
@@ -33,12 +29,12 @@ class _Basis(NamedTuple):
 
 
 @lru_cache
-def _basis(size: int) -> _Basis:
+def basis_of(size: int) -> Basis:
     """That of polynomials with so many coefficients."""
     z = legendre.leggauss(size)[0]
     to_legendre = np.linalg.inv(legendre.legvander(z, size - 1)).T
     at_ends = legendre.legvander(np.array([-1.0, 1.0]), size - 1).T
-    return _Basis(0.5 * (z + 1.0), np.asarray(to_legendre, dtype=float), at_ends)
+    return Basis(0.5 * (z + 1.0), np.asarray(to_legendre, dtype=float), at_ends)
 
 
 class Table:
@@ -54,11 +50,13 @@ class Table:
         A panel is halved while one of its last two coefficients is larger.
     shortest : float
         Length of the shortest panel.
-    ends : bool
-        Whether the functions are looked at at the ends of panels, too: a fall that is over before
-        the first node is seen there.
+    ends : float
+        What a polynomial may miss at the ends of its panel, in units of the accuracy; 0: it is not
+        looked at there. A fall that is over before the first node is seen at an end.
     size : int
         Coefficients of the polynomials.
+    first_cut : float
+        Share of itself at which the first panel is cut.
     goes_on : callable
         Whether there is time for panels to be halved.
 
@@ -74,25 +72,26 @@ class Table:
         edges: Array,
         accuracy: float,
         shortest: float,
-        ends: bool = False,
+        ends: float = 0.0,
         size: int = SIZE,
+        first_cut: float = 0.5,
         goes_on: Callable[[], bool] = lambda: True,
     ) -> None:
-        basis = _basis(size)
+        basis = basis_of(size)
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
         kept, self.error = [], 0.0
         for _ in range(DEPTH):
             nodes = low[:, None] + (high - low)[:, None] * basis.nodes
-            if ends:
+            if ends > 0.0:
                 nodes = np.concatenate([low[:, None], nodes, high[:, None]], axis=1)
             values = function(nodes)
-            coefficients = (values[..., 1:-1] if ends else values) @ basis.to_legendre
+            coefficients = (values[..., 1:-1] if ends > 0.0 else values) @ basis.to_legendre
             tail = np.abs(coefficients[..., -2:]).max(axis=(0, 2))
-            if ends:
+            if ends > 0.0:
                 missed = np.abs(coefficients @ basis.at_ends - values[..., [0, -1]]).max(
                     axis=(0, 2)
                 )
-                tail = np.maximum(tail, missed / _END)
+                tail = np.maximum(tail, missed / ends)
             open_ = (tail > accuracy) & (high - low > shortest) & (low.size <= MOST + edges.size)
             open_ &= goes_on()
             kept.append((low[~open_], high[~open_], coefficients[:, ~open_]))
@@ -100,7 +99,7 @@ class Table:
             low, high = low[open_], high[open_]
             if not low.size:
                 break
-            middle = 0.5 * (low + high)
+            middle = low + np.where(low == edges[0], first_cut, 0.5) * (high - low)
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
         begin = np.concatenate([part[0] for part in kept])
         order = np.argsort(begin)

@@ -56,6 +56,7 @@ class AgeingLife:
     """
 
     bends: Array = np.empty(0)
+    bend_sizes: Array = np.empty(0)
     quiet = 0.0
 
     def __init__(self, contacts: Contacts, motion: Motion, accuracy: float = 1e-7) -> None:

@@ -35,8 +35,9 @@ class _Seen(NamedTuple):
 ACCURACY = 1e-13  # of sums over thresholds, in contacts: that of the panels
 # measured at steady falls: to 1e-13
 _SEEN = _Seen(3.0, 8.0, 2.5)
-# Share of the accuracy below which what is left, or lost, of a panel is nothing
-_NOTHING = 1e-4
+# In units of the accuracy: shares e^-A that are nothing, even where next to none is left of all;
+# losses A where contacts hold; and shares of contacts of which panels are left out
+_GONE, _QUIET, _NO_WEIGHT = 1e-16, 1e-4, 1e-5
 # fall of ln A over a panel: beyond, most of the panel is of no interest
 _STEEP = 100.0
 # A: beside the threshold m, 16 nodes in (x_s - m)^(1/2) see e^-A fall from 1 this far
@@ -47,7 +48,7 @@ _APART = 12.0
 # in units of the accuracy, and where that is rounding
 _SLIGHT, _LEAST_SLIGHT = 1e3, 1e-8
 # lengths in units of the threshold: narrower panels hold no weight that could be told from rounding
-_NARROW = 4e-16
+_NARROW = 1e-15
 _DEAD = 7.0  # ln A: e^-A is 0
 _AT_ONCE = 512  # panels summed together: their nodes stay in the processor's cache
 
@@ -80,10 +81,10 @@ class Above:
         self.law, self.rates, self.stiffness = law, rates, stiffness
         self.rooted = rates.vanishes_at_threshold
         self._slight = max(_SLIGHT * accuracy, _LEAST_SLIGHT)
-        self._no_weight = _NOTHING * accuracy
+        self._no_weight = _NO_WEIGHT * accuracy
         # ln A: beyond, a share e^-A is nothing; where A is less, contacts hold
-        self._gone = float(np.log(-np.log(self._no_weight)))
-        self._quiet = float(np.log(self._no_weight))
+        self._gone = float(np.log(-np.log(_GONE * accuracy)))
+        self._quiet = float(np.log(_QUIET * accuracy))
         self.edges: Array = law_edges(law)
         low, high = self.edges[:-1], self.edges[1:]
         whole = Panels(np.arange(low.size), low, high, low, low)  # of levels nobody asks
@@ -167,6 +168,7 @@ class Above:
                 part = np.minimum(np.square(0.5 * _FALL / np.maximum(grown, _FALL)), 0.5)
                 at[beside] = panels.low[beside] + part * (panels.high - panels.low)[beside]
                 at = np.minimum(at, panels.low + self._widest(panels, replay))
+                at = np.maximum(at, panels.low + _NARROW * panels.high)
             level = replay.log_spent(panels.row, at[:, None])[:, 0]
             top = np.maximum(np.maximum(panels.first, panels.last), level)
             # of ln A, as if it fell all along as fast as on the steeper part

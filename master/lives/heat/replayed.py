@@ -108,7 +108,7 @@ class ReplayedLife:
             return averaged(born, moves, *given, inside, self.resolved)
         if self._rules is None or self._rules[0] is not born:
             self._rules = born, Rules.of(born)
-        tried = self._rules[1].averaged(moves, self.reach, inside, self.resolved)
+        tried = self._rules[1].averaged(born, moves, *given, inside, self.resolved)
         some = np.flatnonzero(~tried.agreed)
         if some.size:
 

@@ -94,14 +94,23 @@ class Rules(NamedTuple):
         """The rules of a law with a density."""
         return cls(*(stretch_rule(law, np.inf, count) for count in (_MANY, _FEWER)))
 
-    def averaged(self, moves: Moves, reach: float, left: Left, resolved: float) -> _Tried:
-        """The average over stretches by the larger rule, and where the fewer nodes agree."""
+    def averaged(
+        self, law: Start, moves: Moves, reach: float, bends: Array, left: Left, resolved: float
+    ) -> _Tried:
+        """The average over stretches by the larger rule, and where the fewer nodes agree.
+
+        Bends beyond the outermost nodes are seen by neither.
+        """
         pair, split = np.arange(moves.now.size), self.many.stretch.size
         nodes = np.concatenate([self.many.stretch, self.fewer.stretch])
         values = left(pair, np.tile(nodes, (pair.size, 1)))
         found = values[..., :split] @ self.many.weight
         change = np.abs(found - values[..., split:] @ self.fewer.weight)
-        return _Tried(found, np.maximum(change[0], change[1] / reach) <= _AGREED * resolved)
+        agreed = np.maximum(change[0], change[1] / reach) <= _AGREED * resolved
+        cuts = np.concatenate(_moving(moves, np.append(bends, reach)), axis=1)
+        above, below = cuts > self.many.stretch.max(), cuts < self.many.stretch.min()
+        unseen = np.where(above, law.sf(cuts), np.where(below, law.cdf(cuts), 0.0))
+        return _Tried(found, agreed & (unseen.max(axis=1) <= _AGREED * resolved))
 
 
 def missed(law: Start, moves: Moves, reach: float, bends: Array, left: Left, found: Array) -> float:
@@ -128,19 +137,19 @@ def _pieces(law: Start, moves: Moves, reach: float, bends: Array) -> _Pieces:
     # beyond the reach none holds: a piece that lies across would be told by its middle alone
     bends = np.append(bends, reach)
     fixed = [even, law.breakpoints, np.zeros(1), bends, -bends]
-    now, high, low = (part[:, None] for part in moves)
-    moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
-    cuts = [
-        np.tile(np.concatenate(fixed), (moves.now.size, 1)),
-        *moving,
-        bends - high,
-        -bends - low,
-    ]
+    cuts = [np.tile(np.concatenate(fixed), (moves.now.size, 1)), *_moving(moves, bends)]
     edges = np.sort(np.clip(np.concatenate(cuts, axis=1), first, last), axis=1)
     pair, piece = np.nonzero(np.diff(edges, axis=1) > _NARROW * (last - first))
     begin, end = edges[pair, piece], edges[pair, piece + 1]
     alive = moves.largest(pair, 0.5 * (begin + end)) < reach
     return _Pieces(pair[alive], begin[alive], end[alive])
+
+
+def _moving(moves: Moves, bends: Array) -> list[Array]:
+    """The stretches at birth at which what is left bends, as they depend on the moves; (pairs, k)."""
+    now, high, low = (part[:, None] for part in moves)
+    turned = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
+    return [*turned, bends - high, -bends - low]
 
 
 def _summed(

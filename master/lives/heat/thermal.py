@@ -17,7 +17,7 @@ Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 # Contacts replayed at once: the panels of so many are halved together.
-_AT_ONCE = 1000
+_AT_ONCE = 4000
 
 
 class ThermalLife(ReplayedLife):

@@ -1,0 +1,266 @@
+"""Births of earlier legs: what they add to number and force on a later one.
+
+Where the life is not quick, every value of a survival costs microseconds. So as a function of the
+birth the survival is followed by polynomials on wide pieces, cut where it bends, whatever the
+panels of the breaks are. Legs that go one way share their pieces: as a function of the place of
+birth the survival hardly feels where the speed changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from master.motion.motion import Motion
+from master.renewal import rule
+from master.renewal.births import Births
+from master.renewal.table import basis_of
+
+Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+# Gauss nodes of a piece; and of pieces that end wherever the speed changed, where that was often.
+SIZE, SIZE_OF_MANY, MANY_LEGS = 16, 4, 8
+# Halvings of a piece: rounding of times ends it before.
+DEPTH = 60
+# Two places nearer than this share of all are one.
+CLOSE = 1e-13
+# Rounding of a place, relatively.
+ROUNDING = 1e-14
+# Pairs of pieces and panels that are summed at once: some 100 MB of arrays.
+CHUNK = 100_000
+
+# How far inside the ends of a piece the survival is looked at, as a share of it, where it
+# jumps at exact thresholds; else at the ends, where a short life is seen.
+_INSIDE = 1e-9
+# What a polynomial may miss at the ends of a piece, in units of its accuracy: beside a root of the
+# survival it misses more there than in between.
+_END = 100.0
+
+
+class Panels(NamedTuple):
+    """Solved panels, in the order of time.
+
+    begin, since, width : arrays of shape (m,); begin is a time, since is counted from the beginning
+        of a leg
+    breaks : array of shape (m, DEGREE + 1), values at 0 and the nodes
+    """
+
+    begin: Array
+    since: Array
+    width: Array
+    breaks: Array
+
+
+class _Pieces(NamedTuple):
+    """Pieces of the places of birth, as seen from targets; arrays of shape (pieces,)."""
+
+    target: Rows
+    left: Array
+    right: Array
+
+    def pick(self, which: npt.NDArray[np.bool_] | slice) -> _Pieces:
+        return _Pieces(self.target[which], self.left[which], self.right[which])
+
+    def cut(self, knots: Array) -> _Pieces:
+        """Each piece cut in two: at the knot nearest to its middle, or there where none is inside."""
+        at = 0.5 * (self.left + self.right)
+        after = np.clip(np.searchsorted(knots, at), 1, knots.size - 1)
+        before = knots[after - 1]
+        knot = np.where(at - before < knots[after] - at, before, knots[after])
+        small = CLOSE * (self.right - self.left)
+        at = np.where((knot > self.left + small) & (knot < self.right - small), knot, at)
+        return _Pieces(np.tile(self.target, 2), np.append(self.left, at), np.append(at, self.right))
+
+
+class EarlierBirths:
+    """Births of consecutive legs that go one way, or of one hold.
+
+    The place of a birth is X, counted forward along the legs; in a hold it is the time.
+
+    Parameters
+    ----------
+    births : Births
+        Of all legs; its work is counted on.
+    accuracy : float
+        Of the number and, over the reach, the force that the births add.
+    goes_on : callable
+        Whether there is time for pieces to be halved.
+
+    Attributes
+    ----------
+    missed : float
+        What no polynomial followed when halving ended, of the number of contacts.
+    """
+
+    def __init__(
+        self, births: Births, accuracy: float, goes_on: Callable[[], bool] = lambda: True
+    ) -> None:
+        self._births, self._accuracy = births, accuracy
+        self._goes_on, self.missed = goes_on, 0.0
+        self._legs: list[int] = []
+        self._panels: list[Panels] = []
+
+    def add(self, leg: int, panels: Panels) -> None:
+        """Take over the births on a leg; `since` of the panels tells when, counted from its begin."""
+        self._legs.append(leg)
+        self._panels.append(panels)
+
+    def follows(self, leg: int) -> bool:
+        """Whether a leg goes on the way of these."""
+        speeds, last = self._births.motion.speeds, self._legs[-1]
+        return bool(leg == last + 1 and speeds[leg] * speeds[last] > 0.0)
+
+    @property
+    def in_hold(self) -> bool:
+        """Whether these are the births of a hold, which share one stretch."""
+        return bool(self._births.motion.speeds[self._legs[-1]] == 0.0)
+
+    def seen_from(self, motion: Motion, negligible: float) -> bool:
+        """Count times from now on as this motion does, which begins with a later leg at t = 0.
+
+        Legs of whose births none is felt any more are let go. Returns whether any is left.
+        """
+        self._motion, births = motion, self._births
+        now, legs = np.full(1, np.finfo(float).tiny), np.array(self._legs)
+        speed = motion.speeds[legs]
+        begin = motion.times[legs] + np.array([panels.since[0] for panels in self._panels])
+        end = [panels.since[-1] + panels.width[-1] for panels in self._panels]
+        last = motion.times[legs] + np.array(end)
+        # the births whose largest |x| is the least
+        middle = 0.5 * sum(part[0] for part in motion.extremes(now, legs)) + births.law.mean()
+        way = np.where(speed == 0.0, 0.0, middle - motion.positions[legs])
+        least = motion.times[legs] + way / np.where(speed == 0.0, 1.0, speed)
+        least = np.clip(least, begin, last)
+        s = np.stack([begin, least, 0.5 * (least + last), last], axis=1).reshape(-1, 1)
+        history = motion.history(np.broadcast_to(now, s.shape), s)
+        most = np.array([np.abs(panels.breaks).max(axis=1).sum() for panels in self._panels])
+        left = births.life.left(births.law, history)[0].reshape(-1, 4).max(axis=1) * most
+        felt = np.flatnonzero(left > negligible)
+        if not felt.size:
+            return False
+        self._legs, self._panels = self._legs[felt[0] :], self._panels[felt[0] :]
+        self._place()
+        return True
+
+    def _place(self) -> None:
+        """Put all panels one after the other by the places of their births."""
+        motion, legs = self._motion, np.array(self._legs)
+        counts = [panels.width.size for panels in self._panels]
+        of_leg = np.repeat(legs, counts)
+        begin = np.concatenate([panels.since for panels in self._panels])
+        width = np.concatenate([panels.width for panels in self._panels])
+        breaks = np.concatenate([panels.breaks for panels in self._panels])
+        self._speed = float(motion.speeds[legs[-1]])
+        self._knots_t = np.append(motion.times[legs], motion.times[legs[-1] + 1])
+        self._knots = self._knots_t
+        if self._speed:
+            sign = np.sign(self._speed)
+            places = np.append(motion.positions[legs], motion.positions[legs[-1] + 1])
+            speeds = np.abs(motion.speeds[of_leg])
+            self._knots = sign * places
+            self._begin = sign * motion.positions[of_leg] + speeds * begin
+            self._width = speeds * width
+        else:
+            self._begin, self._width = motion.times[of_leg] + begin, width
+        self._ends = np.append(self._begin, self._begin[-1] + self._width[-1])
+        self._slopes = breaks @ rule.SLOPES.T
+        self._at_gauss = breaks @ rule.SLOPES_AT_GAUSS.T
+        self._most = np.append(0.0, np.cumsum(np.abs(breaks).max(axis=1)))
+
+    def sums(self, t: Array) -> Array:
+        """Number and force at times t, shape (n,), all on the later leg; shape (2, n)."""
+        out, births = np.zeros((2, t.size)), self._births
+        pieces = self._cut(t)
+        basis = basis_of(SIZE if len(self._legs) < MANY_LEGS else SIZE_OF_MANY)
+        inside = _INSIDE if births.life.atoms.size else 0.0
+        shares = np.concatenate([[inside], basis.nodes, [1.0 - inside]])
+        for halving in range(DEPTH):
+            if not pieces.left.size:
+                break
+            place = pieces.left[:, None] + (pieces.right - pieces.left)[:, None] * shares
+            s = np.interp(place, self._knots, self._knots_t) if self._speed else place
+            births.work += births.dear * s.size
+            at = np.repeat(t[pieces.target], shares.size)[:, None]
+            history = self._motion.history(at, s.reshape(-1, 1))
+            found = births.life.left(births.law, history).reshape(2, *s.shape)
+            series = found[..., 1:-1] @ basis.to_legendre
+            missed = np.abs(series[0] @ basis.at_ends - found[0][:, [0, -1]]).max(axis=-1)
+            rough = self._rough(pieces, missed / _END, series)
+            if halving == DEPTH - 1 or not self._goes_on():
+                rough[:] = False
+            self._add(out, pieces.pick(~rough), series[:, ~rough])
+            pieces = pieces.pick(rough).cut(self._knots)
+        return out
+
+    def _rough(self, pieces: _Pieces, missed: Array, series: Array) -> npt.NDArray[np.bool_]:
+        """Pieces on which no polynomial follows what is left, as far as births feel it."""
+        first = np.searchsorted(self._ends, pieces.left, "right") - 1
+        last = np.searchsorted(self._ends, pieces.right, "left")
+        last = np.clip(last, 0, self._most.size - 1)
+        born = self._most[last] - self._most[np.clip(first, 0, last)]
+        tail = np.abs(series[..., -2:]).max(axis=-1)
+        wrong = np.maximum(np.maximum(tail[0], tail[1] / self._births.life.reach), missed)
+        wide = pieces.right - pieces.left > CLOSE * (self._ends[-1] - self._ends[0])
+        wide &= pieces.right - pieces.left > ROUNDING * np.abs(pieces.right)
+        rough = wrong * born > self._accuracy
+        if rough.any() and not self._goes_on():
+            self.missed = max(self.missed, float((wrong * born)[rough].sum()))
+        return np.asarray(rough & wide)
+
+    def _cut(self, t: Array) -> _Pieces:
+        """The births in pieces, for each target, between which what is left bends."""
+        motion, law = self._motion, self._births.law
+        first, last = self._ends[0], self._ends[-1]
+        cuts = np.full((t.size, 0), first)
+        if self._speed and law.is_single:
+            r = law.mean()
+            high, low = motion.extremes(t, np.array(self._legs[-1:]))
+            marks, now = self._births.life.bends, motion.at(t)[:, None]
+            goals = [high + r - marks, low + r + marks, 0.5 * (high + low) + r]
+            goals += [now + r, high + r, low + r]
+            cuts = np.sign(self._speed) * np.concatenate(goals, axis=1)
+        fixed = np.array([first, last])
+        if len(self._legs) >= MANY_LEGS:
+            fixed = np.concatenate([fixed, self._knots])
+        edges = np.concatenate([np.tile(fixed, (t.size, 1)), cuts], axis=1)
+        edges = np.sort(np.clip(edges, first, last), axis=1)
+        target, piece = np.nonzero(np.diff(edges, axis=1) > CLOSE * (last - first))
+        return _Pieces(target, edges[target, piece], edges[target, piece + 1])
+
+    def _add(self, out: Array, pieces: _Pieces, series: Array) -> None:
+        """Add the sums over the panels that lie in resolved pieces, whole or in part."""
+        first = np.clip(np.searchsorted(self._ends, pieces.left, "right") - 1, 0, None)
+        last = np.minimum(np.searchsorted(self._ends, pieces.right, "left"), self._ends.size - 1)
+        count = np.maximum(last - first, 0)
+        ends, begin = np.cumsum(count), 0
+        while begin < count.size:
+            until = int(np.searchsorted(ends, (ends[begin - 1] if begin else 0) + CHUNK, "right"))
+            some = slice(begin, max(until, begin + 1))
+            self._add_some(out, pieces.pick(some), series[:, some], first[some], count[some])
+            begin = some.stop
+
+    def _add_some(
+        self, out: Array, pieces: _Pieces, series: Array, first: Rows, count: Rows
+    ) -> None:
+        piece = np.repeat(np.arange(count.size), count)
+        panel = np.arange(piece.size) - np.repeat(np.cumsum(count) - count, count) + first[piece]
+        begin, width = self._begin[panel], self._width[panel]
+        low = np.clip((pieces.left[piece] - begin) / width, 0.0, 1.0)
+        high = np.clip((pieces.right[piece] - begin) / width, 0.0, 1.0)
+        share = low[:, None] + (high - low)[:, None] * rule.GAUSS_NODES
+        born = np.empty(share.shape)
+        whole = (low == 0.0) & (high == 1.0)
+        born[whole] = self._at_gauss[panel[whole]]
+        cut = ~whole
+        born[cut] = rule.legendre_sum(self._slopes[panel[cut]], 2.0 * share[cut] - 1.0)
+        born *= (high - low)[:, None] * rule.GAUSS_WEIGHTS
+        place = begin[:, None] + width[:, None] * share
+        left, right = pieces.left[piece, None], pieces.right[piece, None]
+        z = np.clip((2.0 * place - left - right) / (right - left), -1.0, 1.0)
+        for kind in (0, 1):
+            values = (rule.legendre_sum(series[kind][piece], z) * born).sum(axis=1)
+            out[kind] += np.bincount(pieces.target[piece], values, out.shape[1])
