@@ -116,3 +116,10 @@ def test_refusals() -> None:
         with pytest.raises(InputError) as refusal:
             call()
         assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(refusal.value)
+
+
+def test_jumps_of_the_rate_of_breaks_are_edges_of_panels() -> None:
+    """Births that break at once repeat a jump after each delay: halving found 3,000 nodes there."""
+    path = np.linspace(0.0, 3.0, 31)
+    solved = master.solve(Contacts(GRAINS, 0.1), path, 1e-9)
+    assert solved.success and solved.nodes < 500
