@@ -173,8 +173,10 @@ def march_of(
     """The march along a motion, with panels that end where the number of breaks may bend."""
     again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
     stretch = longest_stretch(contacts, motion, life)
-    # what rounding takes of the tolerance is not the panels' any more
-    left = max(tolerance - round_off(motion, contacts.mean_threshold), 0.5 * tolerance)
+    # what rounding and the life take of the tolerance is not the panels' any more
+    taken = round_off(motion, contacts.mean_threshold)
+    taken += life.error * stretch / contacts.mean_threshold
+    left = max(tolerance - taken, 0.4 * tolerance)
     left *= 1.0 if life.quick else OF_PANELS
     allowed = max(left * contacts.mean_threshold / stretch, FINEST)
     accuracy = max(ACCURACY * allowed, 1e-15)

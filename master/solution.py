@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.age.path import AgeingPath
 from master.motion.motion import Motion
 from master.renewal import reading
 from master.renewal.march import March
@@ -96,6 +97,10 @@ class Solution:
         if not self._march.births.law.is_single:
             raise InputError(
                 "contacts.reforming: Q(x;X) is not known where contacts re-form at many stretches"
+            )
+        if isinstance(self._march.life, AgeingPath):
+            raise InputError(
+                "contacts.ageing: Q(x;X) is not known along paths in time yet where contacts age"
             )
         time = self._point(where) if self._by_index else self._passing(where, leg)
         found = reading.deltas(self._march, time)

@@ -8,10 +8,10 @@ import numpy.typing as npt
 
 from master.lives.make import life_of
 from master.outcome import Progress, unheard
-from master.rigid import solve_rigid
+from master.rigid import motion_of, solve_rigid
 from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
-from origins import Contacts, Drive
+from origins import Contacts, Drive, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance, positive
@@ -93,16 +93,18 @@ def solve(
     if wall_time is not None:
         wall_time = positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
+    if contacts.ageing is not None and contacts.ageing.closure == "paper":
+        return solve_paper(contacts, drive, tolerance, progress)
     if drive.spring is None:
-        life = life_of(contacts, tolerance)
+        motion, _ = motion_of(drive, contacts.mean_threshold)
+        life = life_of(contacts, tolerance, motion)
         if life is not None:
             return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
-    paper = contacts.ageing is not None and contacts.ageing.closure == "paper"
-    if drive.spring is not None and not paper:
-        if _by_steps(contacts, drive):
-            from master.soft.in_time.solution import solve_in_time
+    elif _by_steps(contacts, drive):
+        from master.soft.in_time.solution import solve_in_time
 
-            return solve_in_time(contacts, drive, tolerance, progress, wall_time)
+        return solve_in_time(contacts, drive, tolerance, progress, wall_time)
+    else:
         return solve_soft(contacts, drive, tolerance, progress, wall_time)
     from master._old.solve import solve as solve_old
 
@@ -122,3 +124,17 @@ def _by_steps(contacts: Contacts, drive: Drive) -> bool:
         return True
     again = contacts.reforming
     return again is not None and again.law.span[0] < 0.0 and not drive.forward
+
+
+def solve_paper(
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress
+) -> AgeingTransient:
+    """(Q15), the paper's closure of ageing, on a rigid slider that moves forward at one speed."""
+    from master.paper.q15_transient import solve_q15
+
+    drive.only_forward("the paper's closure of ageing")
+    if drive.time is not None:
+        raise InputError(
+            "time: the paper's closure of ageing takes one speed all along; write velocity= instead"
+        )
+    return solve_q15(contacts, drive, tolerance, progress)

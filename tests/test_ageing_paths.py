@@ -5,7 +5,6 @@ import pytest
 
 import master
 import origins
-from master._old import on_panels
 from master._old.first_passage import first_passage
 from master._old.threshold_cells import Cells
 from origins import Ageing, Contacts, Delay, InputError, Thermal
@@ -149,23 +148,9 @@ def test_soft_slider_whose_contacts_barely_age_slips_as_if_they_did_not() -> Non
 def test_refusals() -> None:
     path, time = [0.5, 0.5], [0.5, 1.0]
     cases = [
-        (Contacts(FRESH, ageing=Ageing(origins.rectangular(0.0, 20.0), 1e-3)), "ageing: the final law ends at 20"),
-        (Contacts(origins.identical(0.5), ageing=Ageing(FINAL, 1e-3)), "thresholds: hold the single value 0.5: on a"),
+        (Contacts(origins.identical(0.5), ageing=Ageing(FINAL, 1e-3)), "thresholds: hold the single value 0.5"),
     ]
     for contacts, begins in cases:
         with pytest.raises(InputError) as refusal:
             master.solve(contacts, path, time=time)
         assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(refusal.value)
-
-
-def test_two_answers_tell_an_error_where_a_third_takes_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
-    contacts, path, time = Contacts(FRESH, ageing=Ageing(FINAL, 5e-3)), [0.4, 0.4], [0.4, 0.6]
-    known = master.solve(contacts, path, 1e-3, time=time)
-    assert known.success
-    monkeypatch.setattr(on_panels, "_MOST_LEVELS", 2)
-    found = master.solve(contacts, path, 1e-12, time=time)
-    assert not found.success and np.isfinite(found.force_error)
-    off = np.abs(found.force - known.force).max() / contacts.mean_threshold
-    assert off < found.force_error + known.force_error
-    monkeypatch.setattr(on_panels, "_MOST_LEVELS", 1)
-    assert "takes minutes, so that no error is known" in master.solve(contacts, path, 1e-3, time=time).message

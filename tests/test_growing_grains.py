@@ -88,7 +88,8 @@ def test_contacts_at_rest_grow_stronger() -> None:
     for hold in (1.0, 30.0):
         time = np.concatenate([[2.0, 2.0 + hold], hold + path[2:]])
         solved = master.solve(Contacts(GRAINS), path, 5e-3, time=time)
-        assert solved.success and solved.force[1] == pytest.approx(solved.force[0], abs=1e-12)
+        # nothing breaks at rest, but for the error of the solution
+        assert solved.success and abs(solved.force[1] - solved.force[0]) < 1e-8 < solved.force_error
         peaks.append(float(solved.force[2:].max()))
     assert (np.diff(peaks) > 0.1).all(), peaks
 
@@ -115,3 +116,10 @@ def test_refusals() -> None:
         with pytest.raises(InputError) as refusal:
             call()
         assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(refusal.value)
+
+
+def test_jumps_of_the_rate_of_breaks_are_edges_of_panels() -> None:
+    """Births that break at once repeat a jump after each delay: halving found 3,000 nodes there."""
+    path = np.linspace(0.0, 3.0, 31)
+    solved = master.solve(Contacts(GRAINS, 0.1), path, 1e-9)
+    assert solved.success and solved.nodes < 500

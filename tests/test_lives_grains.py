@@ -156,3 +156,12 @@ def test_error_of_warm_grains_is_told_where_it_is_cold():
     found = life.left(PINNED, history(motion, 2.0, 2.0 - lag))[0, 0]
     exact = [warm_by_sums(contacts, motion, 0.0, 0.0, 0.0, age) for age in lag[0, ::4]]
     assert np.abs(found[::4] - exact).max() < 2e-3 and life.error < 1e-6
+
+
+def test_moments_of_one_leg_may_begin_with_its_knot():
+    """Whatever else is asked for with it, each moment is told as if it were alone."""
+    life = GrainLife(Contacts(GRAINS), TURNS.times[-1])
+    t = np.array([4.0, 4.0, 4.0, 4.4, 4.8])[:, None]
+    together = life.left(PINNED, TURNS.history(t, np.full((1, 1), 1.4)))[0, :, 0]
+    alone = [life.left(PINNED, history(TURNS, one, 1.4))[0, 0, 0] for one in t[:, 0]]
+    np.testing.assert_allclose(together, alone, rtol=1e-12)

@@ -39,7 +39,8 @@ def test_both_solvers_agree(name: str) -> None:
 def test_nothing_breaks_before_the_wall() -> None:
     path = np.linspace(0.0, 0.5, 11)
     exact = master.solve(WALLS, path, tolerance=1e-3)
-    np.testing.assert_allclose(exact.force, path, atol=1e-9)
+    # at the wall itself they break as the root of the way beyond
+    np.testing.assert_allclose(exact.force[:-1], path[:-1], atol=1e-9)
     for start in (0.0, -0.4):
         contacts = Contacts(WALLS.thresholds, start, ageing=WALLS.ageing)
         before = path[path < 0.5 - start] + (0.0 if start == 0.0 else 0.3)

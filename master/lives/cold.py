@@ -45,7 +45,8 @@ class ColdLife:
     the contacts that break there, of the panels on which a polynomial follows it.
     """
 
-    quick = timeless = True
+    quick = timeless = fresh_start = True
+    pair_work = 1
 
     def __init__(self, contacts: Contacts) -> None:
         law = contacts.thresholds

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.life import UnbentLife
 from master.lives.stretch_rule import finite_density, stretch_panels
 from master.motion.motion import History, Legs
 from origins import Contacts, GrainContact
@@ -27,11 +28,13 @@ Array = npt.NDArray[np.float64]
 GONE = 39.2
 # Bisections that find a stretch to one part in 1e15 of its panel.
 BISECTIONS = 50
+# Length over which survivals are resolved, in standard deviations of the thresholds at first.
+GRAIN = 0.25
 # Share of contacts by which the sums over the starting stretches may be off.
-ERROR = 1e-13
+ERROR = 5e-14
 
 
-class GrainLife:
+class GrainLife(UnbentLife):
     """Life (see master.lives.life) of contacts with growing grains, without heat.
 
     Parameters
@@ -45,10 +48,7 @@ class GrainLife:
     grains' starting age; all others pin as they are born, at the stretch 0, an age of tau_m.
     """
 
-    quiet = 0.0
-    bends: Array = np.empty(0)
-    bend_sizes: Array = np.empty(0)
-    error = ERROR
+    error, fresh_start = ERROR, False
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         grains = contacts.grains
@@ -61,17 +61,22 @@ class GrainLife:
         self.reach = float(self.grains.quantile(-np.expm1(-GONE), oldest))
         # the start reaches as far as its youngest thresholds do
         self.start_reach = self.grains.at_start.support()[1]
+        self.grain = GRAIN * self.grains.at_start.std()
 
-    def left(self, born: Start, history: History) -> Array:
+    def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
         legs = history.legs()
-        if born is not self.start:
+        if not isinstance(born, Start) and np.any(born):  # births are at 0
+            stretch = np.asarray(born)[..., None] + legs.displacement
+            hold = _held(self.hazards(stretch, self.start_since, legs))
+            return np.stack([hold, hold * stretch[..., -1]])
+        if not isinstance(born, Start) or born is not self.start:
             hold = np.exp(-np.maximum(self.worst_of_births(legs), self.lost(legs)))
             return np.stack([hold, hold * legs.displacement[..., -1]])
         if born.is_single:
             stretch = born.mean() + legs.displacement
             hazards = self.hazards(stretch, self.start_since, legs)
-            hold = np.exp(hazards[..., 0] - hazards.max(axis=-1))
+            hold = _held(hazards)
             return np.stack([hold, hold * stretch[..., -1]])
         return self._left_of_spread_start(born, legs)
 
@@ -116,7 +121,7 @@ class GrainLife:
         nodes, weights = gauss(low, high)
         weights = weights * finite_density(born, nodes)
         hazards = self._hazards_from(nodes, row[:, None], moves)
-        hold = weights * np.exp(hazards[..., 0] - hazards.max(axis=-1))
+        hold = weights * _held(hazards)
         stretch = nodes + moves.displacement[row, -1:]
         parts = np.stack([hold, hold * stretch, weights]).sum(axis=-1)
         share, force, weight = (
@@ -152,6 +157,15 @@ class GrainLife:
         stretch = start[..., None] + moves.displacement[row]
         own = Legs(stretch, moves.duration[row], moves.speed)
         return self.hazards(stretch, self.start_since, own)
+
+
+def _held(hazards: Array) -> Array:
+    """Share that holds of contacts with these hazards at all moments, (..., moments); those whose
+    thresholds were met at first do not."""
+    first = hazards[..., 0]
+    with np.errstate(invalid="ignore"):
+        lost = hazards.max(axis=-1) - first
+    return np.exp(-np.where(np.isfinite(first), lost, np.inf))
 
 
 def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:

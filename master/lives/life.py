@@ -39,6 +39,10 @@ class Life(Protocol):
         Length over which the survival has to be resolved.
     quick : bool
         Whether `left`, of births at one stretch, takes no longer than a look-up in a table.
+    pair_work : int
+        What `left` of one birth at one moment costs, in look-ups in a table.
+    fresh_start : bool
+        Whether contacts of the start are as young as those that are born later on.
     timeless : bool
         Whether only the way counts, and not the time that it took.
     error : float
@@ -52,8 +56,14 @@ class Life(Protocol):
     bend_sizes: Array
     grain: float
     quick: bool
+    pair_work: int
+    fresh_start: bool
     timeless: bool
-    error: float
+
+    @property
+    def error(self) -> float:
+        """See above."""
+        ...
 
     def marks(self, width: float) -> Array:
         """The bends, and |x| between which the survival is smooth enough for panels of a width."""
@@ -75,3 +85,22 @@ class Life(Protocol):
         units of <k>, a length.
         """
         ...
+
+
+class UnbentLife:
+    """What lives share whose survival has no bend and that depend on time; attributes as in Life."""
+
+    bends: Array = np.empty(0)
+    bend_sizes: Array = np.empty(0)
+    atoms: Array = np.empty(0)
+    quiet = 0.0
+    quick = timeless = False
+    fresh_start, pair_work = True, 1
+
+    def marks(self, width: float) -> Array:
+        """See Life."""
+        return self.bends
+
+    def atom_share(self, atom: float, stretch: float) -> float:
+        """See Life; there are no exact thresholds."""
+        return 0.0

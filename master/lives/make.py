@@ -2,28 +2,52 @@
 
 from __future__ import annotations
 
+from master.lives.age.forward import ForwardAgeing
+from master.lives.age.path import AgeingPath
 from master.lives.cold import ColdLife
+from master.lives.grains import GrainLife
 from master.lives.heat.above import ACCURACY
 from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.stretches import RESOLVED
 from master.lives.heat.thermal import ThermalLife
 from master.lives.life import Life
-from origins import Contacts
+from master.motion.motion import Motion
+from origins import Contacts, InputError
 
 # Error of what is left of contacts, in units of the tolerance: a sum over births weighs many.
 _ACCURACY = 1e-3
 # The same of averages over the stretches at birth. What they miss is the square of this, or beside
 # an onset of P_c some 1e-3 of it, and is looked at as they go.
 _RESOLVED, LEAST_RESOLVED, MOST_RESOLVED = 1e-2, 1e-12, 1e-6
+# Error of the share that holds of contacts that age, in units of the tolerance, and its least.
+_AGED, _FINEST = 0.2, 1e-10
+# The same in steady motion, where strands are followed: finer ones take long.
+_STEPPED = 1e-7
 
 
-def life_of(contacts: Contacts, tolerance: float = 0.0) -> Life | None:
+def life_of(
+    contacts: Contacts, tolerance: float = 0.0, motion: Motion | None = None
+) -> Life | None:
     """The life of these contacts; None where only the old solvers know what is left of them.
 
     tolerance : of the force, in mean thresholds; 0: what is left is known as well as can be
+    motion : of the slider; contacts that age have no life that does not ask it
     """
-    if contacts.ageing is not None or contacts.grains is not None:
-        return None
+    if contacts.grains is not None:
+        if motion is None:
+            return None
+        if contacts.thermal is None:
+            return GrainLife(contacts, float(motion.times[-1]))
+        return None  # warm ones, master.lives.warm_grains, take ten times as long there still
+    if contacts.ageing is not None:
+        if motion is None:
+            return None
+        check_ageing(contacts)
+        accuracy = max(_AGED * tolerance, _FINEST)
+        if not motion.one_leg:
+            return AgeingPath(contacts, motion, accuracy)
+        longest = float(motion.times[-1])
+        return ForwardAgeing(contacts, float(motion.speeds[0]), accuracy, longest)
     if contacts.thermal is None:
         return ColdLife(contacts)
     resolved = (
@@ -32,3 +56,47 @@ def life_of(contacts: Contacts, tolerance: float = 0.0) -> Life | None:
     if contacts.thermal.closure == "paper":
         return MeanRateLife(contacts, resolved)
     return ThermalLife(contacts, max(_ACCURACY * tolerance, ACCURACY), resolved)
+
+
+def steady_life(contacts: Contacts, velocity: float) -> Life | None:
+    """The life of contacts on a slider that moves forward at one speed v > 0, for any time.
+
+    None where only the old solvers know it.
+
+    Raises InputError where contacts have no law each by itself, and where none holds that pins.
+    """
+    if contacts.grains is not None:
+        contacts.grains.breaking(velocity)
+        # so fast that next to none holds, what does is lost beside those that do not
+        cold = contacts.thermal is None and contacts.grains.holds_at(velocity)
+        return GrainLife(contacts, _outlived(contacts, velocity)) if cold else None
+    if contacts.ageing is not None:
+        check_ageing(contacts)
+        closed = contacts.ageing.normal is not None and contacts.thermal is None
+        return ForwardAgeing(contacts, velocity, _FINEST if closed else _STEPPED)
+    return life_of(contacts)
+
+
+def _outlived(contacts: Contacts, velocity: float) -> float:
+    """A time after which even the strongest contacts of the start, whose grains grow, are broken."""
+    grains = contacts.grains
+    assert grains is not None and grains.age is not None
+    longest, behind = grains.growth.first_pinning_time, max(-contacts.start.span[0], 0.0)
+    while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - behind:
+        longest *= 1.5
+    return longest
+
+
+def check_ageing(contacts: Contacts) -> None:
+    """Raise InputError where contacts that age have no law each by itself."""
+    if contacts.ageing is not None and contacts.ageing.closure == "paper":
+        raise InputError(
+            'contacts.ageing: closure = "paper" (Q15) has one P_c for all contacts at each X, so '
+            'that single contacts have no law of their own; use closure = "exact", or ask '
+            "steady_state or critical_velocity, which take it"
+        )
+    if contacts.thermal is not None and contacts.thermal.closure == "paper":
+        raise InputError(
+            'contacts.thermal: closure = "paper" averages the rate over one P_c for all contacts, '
+            'and those that age have no such law; use closure = "exact"'
+        )

@@ -57,7 +57,8 @@ class StraightLife:
     ) -> None:
         self.life, self.reach, self.quiet = life, life.reach, life.quiet
         self.atoms, self.grain, self.quick = life.atoms, life.grain, True
-        self.timeless = life.timeless
+        self.timeless, self.fresh_start = life.timeless, life.fresh_start
+        self.pair_work = 1
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         scale = np.array([1.0, 1.0 / life.reach])[:, None, None]
 
@@ -101,7 +102,8 @@ class StraightLife:
             middle = lag[:, lag.shape[1] // 2, None]
             beside = np.nextafter(jump, np.where(middle < jump, 0.0, np.inf))
             lag = np.where(np.abs(lag - jump) <= _TIE * (jump + history.t), beside, lag)
-        found = self.table(lag)
+        # a time since birth may be rounded below 0, where the first panel, if narrow, tells anything
+        found = self.table(np.maximum(lag, 0.0))
         found[1] *= self.reach
         return found
 

@@ -84,6 +84,8 @@ class WarmGrainLife(GrainLife):
         Measured: the first, the middle and the last of the rows' columns are told twice.
     """
 
+    pair_work = 1000
+
     def __init__(self, contacts: Contacts, longest: float) -> None:
         super().__init__(contacts, longest)
         assert contacts.thermal is not None
@@ -91,8 +93,9 @@ class WarmGrainLife(GrainLife):
         self.error = TABLE_ERROR
         self.thresholds = GrowingThresholds(self.grains, self.start_since + longest)
 
-    def left(self, born: Start, history: History) -> Array:
+    def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
+        assert isinstance(born, Start)
         legs = history.legs()
         rows, columns = (np.unique([0, n // 2, n - 1]) for n in legs.displacement.shape[:2])
         looked = np.ix_(rows, columns)

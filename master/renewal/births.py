@@ -31,9 +31,8 @@ CLOSE = 1e-13
 ROUNDING = 8.0 * float(np.finfo(float).eps)
 # Targets times panels that are integrated at once: some 100 MB of arrays.
 CHUNK = 40_000
-# What a survival after moves of several legs costs in heat, in pieces on one leg; and one averaged
-# over the stretches at birth.
-PAIR_WORK, PAIR_WORK_SPREAD = 6, 250
+# What a survival averaged over the stretches at birth costs, in such from one stretch.
+SPREAD_WORK = 40
 # Pieces, as seen from later targets, that are integrated one by one before halving ends: some 10 s.
 MOST_WORK = 6_000_000
 # Halvings of a piece whose survival no polynomial follows.
@@ -88,7 +87,7 @@ class Births:
     ) -> None:
         self.life, self.law, self.motion, self.delay = life, law, motion, delay
         self.accuracy, self.work = accuracy, 0
-        self.dear = PAIR_WORK if law.is_single else PAIR_WORK_SPREAD
+        self.dear = life.pair_work if law.is_single else life.pair_work * SPREAD_WORK
 
     def blocks(self, t: Array, begin: float, width: float) -> Array:
         """Number and force at times t per value of the breaks at the nodes of one panel.

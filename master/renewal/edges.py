@@ -113,12 +113,16 @@ def edges(
     meet([Moment(delay, 1)] if delay > 0.0 else [])
     meet(_after(Moment(0.0, 0), 0.0, start, motion, life))
     most = MOST + len(lumps)
+    # what breaks as it is born makes a jump of the rate of breaks a jump again, a delay later
+    smoothed = _lost(_at_once(motion, life, again)) if delay > 0.0 else 1.0
+    if smoothed < 1.0:
+        meet([Moment(delay, smoothed)])
     while waiting:
         moment = waiting.pop(0)
         if moment.generation >= generations or len(found) > most:
             continue
         if delay > 0.0:
-            meet([Moment(moment.time + delay, moment.generation + 1)])
+            meet([Moment(moment.time + delay, moment.generation + smoothed)])
         meet(_after(moment, delay, again, motion, life))
     return Edges(np.array(found), len(lumps) > MOST_LUMPS, met)
 
@@ -173,6 +177,18 @@ def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life)
             lost = -np.log10(size) / DIGITS_A_GENERATION + (share == 0.0)
             found.append(Moment(passing.time, moment.generation + lost))
     return found
+
+
+def _lost(share: float) -> float:
+    """How many generations of smoothing a share is worth that keeps a bend as it is."""
+    return float(-np.log10(share) / DIGITS_A_GENERATION) if share > 0.0 else 1.0
+
+
+def _at_once(motion: Motion, life: Life, again: Start) -> float:
+    """The share of births that breaks at once, on the fastest leg of the motion."""
+    leg = int(np.argmax(np.abs(motion.speeds)))
+    now = np.full((1, 1), 0.5 * (motion.times[leg] + motion.times[leg + 1]))
+    return 1.0 - float(life.left(again, motion.history(now, now))[0, 0, 0])
 
 
 class Passing(NamedTuple):

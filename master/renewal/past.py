@@ -12,17 +12,19 @@ Times are counted from the beginning of the present leg, so that they keep their
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from master.lives import straight
+from master.lives.age.path import AgeingPath
 from master.renewal.births import MOST_WORK, Births
 from master.renewal.earlier import EarlierBirths, Panels
 from master.renewal.kernels import Kernels
 from master.renewal.known import Added
 from master.renewal.lumps import NOTHING, Lump
+from master.renewal.strand_births import StrandBirths
 from master.renewal.table import Table
 
 Array = npt.NDArray[np.float64]
@@ -69,9 +71,9 @@ class Past:
     ) -> None:
         self._births, self._kernels, self._until = births, kernels, until
         self._accuracy, self._of_leg = ACCURACY * tolerance, ACCURACY_OF_LEG * tolerance
-        self._earlier: list[EarlierBirths] = []
+        self._earlier: list[EarlierBirths | StrandBirths] = []
         self._leg, self._begin, self._end = -1, 0.0, 0.0
-        self._table: Table | None = None
+        self._table: Callable[[Array], Array] | None = None
         self.error = 0.0
 
     def enter(self, leg: int, edges: Array, lumps: Sequence[Lump], panels: Panels) -> None:
@@ -97,15 +99,17 @@ class Past:
                 x = np.clip(x, x[:, :1] + inside, x[:, -1:] - inside)
             return np.add.reduce(self._parts(x, holding)) * scale
 
+        if isinstance(self._births.life, AgeingPath):
+            self._table = found  # by splines already
+            self.error = max(self.error, sum(own.missed for own in self._earlier))
+            return
         given = found, np.unique(edges), self._accuracy, SHORTEST * float(edges[-1])
         way = abs(float(self._motion.speeds[leg])) * float(edges[-1])
         size = SIZE_OF_SHORT if 0.0 < way < SHORT * self._births.life.grain else SIZE
         # nodes far apart see none of a life that is short
-        self._table = Table(
-            *given, ends=ENDS, size=size, first_cut=FIRST_CUT, goes_on=self._goes_on
-        )
-        missed = sum(own.missed for own in self._earlier)
-        self.error = max(self.error, ENDS * self._table.error + missed)
+        table = Table(*given, ends=ENDS, size=size, first_cut=FIRST_CUT, goes_on=self._goes_on)
+        self._table, missed = table, sum(own.missed for own in self._earlier)
+        self.error = max(self.error, ENDS * table.error + missed)
 
     def _holding(self, lumps: list[Lump]) -> list[Lump]:
         """Those lumps of which any is left at the beginning of this leg; the others are told so."""
@@ -163,9 +167,15 @@ class Past:
                 if births.delay > 0.0:
                     born = some.begin + births.delay - motion.times[earlier]
                     some = some._replace(since=np.maximum(born, 0.0))
-                if not self._earlier or not self._earlier[-1].follows(earlier):
-                    self._earlier.append(EarlierBirths(births, self._of_leg, self._goes_on))
-                self._earlier[-1].add(earlier, some)
+                if isinstance(births.life, AgeingPath):
+                    strands = StrandBirths(births, earlier, some, self._of_leg, self._goes_on)
+                    self._earlier.append(strands)
+                    continue
+                last = self._earlier[-1] if self._earlier else None
+                if not isinstance(last, EarlierBirths) or not last.follows(earlier):
+                    last = EarlierBirths(births, self._of_leg, self._goes_on)
+                    self._earlier.append(last)
+                last.add(earlier, some)
 
     @property
     def _negligible(self) -> float:
@@ -174,8 +184,8 @@ class Past:
     def _is_past(self, lump: Lump) -> bool:
         """Whether a lump was born before this leg, or otherwise than contacts re-form."""
         if lump.time == self._late:
-            law, again = lump.law, self._births.law
-            return not (law is again or (law.span == again.span and law.is_single))
+            law, again, alike = lump.law, self._births.law, self._births.life.fresh_start
+            return not (law is again or (alike and law.span == again.span and law.is_single))
         return lump.time < self._late
 
     def at(self, x: Array, lumps: Sequence[Lump]) -> Array:

@@ -75,7 +75,8 @@ def density(march: March, t: float, x: Array) -> Array:
     at, out = np.full((1, 1), t), np.zeros(x.size)
     if not start.is_single:
         origin = x - now
-        inside = np.flatnonzero(np.abs(origin) < life.reach)
+        low, high = start.span
+        inside = np.flatnonzero((np.abs(origin) < life.reach) & (origin > low) & (origin < high))
         history = motion.history(at, np.zeros((inside.size, 1)))
         held = life.left(origin[inside, None], history)[0, :, 0]
         out[inside] = start.pdf(origin[inside]) * held

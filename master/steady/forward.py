@@ -50,7 +50,8 @@ class ForwardLife:
         Tables of contacts born at the stretches of re-forming, and of the start.
     """
 
-    quick = timeless = True
+    quick = timeless = fresh_start = True
+    pair_work = 1
 
     def __init__(self, life: Life, births: Travel, start: Travel) -> None:
         self.again, self.at_start = SingleStart(0.0), SingleStart(0.0)
@@ -83,7 +84,7 @@ class ForwardLife:
         way = history.now
         middle = way[:, way.shape[1] // 2, None]
         # at the end of a row a jump is not passed, or has been, as the middle of the row tells
-        found = travel.table(middle + (way - middle) * (1.0 - 1e-14))
+        found = travel.table(np.maximum(middle + (way - middle) * (1.0 - 1e-14), 0.0))
         found[1] *= travel.scale
         return found
 
@@ -115,6 +116,7 @@ class Forward:
         self.again, self.start, self.life = births.born, contacts.start, life
         if not life.quick:
             alike = births.born.is_single and contacts.start.span == births.born.span
+            alike = alike and life.fresh_start
             start = births if alike else Travel(life, contacts.start, velocity, births.accuracy)
             self.life = forward = ForwardLife(life, births, start)
             self.again, self.start = forward.again, forward.at_start

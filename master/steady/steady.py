@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.life import Life
-from master.lives.make import life_of
+from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.outcome import WELL, judged
 from master.steady.travel import NONE, Travel
@@ -151,9 +151,9 @@ def steady_state(
         check_alone(contacts)
         return paper_steady_state(contacts.thresholds, contacts.ageing, velocity)
     check_finite(contacts)
-    life = life_of(contacts)
+    life = steady_life(contacts, velocity)
     if life is None:
-        # ageing, growing grains and the paper's closure of temperature, until they are lives
+        # growing grains with heat
         from master._old.steady import steady_state as old_steady_state
 
         return old_steady_state(contacts, velocity=velocity)
@@ -201,7 +201,7 @@ def cycle_of(contacts: Contacts, travel: Travel) -> Cycle:
     """What happens from a birth to the break, where thresholds are for life."""
     far_length, far_area = _beyond(contacts, travel)
     length, area = travel.length, travel.area
-    if contacts.thermal is None and contacts.reforming is None:
+    if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
         # closed moments, against which what is left is held
         law, power = contacts.thresholds, _power(contacts)
         length = law.mean()
@@ -222,6 +222,8 @@ def _beyond(contacts: Contacts, travel: Travel) -> tuple[float, float]:
 
     None holds beyond its threshold, and the tail falls as its power at the end of the table says.
     """
+    if contacts.ageing is not None or contacts.grains is not None:
+        return 0.0, 0.0  # what holds at the end of the tables is in their errors
     law, power, far = contacts.thresholds, _power(contacts), travel.far
     if contacts.thermal is not None:  # rarer ones are left out of E itself
         far = max(far, float(law.isf(RAREST)))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.make import life_of
+from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.forward import births_table
 from master.steady.points import Points, changed
@@ -110,9 +110,9 @@ def phase_line(
 
 def _critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
     """K* and its error at one point."""
-    life = life_of(contacts)
+    life = steady_life(contacts, velocity)
     if life is None:
-        # ageing and growing grains, until they are lives
+        # growing grains with heat
         from master._old.cycle import Cycle
         from master._old.propensity import extremes as old_extremes
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from master.lives.make import life_of
+from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.forward import births_table
 from master.steady.steady import check_finite, cycle_of
@@ -75,9 +75,9 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     check_contacts(contacts, "master.propensity", LAWS)
     check_finite(contacts)
     velocity = positive("velocity", velocity)
-    life = life_of(contacts)
+    life = steady_life(contacts, velocity)
     if life is None:
-        # ageing and growing grains, until they are lives
+        # growing grains with heat
         from master._old.propensity import propensity as old_propensity
 
         old = old_propensity(contacts, tolerance, velocity=velocity)

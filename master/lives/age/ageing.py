@@ -21,6 +21,12 @@ from origins.start import SingleStart, Start
 Array = npt.NDArray[np.float64]
 
 RELAXED = SingleStart(0.0)
+# Of what a finer resolution changes, what it leaves at most: errors fall by more with each.
+FELL = 0.5
+# The largest difference of all moments, in units of that of those looked at.
+MARGIN = 2.0
+# Part of the error that a finer resolution has to take away for a still finer one to be tried.
+HARDLY = 0.7
 # What rounding leaves, of the share that holds.
 ROUND_OFF = 1e-13
 # The finest resolution that is tried; births that are followed for it, points of each leg at which
@@ -60,14 +66,19 @@ class AgeingLife:
         self.fastest = float(np.abs(motion.speeds).max())
         self.reach = max(float(law.isf(1e-17)) for law in (contacts.thresholds, ageing.final))
         self._rules = StretchRules(contacts, accuracy, self._shares)
-        self._missed, self.mesh = np.inf, Mesh(contacts, 1, self.fastest)
+        self.mesh = Mesh(contacts, 1, self.fastest)
         before = self._trial()
+        # of two resolutions, before what they tell is extrapolated
+        self._missed = MARGIN * self._differed
         while self._missed > accuracy and self.mesh.resolution < FINEST:
             if not self.mesh.cells[1].can_be_finer:
                 break
             self.mesh = Mesh(contacts, self.mesh.resolution + 1, self.fastest)
             now = self._trial()
-            self._missed, before = float(np.abs(now - before).max()), now
+            last, missed = self._missed, FELL * float(np.abs(now - before).max())
+            self._missed, before = min(missed, MARGIN * self._differed), now
+            if self._missed > HARDLY * last:
+                break
 
     @property
     def error(self) -> float:
@@ -90,6 +101,7 @@ class AgeingLife:
         """What holds, all along the motion, of the contacts of the start and of some births."""
         legs = self.motion.speeds.size
         births = np.linspace(0, legs - 1, min(TRIALS, legs)).astype(int)
+        self._differed = 0.0
         parts = [self._followed(self.begin(self.contacts.start), 0)]
         parts += [self._followed(self.begin(RELAXED), int(first)) for first in births]
         return np.concatenate(parts)
@@ -109,4 +121,5 @@ class AgeingLife:
                     strand.advance(speed, time)
                     held = float(strand.left()[0, 0])
                 shares.append(held)
+        self._differed = max(self._differed, strand.error)
         return np.array(shares)

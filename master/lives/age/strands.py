@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -173,14 +174,7 @@ class Strands:
 
     def join(self, other: Strands) -> Strands:
         """These strands, and then others that were born of the same law and move on with them."""
-        out = self.take(np.arange(self.count))
-        for name in ("share", "stretch", "age", "_asleep"):
-            setattr(out, name, np.concatenate([getattr(self, name), getattr(other, name)]))
-        pairs = zip(self._weights, other._weights, strict=True)
-        out._weights = [np.concatenate(pair) for pair in pairs]
-        out.error = max(self.error, other.error)
-        out.since = min(self.since, other.since) if self.speed == other.speed else 0.0
-        return out
+        return together([self, other])
 
     def _travel(self, travel: Array, lasts: Array, steps: Array) -> None:
         """Move all parts; `steps` are the ends of the coarse steps, as parts of the whole."""
@@ -199,6 +193,18 @@ class Strands:
             begin, way, time = (x.ravel()[rows] for x in (self.stretch, travel, lasts))
             weights[rows] = stepped(own, weights[rows], begin, way, time, ends)
         self._asleep, self.stretch, self.age = still, after, age
+
+
+def together(parts: Sequence[Strands]) -> Strands:
+    """Strands that were born of the same law and move on with each other, one part after another."""
+    out = parts[0].take(np.zeros(0, dtype=np.intp))
+    for name in ("share", "stretch", "age", "_asleep"):
+        setattr(out, name, np.concatenate([getattr(part, name) for part in parts]))
+    out._weights = [np.concatenate(own) for own in zip(*(p._weights for p in parts), strict=True)]
+    out.error = max(part.error for part in parts)
+    alike = all(part.speed == out.speed for part in parts)
+    out.since = min(part.since for part in parts) if alike else 0.0
+    return out
 
 
 def stepped(

@@ -43,6 +43,7 @@ class ReplayedLife:
 
     quiet = 0.0
     quick = timeless = False
+    fresh_start, pair_work = True, 6
 
     def __init__(self, law: Thresholds, edges: Array, resolved: float = RESOLVED) -> None:
         self._law, self.resolved = law, resolved
