@@ -1,0 +1,91 @@
+"""Random words by counter: one Philox stream for each block of contacts (Salmon et al., SC11, 2011).
+
+A word depends on the seed, the block, what it is for, the lane and the round alone, so that blocks
+may be run by any rank or thread, and in any order. Seven rounds of Philox4x32 pass all of BigCrush
+(same paper, Table 2).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from eq_model.compiling import bare, inlined
+from origins.errors import refuse, whole
+
+LANES = 512  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
+ROW = LANES + 24  # a word a lane; rows of one array then do not share a cache set
+ROUNDS = 7
+
+# what words are for; `fine` ones continue the four words of a round where 32 bits are too few
+THRESHOLDS, STARTS, EXPOSURES, REFORMING, BEYOND, STEPS = range(0, 96, 16)
+_FINE = 4
+
+_U = np.uint64
+_MASK, _HALF = _U(0xFFFFFFFF), _U(32)
+_M0, _M1 = _U(0xD2511F53), _U(0xCD9E8D57)
+_W0, _W1 = _U(0x9E3779B9), _U(0xBB67AE85)
+
+
+class Stream(NamedTuple):
+    """Of one block: the two words of the seed, and the block's number among all; of uint64."""
+
+    low: np.uint64
+    high: np.uint64
+    block: np.uint64
+
+
+def make_stream(seed: object, block: int) -> Stream:
+    """The stream of a block; InputError unless the seed is a whole number from 0 to 2^64 - 1."""
+    number = whole("seed", seed, 0)
+    if number >= 1 << 64:
+        refuse("seed", seed, "must be below 2^64")
+    return Stream(_U(number & 0xFFFFFFFF), _U(number >> 32), _U(block))
+
+
+def words_of_round() -> npt.NDArray[np.uint32]:
+    """Room for the four rows of words that `draw` writes."""
+    return np.zeros(4 * ROW, np.uint32)
+
+
+@inlined
+def philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
+    """Philox4x32-7 of one counter and key, as four words; all of uint64."""
+    for _ in range(ROUNDS):
+        p0, p1 = _M0 * c0, _M1 * c2
+        c0, c1, c2, c3 = (p1 >> _HALF) ^ c1 ^ k0, p1 & _MASK, (p0 >> _HALF) ^ c3 ^ k1, p0 & _MASK
+        k0, k1 = (k0 + _W0) & _MASK, (k1 + _W1) & _MASK
+    return c0, c1, c2, c3
+
+
+@inlined
+def words_at(lane, turn, stream, purpose):  # type: ignore[no-untyped-def]
+    """Four words of one lane in one round, `turn`, which may exceed 32 bits."""
+    turn = _U(turn)
+    third = _U(purpose) | ((turn >> _HALF) << _U(8))
+    return philox(_U(lane), turn & _MASK, stream.block, third, stream.low, stream.high)
+
+
+@inlined
+def fine_word(lane, turn, row, stream, purpose):  # type: ignore[no-untyped-def]
+    """The 32 bits that follow the word of this row of a round."""
+    return words_at(lane, turn, stream, purpose + _FINE + row)[0]
+
+
+@inlined
+def uniform(high, low):  # type: ignore[no-untyped-def]
+    """Between 0 and 1, neither itself, from two words."""
+    return (np.float64(((high << _HALF) | low) >> _U(11)) + 0.5) * 2.0**-53
+
+
+@bare
+def draw(n, turn, stream, purpose, words):  # type: ignore[no-untyped-def]
+    """The words of n lanes in one round: four rows of ROW."""
+    turn = _U(turn)
+    third = _U(purpose) | ((turn >> _HALF) << _U(8))
+    for i in range(_U(n)):
+        a, b, c, d = philox(i, turn & _MASK, stream.block, third, stream.low, stream.high)
+        words[i] = np.uint32(a)
+        words[i + _U(ROW)] = np.uint32(b)
+        words[i + _U(2 * ROW)] = np.uint32(c)
+        words[i + _U(3 * ROW)] = np.uint32(d)
