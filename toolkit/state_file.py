@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from eq_model.state import State
     from eq_model.tally import Tally
 
+BLOCKS = "eq.blocks"  # in a checkpoint's identity: how contacts are divided
 _HISTOGRAMS = "histograms.npy"
 # what zipfile and numpy say of bytes that are not what was written
 _SPOILED = (OSError, EOFError, KeyError, ValueError, TypeError, RuntimeError, BadZipFile, TokenError, ZlibError)
@@ -53,16 +54,22 @@ def write_state(file: Path, state: State, told: dict[str, str]) -> None:
 def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
     """State, and of which run it is; None for a file that a failing disk spoiled.
 
-    Raises InputError where there is no room for what the histograms counted.
+    Raises InputError where there is no room for what the histograms counted, and for a file of an older version.
     """
     from eq_model.state import State
 
     try:
         with ZipFile(file) as members:
-            breaks, steps = (int(count) for count in _read(members, "counts"))
-            done = [range(int(start), int(stop)) for start, stop in _read(members, "done")]
             told, run_time = json.loads(str(_read(members, "identity"))), float(_read(members, "run_time"))
-            return State(_read(members, "sums"), _read_counts(members), breaks, steps, done, run_time), told
+            if BLOCKS not in told:
+                raise InputError(
+                    f"{file}: is a checkpoint of an older version, which divided contacts otherwise; remove "
+                    f"{file.parent}, or choose another folder"
+                )
+            contacts, breaks, steps = (int(count) for count in _read(members, "counts"))
+            done = [range(int(start), int(stop)) for start, stop in _read(members, "done")]
+            sums, counts = _read(members, "sums"), _read_counts(members)
+            return State(sums, counts, contacts, breaks, steps, done, run_time), told
     except InputError:
         raise
     except _SPOILED:
@@ -74,7 +81,7 @@ def _write(stream: IO[bytes], state: State, told: dict[str, str]) -> None:
 
     arrays: dict[str, npt.ArrayLike] = {
         "sums": state.sums,
-        "counts": np.array([state.breaks, state.steps], np.int64),
+        "counts": np.array([state.contacts, state.breaks, state.steps], np.int64),
         "done": np.array([(part.start, part.stop) for part in state.done], np.int64).reshape(-1, 2),
         "run_time": state.run_time,
         "identity": json.dumps(told),
