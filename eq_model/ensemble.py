@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from functools import reduce
 from time import perf_counter
 from typing import Any, overload
@@ -12,11 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model import layout
-from eq_model.beginning import Beginning
 from eq_model.coupled import SLIP_FRACTION, CoupledEnsemble, CoupledResult
+from eq_model.engine import Engine, Found
 from eq_model.ensemble_result import EnsembleResult
-from eq_model.forward import Forward, takes
-from eq_model.lives import Lives
 from eq_model.often import check_often
 from eq_model.state import State
 from eq_model.tally import Tally
@@ -24,15 +24,12 @@ from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import InputError, positive, refuse, whole
-from origins.streams import MOST_REPLICAS, key_of
+from origins.streams import key_of
 
 Array = npt.NDArray[np.float64]
 
 _MOST_CONTACTS = 1 << 37
-_LONG = 0.5  # seconds of a block: who stops a run waits for its end
-# contacts of the first block where rates may break each of them millions of times; fewer where they may take so many
-# breaks or steps of some tenths of a microsecond each that a block would take too long
-_UNKNOWN, _QUICK = 256, 2e-7
+_MOST_REPLICAS = 1 << 28
 
 
 class Ensemble:
@@ -47,8 +44,9 @@ class Ensemble:
     parameters that was cut short: what these did is not done again, and the result is the same to the last bit.
 
     Attributes: `total`, contacts in all; `expected`, how many of them will be followed, which with a tolerance is known
-    better after each round; `clock`, which returns seconds: the size of the blocks, the wall time and the run time go
-    by it. Another clock may take its place, on the class or before the first block, so that work is counted instead.
+    better after each round; `blocks`, how they are divided, and `seconds`, about what each takes, which that goes by;
+    `clock`, which returns seconds: the wall time and the run time go by it. Another clock may take its place, on the
+    class or before the first block, so that work is counted instead.
     """
 
     clock: Callable[[], float] = staticmethod(perf_counter)
@@ -68,8 +66,9 @@ class Ensemble:
         histograms: npt.ArrayLike = (),
         earlier: Iterable[State] = (),
         comm: Any = None,
+        threads: int = 1,
     ) -> None:
-        check_contacts(contacts, "eq_model.simulate", LAWS)
+        check_contacts(contacts, "eq_model.simulate", LAWS, own_rates=True)
         if contacts.thermal is not None and contacts.thermal.closure == "paper":
             raise InputError(
                 'contacts.thermal: closure = "paper" is an approximation of the master equation; single contacts break '
@@ -85,30 +84,28 @@ class Ensemble:
             refuse("comm", comm, "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process")
         self.contacts, self.comm = contacts, comm
         self.n_contacts, replicas = whole("n_contacts", n_contacts, 1), whole("n_replicas", n_replicas, 1)
-        if replicas >= MOST_REPLICAS:
-            refuse("n_replicas", n_replicas, f"must be below {MOST_REPLICAS}; take more contacts instead")
+        if replicas >= _MOST_REPLICAS:
+            refuse("n_replicas", n_replicas, f"must be below {_MOST_REPLICAS}; take more contacts instead")
+        self._threads = whole("threads", threads, 1)
         self.total = self.n_contacts * replicas
         if self.total > _MOST_CONTACTS:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
         self.expected, self._stopped = self.total, False
         self.drive = Drive(path, velocity, time)
         often = check_often(contacts, self.drive)
-        beginning = Beginning(contacts, self.n_contacts, key_of(seed))
+        key_of(seed)
         points = _points(histograms, self.drive.path.size)
-        self._engine: Forward | Lives
-        if takes(contacts, self.drive) and not points.size:
-            self._engine = Forward(self.drive, beginning)
-        else:
-            self._engine = Lives(self.drive, beginning, points)
-        self._each = _QUICK * (often + self._engine.steps)
+        self._engine = Engine(contacts, self.drive, seed, points)
+        self.seconds = self._engine.seconds(often)
+        self.blocks = layout.make_blocks(self.n_contacts, replicas, self.seconds)
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, "such as 1e-4")
         self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
         ready = self.clock() - started
         started = self.clock()
-        layout.in_turn(comm, lambda: self._engine.follow(range(0)))
+        layout.in_turn(comm, lambda: self._engine.follow(self.blocks, -1))
         self.compile_time = self.clock() - started
         sums, counts = np.zeros((2, self._engine.size), np.int64), Tally.zeros(points.size, self.total)
-        nothing = State(sums, counts, 0, 0, [], ready)
+        nothing = State(sums, counts, 0, 0, 0, [], ready)
         found = list(earlier)
         self._before = [part for state in found for part in state.done]
         # what was found before counts on one rank
@@ -122,35 +119,53 @@ class Ensemble:
         With a tolerance the shares of further rounds follow while it is not reached. All ranks must go on to the end.
         """
         rank, ranks = layout.rank_and_size(self.comm)
-        each = float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum()) / self.contacts.mean_threshold
-        size, most = layout.block_size(each * self._engine.weight), layout.block_size(each)
-        laws = self.contacts.thermal, self.contacts.ageing, self.contacts.grains
-        if any(law is not None for law in laws):
-            size = min(size, _UNKNOWN, int(max(_LONG / max(self._each, 1e-9), 1.0)))
         begun, done = self.clock(), 0
-        for one_round in layout.rounds(self.total, self._tolerance is not None):
-            mine = layout.share(layout.left(one_round, self._before), rank, ranks)
-            total, late = done + sum(map(len, mine)), False
-            while mine and not late:
-                block, rest = layout.cut(mine[0], size)
-                mine = [rest, *mine[1:]] if len(rest) else mine[1:]
+        with ThreadPoolExecutor(self._threads) if self._threads > 1 else nullcontext() as pool:
+            for one_round in self.blocks.rounds(self._tolerance is not None):
+                mine = layout.share(layout.left(one_round, self._before), rank, ranks)
+                total, late = done + self.blocks.contacts(mine), False
+                work = self._found([block for part in mine for block in part], pool)
+                while not late and (block := next(work, None)) is not None:
+                    done += self.blocks.size(block)
+                    yield done, total
+                    past = self._wall_time is not None and self.clock() - begun > self._wall_time
+                    late = self._stopped or past
+                work.close()
+                for _ in layout.meeting(self.comm):
+                    yield done, total
+                if self._enough(one_round, late or self._stopped):
+                    return
+
+    def _found(self, blocks: list[int], pool: ThreadPoolExecutor | None) -> Generator[int, None, None]:
+        """Follow blocks, each counted in the state before it is yielded; in threads several at once, in order."""
+        started = self.clock()
+
+        def count(block: int, found: Found) -> int:
+            nonlocal started
+            now = self.clock()
+            # one assignment: whatever interrupts, the state is that of whole blocks
+            self._state = self._state.after(block, self.blocks.size(block), found, now - started)
+            return block
+
+        if pool is None:
+            for block in blocks:
                 started = self.clock()
-                added = self._engine.follow(block)
-                seconds = self.clock() - started
-                found = self._state.after(block, *added)
-                # one assignment: whatever interrupts, the state is that of whole blocks
-                self._state = replace(found, run_time=found.run_time + self.clock() - started)
-                if len(block) == size and seconds > _LONG:
-                    size = max(size // 2, 1)
-                elif 4.0 * seconds < _LONG:
-                    size = min(2 * size, most)
-                done += len(block)
-                yield done, total
-                late = self._stopped or (self._wall_time is not None and self.clock() - begun > self._wall_time)
-            for _ in layout.meeting(self.comm):
-                yield done, total
-            if self._enough(one_round, late or self._stopped):
-                return
+                yield count(block, self._engine.follow(self.blocks, block))
+            return
+        under_way = deque[Any]()
+        try:
+            for block in blocks:
+                under_way.append((block, pool.submit(self._engine.follow, self.blocks, block)))
+                if len(under_way) > 2 * self._threads:
+                    first, future = under_way.popleft()
+                    yield count(first, future.result())
+                    started = self.clock()
+            for first, future in under_way:
+                yield count(first, future.result())
+                started = self.clock()
+        finally:
+            for _, future in under_way:
+                future.cancel()
 
     def stop(self) -> None:
         """Begin no further block of this rank's share: the result will be that of what is finished."""
@@ -172,7 +187,8 @@ class Ensemble:
             return late
         found = self._result()
         wanted = self._wanted(found.contacts, float(found.force_standard_error.max()) / self.contacts.mean_threshold)
-        self.expected = next((part.stop for part in layout.rounds(self.total, True) if part.stop >= wanted), self.total)
+        ends = (self.blocks.before(part.stop) for part in self.blocks.rounds(True))
+        self.expected = next((end for end in ends if end >= wanted), self.total)
         return found.success
 
     def _wanted(self, contacts: int, largest: float) -> float:
@@ -195,19 +211,19 @@ class Ensemble:
             self.comm.Allreduce(state.sums, sums)  # whole numbers: the order does not matter
             states = self.comm.allgather(state.without_sums())
         done = sorted((part for one in states for part in one.done), key=lambda part: part.start)
-        contacts = sum(map(len, done))
+        contacts = self.blocks.contacts(done)
         if not contacts:
             raise InputError("ensemble: no block of contacts is finished yet; iterate over it first")
-        holding, force, variance = self._engine.moments(done, sums)
-        error = np.sqrt(variance / contacts)
+        moments = self._engine.moments(self.blocks, done, sums)
+        holding, error = moments.holding, np.sqrt(moments.variance / contacts)
         histograms = [] if counts is None else self._engine.histograms(contacts, counts.of_all(self.comm))
         run_time = max(one.run_time for one in states) + self._slowest(self.clock() - started)
         success, message = self._judge(contacts, error)
         return EnsembleResult(
             path=self.drive.path,
-            force=force,
+            force=moments.force,
             force_standard_error=error,
-            step_error=self._engine.step_error(done, sums),
+            step_error=self._engine.step_error(self.blocks, done, sums),
             holding=holding,
             holding_standard_error=np.sqrt(self._holding_variance(holding, contacts) / contacts),
             histograms=histograms,
@@ -275,6 +291,7 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
     wall_time: float | None = None,
     histograms: npt.ArrayLike = (),
     comm: Any = None,
+    threads: int = 1,
 ) -> EnsembleResult | CoupledResult:
     """Follow n_contacts * n_replicas discrete contacts along the path of a slider, rigid or pulled through a spring.
 
@@ -322,6 +339,8 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
         for one block of contacts, 32 kB each, and for all in a temporary file.
     comm : mpi4py communicator, optional
         Its ranks share the work, and all must call; None: this process alone, mpi4py not needed.
+    threads : int
+        Blocks of contacts that each rank follows at once, on as many cores; the result does not depend on it.
 
     Returns an EnsembleResult, with a spring a CoupledResult.
 
@@ -345,6 +364,7 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
             seed=seed,
             wall_time=wall_time,
             comm=comm,
+            threads=threads,
         )
         for _ in coupled:
             pass
@@ -364,6 +384,7 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
         wall_time=wall_time,
         histograms=histograms,
         comm=comm,
+        threads=threads,
     )
     for _ in ensemble:
         pass

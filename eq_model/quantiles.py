@@ -6,13 +6,14 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, bits_of, double_of, inlined, single_of
-from eq_model.streams import LANES, ROW, fine_word
+from eq_model.streams import LANES, ROW, fine_word, words_at
 from eq_model.tables import CELL_BITS, FAR, OCTAVES, SIDE
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 _LOW31, _EXPONENT = np.uint32(0x7FFFFFFF), np.int64(0x3FF << 52)
 _FIRST = np.int64(((1023 + 31 - OCTAVES) << CELL_BITS) - 1)
 _SHIFT = np.int64(52 - CELL_BITS)
+_AGAIN = 8  # of purposes: beside the words of a row and those that continue them
 _HALF_WAY = 62  # halvings that take a double to its last bit
 
 
@@ -113,6 +114,21 @@ def draw_values(n, row, turn, stream, purpose, words, table, rows, out):  # type
 
 
 @bare
+def draw_inside(n, row, turn, stream, purpose, words, table, top, rows, out):  # type: ignore[no-untyped-def]
+    """As draw_values, of stretches below `top`: where no threshold lies beyond they are drawn again."""
+    draw_values(n, row, turn, stream, purpose, words, table, rows, out)
+    most = _I(0)
+    for i in range(_U(n)):
+        most = max(most, abs(out[i]))
+    for i in range(_U(n) if most >= top else _U(0)):
+        attempt = 0
+        while abs(out[i]) >= top:
+            attempt += 1
+            word, fine, _, _ = words_at(i, turn + (attempt << 48), stream, purpose + _AGAIN + row)
+            out[i] = quantile(word, fine, table)
+
+
+@bare
 def quantile(word, fine, table):  # type: ignore[no-untyped-def]
     """The whole quantile of a word and its continuation."""
     part = _I(0)
@@ -171,11 +187,11 @@ def survival(part, x, table):  # type: ignore[no-untyped-def]
 @bare
 def beyond(x, first, second, table):  # type: ignore[no-untyped-def]
     """A whole threshold above x (whole), from two numbers between 0 and 1: P_c conditional on x_s > x."""
-    y, total, part = _F(x), 0.0, 0
+    y, total, part = _F(x), 0.0, _I(0)
     for k in range(table.begins.size):
         total += table.weights[k] * survival(k, y, table)
     first *= total
-    share = survival(0, y, table)
+    share = survival(part, y, table)
     while part + 1 < table.begins.size and first >= table.weights[part] * share:
         first -= table.weights[part] * share
         part += 1

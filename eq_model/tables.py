@@ -9,6 +9,7 @@ own, so that gaps and steps between components cost nothing.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple, Protocol
 from weakref import WeakKeyDictionary
 
@@ -122,6 +123,28 @@ def cells_of(contacts: Contacts) -> dict[str, Cells]:
         spread = ((name, law) for name, law in laws.items() if not law.is_single)
         _KNOWN[contacts] = found | {name: make_cells(law, name=name) for name, law in spread}
     return _KNOWN[contacts]
+
+
+class _LogExposure:
+    """ln e, e of the exponential law of mean 1: contacts break where the integral of their rate is e."""
+
+    def cdf(self, x: npt.ArrayLike) -> Array:
+        return -np.expm1(-np.exp(x))
+
+    def sf(self, x: npt.ArrayLike) -> Array:
+        return np.exp(-np.exp(x))
+
+    def ppf(self, q: npt.ArrayLike) -> Array:
+        return np.log(-np.log1p(-np.asarray(q, dtype=float)))
+
+    def isf(self, q: npt.ArrayLike) -> Array:
+        return np.log(-np.log(q))
+
+
+@cache
+def exposure_cells() -> Cells:
+    """Of the logarithm of what contacts bear."""
+    return make_cells(_LogExposure(), name="what contacts bear")
 
 
 def _survival(name: str, law: Start, contacts: Contacts) -> float:

@@ -109,14 +109,15 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | N
         found, aside = few.result, few.number * each_block
         largest = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
         long_enough = few.blocks - aside > max(_LONG_ENOUGH, aside)
-        if long_enough or _GROWTH * n > _followed(asked.tolerance, n, largest, most):
+        if long_enough or _GROWTH * n > _followed(asked.tolerance, n, largest, few.whole):
             break
         n *= _GROWTH
     # before many have broken it is those few that differ
     off = min(_SIGMAS * math.sqrt(_TAILS / min(n, max(found.breaks, 1))), 0.9)
     of_n = Estimate(largest, largest * (1.0 - off), largest * (1.0 + off))
-    contacts = Estimate(*(_followed(asked.tolerance, n, error, most) for error in (of_n.value, of_n.low, of_n.high)))
-    cost = max(few.blocks - aside, 0.0) / n + each_block / (ranks * layout.BLOCK)
+    errors = of_n.value, of_n.low, of_n.high
+    contacts = Estimate(*(_followed(asked.tolerance, n, error, few.whole) for error in errors))
+    cost = max(few.blocks - aside, 0.0) / n + each_block * few.whole.total / (ranks * most)
     each = Estimate(cost, cost / _SPEED, cost * _SPEED)
     counts, file = sizes(scene.histogram_points().size, most)
     memory = _largest(comm, _peak())
@@ -144,10 +145,11 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | N
 
 @dataclass(frozen=True)
 class _Few:
-    """What a few contacts tell: `result`; `number` of this rank's blocks; seconds of the slowest rank for its `blocks`,
-    the tables before (`ready`), and the result (`once`)."""
+    """What a few contacts tell: `result`; the blocks of the `whole` run; `number` of this rank's blocks; seconds of the
+    slowest rank for its `blocks`, the tables before (`ready`), and the result (`once`)."""
 
     result: "EnsembleResult"
+    whole: layout.Blocks
     number: int
     blocks: float
     ready: float
@@ -159,15 +161,16 @@ class _Few:
 
 
 def _follow_few(scene: Scene, asked: EqTable, comm: Any, n: int, seconds: Seconds | None) -> _Few:
-    ensemble = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
+    ensemble: Any = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
     ready = ensemble.state.run_time
-    finished = set[int]()
+    finished, whole = set[int](), layout.make_blocks(asked.contacts, asked.replicas, ensemble.seconds)
     result: Any = follow(ensemble, lambda done, expected: finished.add(done))
     if seconds is not None:
-        return _Few(result, len(finished), _largest(comm, seconds(result, len(finished))), ready=0.0, once=0.0)
+        told = _largest(comm, seconds(result, len(finished)))
+        return _Few(result, whole, len(finished), told, ready=0.0, once=0.0)
     taken = ensemble.state.run_time
     blocks, ready, taken = (_largest(comm, measured) for measured in (taken - ready, ready, taken))
-    return _Few(result, len(finished), blocks, ready, result.run_time - taken)
+    return _Few(result, whole, len(finished), blocks, ready, result.run_time - taken)
 
 
 @dataclass(frozen=True)
@@ -282,13 +285,15 @@ def _range(number: Estimate, form: str) -> str:
     return value if low == high else f"{value} ({low} to {high})"
 
 
-def _followed(tolerance: float | None, n: int, error: float, most: int) -> int:
+def _followed(tolerance: float | None, n: int, error: float, whole: layout.Blocks) -> int:
     """Contacts until the tolerance is reached, if n have this error: whole rounds of the ensemble."""
+    most = whole.before(whole.total)
     if tolerance is None:
         return most
     ratio = error / tolerance
     wanted = n * ratio * ratio  # not as a power, which may overflow
-    return next((part.stop for part in layout.rounds(most, True) if part.stop >= wanted), most)
+    ends = (whole.before(part.stop) for part in whole.rounds(True))
+    return next((end for end in ends if end >= wanted), most)
 
 
 def _each(scene: Scene, breaks: float, n: int) -> Estimate:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from eq_model.tally import Tally
 
 _COUPLED = "coupled_"  # begins the names of arrays of replicas on soft sliders
+BLOCKS = "eq.blocks"  # in a checkpoint's identity: how contacts are divided
 _HISTOGRAMS = "histograms.npy"
 # what zipfile and numpy say of bytes that are not what was written
 _SPOILED = (OSError, EOFError, KeyError, ValueError, TypeError, RuntimeError, BadZipFile, TokenError, ZlibError)
@@ -55,7 +56,7 @@ def write_state(file: Path, state: State | CoupledState, told: dict[str, str]) -
 def read_state(file: Path) -> tuple[State | CoupledState, dict[str, str]] | None:
     """State, and of which run it is; None for a file that a failing disk spoiled.
 
-    Raises InputError where there is no room for what the histograms counted.
+    Raises InputError where there is no room for what the histograms counted, and for a file of an older version.
     """
     from eq_model.coupled.result import CoupledState
     from eq_model.state import State
@@ -66,10 +67,16 @@ def read_state(file: Path) -> tuple[State | CoupledState, dict[str, str]] | None
             if coupled := [name for name in names if name.startswith(_COUPLED)]:
                 arrays = {name.removeprefix(_COUPLED): _read(members, name) for name in coupled}
                 return CoupledState.of_arrays(arrays), json.loads(str(_read(members, "identity")))
-            breaks, steps = (int(count) for count in _read(members, "counts"))
-            done = [range(int(start), int(stop)) for start, stop in _read(members, "done")]
             told, run_time = json.loads(str(_read(members, "identity"))), float(_read(members, "run_time"))
-            return State(_read(members, "sums"), _read_counts(members), breaks, steps, done, run_time), told
+            if BLOCKS not in told:
+                raise InputError(
+                    f"{file}: is a checkpoint of an older version, which divided contacts otherwise; remove "
+                    f"{file.parent}, or choose another folder"
+                )
+            contacts, breaks, steps = (int(count) for count in _read(members, "counts"))
+            done = [range(int(start), int(stop)) for start, stop in _read(members, "done")]
+            sums, counts = _read(members, "sums"), _read_counts(members)
+            return State(sums, counts, contacts, breaks, steps, done, run_time), told
     except InputError:
         raise
     except _SPOILED:
@@ -87,7 +94,7 @@ def _write(stream: IO[bytes], state: State | CoupledState, told: dict[str, str])
         return
     arrays: dict[str, npt.ArrayLike] = {
         "sums": state.sums,
-        "counts": np.array([state.breaks, state.steps], np.int64),
+        "counts": np.array([state.contacts, state.breaks, state.steps], np.int64),
         "done": np.array([(part.start, part.stop) for part in state.done], np.int64).reshape(-1, 2),
         "run_time": state.run_time,
         "identity": json.dumps(told),

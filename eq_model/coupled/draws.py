@@ -83,9 +83,11 @@ class Draws:
         again = None if law is None else law.law
         start = self._contacts.start
         return Supplies(
-            thresholds=self._supply("thresholds", THRESHOLDS, replica, 0.0),
-            starts=self._supply("start", STARTS, replica, start.mean()),
-            again=self._supply("reforming", REFORMING, replica, again.mean() if again else 0.0),
+            thresholds=self._supply("thresholds", int(THRESHOLDS), replica, 0.0),
+            starts=self._supply("start", int(STARTS), replica, start.mean()),
+            again=self._supply(
+                "reforming", int(REFORMING), replica, again.mean() if again else 0.0
+            ),
             stretched=start.span != (0.0, 0.0),
             again_stretched=again is not None,
             top=np.int64(self._largest / self.unit) + 1,

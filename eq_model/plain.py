@@ -1,4 +1,4 @@
-"""One life of a contact in plain Python, by what origins says of its laws: slow, and simple enough to be read."""
+"""The plain twin of the lanes: one life of a contact by what origins says of its laws, slow and simple to read."""
 
 from itertools import pairwise
 
