@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+import eq_model
 import master
 import origins
 from master.paper.explicit_loop import explicit_loop
@@ -11,6 +12,7 @@ from master.paper.explicit_loop import explicit_loop
 PICTURES = Path(__file__).parent / "pictures"
 CONTACTS = origins.Contacts(origins.gaussian(1.0, 0.2), origins.gaussian_start(0.0, 0.025))
 SPRING = 0.5
+NARROW, SIZES = origins.Contacts(origins.gaussian(1.0, 0.05)), (4_000, 32_000, 256_000)
 RULES = [("reset", "#1f4e79", "-"), ("reform-after", "#c0392b", "--"), ("instant", "#2e7d32", ":")]
 
 
@@ -54,6 +56,59 @@ def draw_holds() -> None:
     figure.savefig(PICTURES / "holds.png", dpi=130)
 
 
+def of_slips(slips: eq_model.CoupledSlips, replicas: int) -> np.ndarray:
+    """X_T of the first three slips, the two periods between them and their three drops, of each replica."""
+    drive, drop = (values.reshape(replicas, -1)[:, :3] for values in (slips.drive, slips.drop))
+    return np.hstack([drive, np.diff(drive), drop])
+
+
+def finite_numbers(contacts_each: int = 128_000_000) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Mean and standard error of these, less the master equation's, at each of SIZES; so many contacts in all replicas
+    of one size."""
+    path = [0.0, 5.6]
+    solved = master.solve(NARROW, path, spring=1.0, slip="reform-after").slips
+    exact = np.concatenate([solved.drive[:3], np.diff(solved.drive)[:2], solved.drop[:3]])
+    found = []
+    for size in SIZES:
+        replicas = contacts_each // size
+        run = eq_model.simulate(
+            NARROW, path, spring=1.0, slip="reform-after", n_contacts=size, n_replicas=replicas, seed=1
+        )
+        own = of_slips(run.slips, replicas) - exact
+        found.append((own.mean(axis=0), own.std(axis=0, ddof=1) / np.sqrt(replicas)))
+    return found
+
+
+def draw_contacts() -> None:
+    """Against N^(-2/3), with the straight line through the three sizes, weighted, and where it meets infinite N."""
+    from matplotlib.figure import Figure
+
+    found = finite_numbers()
+    mean, error = (np.array(rows) for rows in zip(*found, strict=True))
+    scale = np.array(SIZES) ** (-2.0 / 3.0)
+    figure = Figure(figsize=(10, 3.6), layout="constrained")
+    axes = figure.subplots(1, 2)
+    named = [*(f"$X_T$ of slip {k}" for k in (1, 2, 3)), "first period", "second", *(f"drop {k}" for k in (1, 2, 3))]
+    for k, name in enumerate(named):
+        weights = np.linalg.pinv(np.stack([np.ones(3), scale], axis=1) / error[:, k : k + 1]) / error[:, k]
+        at, slope = weights @ mean[:, k]
+        # the next order is N^(-1), by up to five times the slope
+        off = float(np.hypot(np.linalg.norm(weights[0] * error[:, k]), 5.0 * slope * weights[0] @ scale**1.5))
+        print(f"{name.replace('$', '')}: {at:.1e} ± {off:.1e} beside the master equation, {slope:.2f} N^(-2/3)")
+        ax = axes[0] if k < 3 else axes[1]
+        ink = ("#1f4e79", "#2e7d32", "#c0392b", "#1f4e79", "#2e7d32", "0.2", "0.5", "0.7")[k]
+        ax.errorbar(scale, mean[:, k], yerr=error[:, k], fmt="o", ms=3, capsize=2, lw=1, color=ink, label=name)
+        ax.plot([0.0, scale[0]], [at, at + slope * scale[0]], lw=1, color=ink)
+    for ax in axes:
+        ax.axhline(0.0, color="0.6", lw=0.8, zorder=0)
+        ax.set(xlabel="$N^{-2/3}$", ylabel="$N$ contacts less infinitely many")
+        ax.ticklabel_format(style="sci", scilimits=(0, 0))
+        ax.legend(fontsize="small")
+    axes[0].set_title("where slips come")
+    axes[1].set_title("period, and fall of the force")
+    figure.savefig(PICTURES / "finite_numbers.png", dpi=130)
+
+
 def main() -> None:
     from matplotlib.figure import Figure
 
@@ -76,6 +131,7 @@ def main() -> None:
     axes[2].legend(loc="lower right", fontsize="small", framealpha=1.0)
     figure.savefig(PICTURES / "sliders.png", dpi=130)
     draw_holds()
+    draw_contacts()
 
 
 if __name__ == "__main__":

@@ -33,8 +33,10 @@ class Extrapolated(NamedTuple):
 
 
 def extrapolated(means, errors) -> Extrapolated:
-    """Fit value + a N^(-2/3), as of the first passage of a random walk over a parabola; the next order is N^(-1),
-    here with the same factor a."""
+    """Fit value + a N^(-2/3), as of the first passage of a random walk over a parabola.
+
+    The next order is N^(-1), by a factor of up to 5 a: that much a fit at N = 4,000 alone is off.
+    """
     terms = np.stack([np.ones(SIZES.size), SIZES ** (-2.0 / 3.0)], axis=1)
     weights = np.linalg.pinv(terms / errors[:, None]) / errors
     fit = weights @ means
@@ -42,7 +44,7 @@ def extrapolated(means, errors) -> Extrapolated:
     return Extrapolated(
         float(fit[0]),
         float(np.sqrt((weights[0] ** 2 * errors**2).sum())),
-        float(abs(fit[1] * (weights[0] / SIZES).sum())),
+        float(abs(5.0 * fit[1] * (weights[0] / SIZES).sum())),
         float((misfit**2).sum()),
     )
 
@@ -81,7 +83,7 @@ def slips(name, rule, number, contacts_each, seed=1):
 def test_the_first_slip_is_that_of_the_master_equation(rule):
     exact, found = slips("gaussian", rule, 1, 8_000_000)
     assert abs(found[0].deviation(exact[0])) < 4.0
-    assert found[0].error < 1.5e-4 and found[0].systematic < 2e-5 and found[0].chi_square < 12.0
+    assert found[0].error < 1.5e-4 and found[0].systematic < 1e-4 and found[0].chi_square < 12.0
 
 
 @pytest.mark.parametrize("name", ["linked", "delayed"])
