@@ -1,13 +1,12 @@
 """A state of an ensemble in a file of its own, and its way back.
 
-The file is numpy's .npz. Counts of histograms are written and read part by part: all at once might not fit.
+The file is numpy's .npz.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
 from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
@@ -23,10 +22,8 @@ from origins.errors import InputError
 
 if TYPE_CHECKING:
     from eq_model.state import State
-    from eq_model.tally import Tally
 
 BLOCKS = "eq.blocks"  # in a checkpoint's identity: how contacts are divided
-_HISTOGRAMS = "histograms.npy"
 # what zipfile and numpy say of bytes that are not what was written
 _SPOILED = (OSError, EOFError, KeyError, ValueError, TypeError, RuntimeError, BadZipFile, TokenError, ZlibError)
 
@@ -54,7 +51,7 @@ def write_state(file: Path, state: State, told: dict[str, str]) -> None:
 def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
     """State, and of which run it is; None for a file that a failing disk spoiled.
 
-    Raises InputError where there is no room for what the histograms counted, and for a file of an older version.
+    Raises InputError for a file of an older version.
     """
     from eq_model.state import State
 
@@ -68,7 +65,7 @@ def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
                 )
             contacts, breaks, steps = (int(count) for count in _read(members, "counts"))
             done = [range(int(start), int(stop)) for start, stop in _read(members, "done")]
-            sums, counts = _read(members, "sums"), _read_counts(members)
+            sums, counts = _read(members, "sums"), _read(members, "histograms")
             return State(sums, counts, contacts, breaks, steps, done, run_time), told
     except InputError:
         raise
@@ -77,47 +74,20 @@ def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
 
 
 def _write(stream: IO[bytes], state: State, told: dict[str, str]) -> None:
-    from eq_model.histogram import BINS
-
     arrays: dict[str, npt.ArrayLike] = {
         "sums": state.sums,
         "counts": np.array([state.contacts, state.breaks, state.steps], np.int64),
         "done": np.array([(part.start, part.stop) for part in state.done], np.int64).reshape(-1, 2),
         "run_time": state.run_time,
         "identity": json.dumps(told),
+        "histograms": state.counts,
     }
-    counts = state.counts
-    header = {"descr": counts.dtype.str, "fortran_order": False, "shape": (counts.points, 2, BINS)}
     with ZipFile(stream, "w") as members:
         for name, array in arrays.items():
             with members.open(f"{name}.npy", "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, np.asarray(array))
-        with members.open(_HISTOGRAMS, "w", force_zip64=True) as member:
-            np.lib.format.write_array_header_1_0(member, header)
-            for part in counts.parts():
-                member.write(part.data)
 
 
 def _read(members: ZipFile, name: str) -> npt.NDArray[Any]:
     """One array. Its member is read to the end: only there is its checksum looked at, which covers the header too."""
     return np.asarray(np.lib.format.read_array(BytesIO(members.read(f"{name}.npy")), allow_pickle=False))
-
-
-def _read_counts(members: ZipFile) -> Tally:
-    from eq_model.histogram import BINS
-    from eq_model.tally import PART, Tally
-
-    with members.open(_HISTOGRAMS) as member:
-        np.lib.format.read_magic(member)
-        shape, _, dtype = np.lib.format.read_array_header_1_0(member)
-        size = members.getinfo(_HISTOGRAMS).file_size - member.tell()
-        if shape[1:] != (2, BINS) or size != shape[0] * 2 * BINS * dtype.itemsize:
-            raise ValueError("the header is spoiled")
-
-        def parts() -> Iterator[npt.NDArray[Any]]:
-            for begin in range(0, size, PART):
-                yield np.frombuffer(member.read(min(PART, size - begin)), dtype)
-            if member.read(1):
-                raise ValueError("is longer than its header says")
-
-        return Tally.of(shape[0], dtype, parts())
