@@ -7,13 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.histogram import BINS, Histogram, Made, histogram, make_range
+from eq_model.histogram import BINS, Counts, Histogram, Made, histogram, make_range
 from eq_model.lattice import SUM_BITS, TIE, make_lattice
 from eq_model.layout import BLOCK, Blocks, is_measured
 from eq_model.often import check_growth, check_steps, duration
 from eq_model.rare import Seen, unseen_break, unseen_variance
 from eq_model.tables import DEEPEST, FAR, Table, cells_of, exposure_cells
-from eq_model.tally import Counts, Tally
 from origins import Contacts, Drive, GrainContact
 from origins.errors import InputError
 
@@ -335,13 +334,13 @@ class Engine:
         doubt = np.sqrt(fine.variance / n + other.variance / some)
         return (np.abs(other.force - fine.force) + doubt) / (COARSER - 1.0)
 
-    def histograms(self, n: int, counts: Tally) -> Sequence[Histogram]:
+    def histograms(self, n: int, counts: Counts) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""
         points, path, back = self._points, self.lattice.path, np.argsort(self._order)
 
         def make(index: int) -> Histogram:
             point = int(points[index])
-            own = counts.at(int(back[index]))
+            own = counts[int(back[index])]
             return histogram(point, float(path[point]), self._range, own, n)
 
         return Made(points.size, make)

@@ -17,9 +17,9 @@ from eq_model import layout
 from eq_model.coupled import SLIP_FRACTION, CoupledEnsemble, CoupledResult
 from eq_model.engine import Engine, Found
 from eq_model.ensemble_result import EnsembleResult
+from eq_model.histogram import MOST, Counts, no_counts
 from eq_model.often import check_often
 from eq_model.state import State
-from eq_model.tally import Tally
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
@@ -104,7 +104,7 @@ class Ensemble:
         started = self.clock()
         layout.in_turn(comm, lambda: self._engine.follow(self.blocks, -1))
         self.compile_time = self.clock() - started
-        sums, counts = np.zeros((2, self._engine.size), np.int64), Tally.zeros(points.size, self.total)
+        sums, counts = np.zeros((2, self._engine.size), np.int64), no_counts(points.size, self.total)
         nothing = State(sums, counts, 0, 0, 0, [], ready)
         found = list(earlier)
         self._before = [part for state in found for part in state.done]
@@ -202,7 +202,7 @@ class Ensemble:
         """What all ranks found; every rank must call, and gets the same bits."""
         return self._result(self._state.counts)
 
-    def _result(self, counts: Tally | None = None) -> EnsembleResult:
+    def _result(self, counts: Counts | None = None) -> EnsembleResult:
         """With the histograms of this rank's `counts` and the other ranks', or without any."""
         started, state = self.clock(), self._state
         sums, states = state.sums, [state]
@@ -216,7 +216,10 @@ class Ensemble:
             raise InputError("ensemble: no block of contacts is finished yet; iterate over it first")
         moments = self._engine.moments(self.blocks, done, sums)
         holding, error = moments.holding, np.sqrt(moments.variance / contacts)
-        histograms = [] if counts is None else self._engine.histograms(contacts, counts.of_all(self.comm))
+        if counts is not None and counts.size and self.comm is not None:
+            own, counts = counts, np.empty_like(counts)
+            self.comm.Allreduce(own, counts)
+        histograms = [] if counts is None else self._engine.histograms(contacts, counts)
         run_time = max(one.run_time for one in states) + self._slowest(self.clock() - started)
         success, message = self._judge(contacts, error)
         return EnsembleResult(
@@ -268,6 +271,8 @@ def _points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     good = points.ndim == 1 and points.dtype.kind in "iu" and ((points >= -size) & (points < size)).all()
     if not good:
         refuse("histograms", histograms, f"must be indices of points of the path, such as [0, {size - 1}]")
+    if points.size > MOST:
+        refuse("histograms", f"{points.size} points", f"must be at most {MOST}, which take 65 MB")
     return np.asarray(points % size, dtype=np.intp)
 
 
@@ -335,8 +340,8 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
     wall_time : float, optional
         Seconds after which no further block is begun: then the result does depend on the machine.
     histograms : array of int
-        Indices of points of the path at which stretches and thresholds of the contacts that hold are counted: in memory
-        for one block of contacts, 32 kB each, and for all in a temporary file.
+        Indices of points of the path at which stretches and thresholds of the contacts that hold are counted, at most
+        2,000 of them, of 32 kB each.
     comm : mpi4py communicator, optional
         Its ranks share the work, and all must call; None: this process alone, mpi4py not needed.
     threads : int
@@ -344,8 +349,9 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
 
     Returns an EnsembleResult, with a spring a CoupledResult.
 
-    Raises InputError for arguments that cannot be used, for thresholds that cannot be tabulated, and where there is no
-    room for what histograms count.
+    Raises InputError for arguments that cannot be used, and for thresholds that cannot be tabulated.
+
+    plain.py follows one life in plain Python; closest.py is the paper's own algorithm.
     """
     if spring is not None:
         if tolerance is not None or np.size(histograms):

@@ -8,8 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.unsignedinteger[Any]]
 
 BINS = 4096
+MOST = 2000  # points at which contacts are counted: the counts of all then take 65 MB, and 131 MB from 2^32 contacts on
 _WIDE = 64.0  # typical lengths that bins alike are spread over: they are at most 1/32 of one wide
 
 
@@ -39,6 +41,11 @@ class Histogram:
     thresholds: Array
     threshold_error: Array
     count: int
+
+
+def no_counts(points: int, contacts: int) -> Counts:
+    """Zeros, shape (points, 2, BINS), that hold the counts of so many contacts."""
+    return np.zeros((points, 2, BINS), np.uint32 if contacts < 1 << 32 else np.uint64)
 
 
 @dataclass(frozen=True)

@@ -89,7 +89,8 @@ def joined(done: list[range], block: range) -> list[range]:
 def share(blocks: list[range], rank: int, size: int) -> list[range]:
     """The blocks of one rank: shares follow one another and differ by at most one block."""
     total = sum(map(len, blocks))
-    skip, take = total * rank // size, total * (rank + 1) // size - total * rank // size
+    skip, end = (-(-total * one // size) for one in (rank, rank + 1))
+    take = end - skip
     out = []
     for part in blocks:
         mine = part[skip : skip + take]

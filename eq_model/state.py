@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from eq_model import layout
 from eq_model.engine import Found
-from eq_model.tally import Tally
+from eq_model.histogram import Counts, no_counts
 from origins.errors import InputError
 
 
@@ -22,7 +22,7 @@ class State:
     """
 
     sums: npt.NDArray[np.int64]
-    counts: Tally
+    counts: Counts
     contacts: int
     breaks: int
     steps: int
@@ -33,7 +33,7 @@ class State:
         """With one block more, of so many contacts, which took so long."""
         return State(
             self.sums + found.sums,
-            self.counts.plus(found.counts),
+            self.counts + found.counts,
             self.contacts + contacts,
             self.breaks + found.breaks,
             self.steps + found.steps,
@@ -43,11 +43,11 @@ class State:
 
     def joined(self, other: State) -> State:
         """Of both."""
-        if self.sums.shape != other.sums.shape:
+        if self.sums.shape != other.sums.shape or self.counts.shape != other.counts.shape:
             raise InputError("earlier: was found on another path, or for other contacts; start anew")
         return State(
             self.sums + other.sums,
-            self.counts.joined(other.counts),
+            self.counts + other.counts,
             self.contacts + other.contacts,
             self.breaks + other.breaks,
             self.steps + other.steps,
@@ -57,4 +57,4 @@ class State:
 
     def without_sums(self) -> State:
         """The rest alone."""
-        return replace(self, sums=np.zeros((2, 0), np.int64), counts=Tally.zeros(0, 0))
+        return replace(self, sums=np.zeros((2, 0), np.int64), counts=no_counts(0, 0))

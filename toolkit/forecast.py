@@ -3,7 +3,6 @@
 import math
 import signal
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from eq_model import layout
-from eq_model.tally import sizes
+from eq_model.histogram import no_counts
 from origins.errors import InputError
 from toolkit.blocks import follow
 from toolkit.running import make_ensemble, solve_master
@@ -65,8 +64,8 @@ class Forecast:
 
     ranks : at work. contacts : to be followed, of `most`, `done` of them by an earlier run; breaks : of all of them.
     run_time : s, as of EnsembleResult, of those that are left.
-    memory : MB of a rank at its peak. temporary, kept : MB of a rank's histograms, in a temporary file and in its
-    checkpoint. error : largest standard error of the force in mean thresholds; tolerance : that was asked for.
+    memory : MB of a rank at its peak. kept : MB of a rank's histograms, in its checkpoint.
+    error : largest standard error of the force in mean thresholds; tolerance : that was asked for.
     pilot_contacts, pilot_time : of what tells this, s, compilation not counted.
     """
 
@@ -77,7 +76,6 @@ class Forecast:
     breaks: Estimate
     run_time: Estimate
     memory: Estimate
-    temporary: float
     kept: float
     error: Estimate
     tolerance: float | None
@@ -119,7 +117,7 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | N
     contacts = Estimate(*(_followed(asked.tolerance, n, error, few.whole) for error in errors))
     cost = max(few.blocks - aside, 0.0) / n + each_block * few.whole.total / (ranks * most)
     each = Estimate(cost, cost / _SPEED, cost * _SPEED)
-    counts, file = sizes(scene.histogram_points().size, most)
+    counts = no_counts(scene.histogram_points().size, most).nbytes
     memory = _largest(comm, _peak())
     return Forecast(
         ranks=ranks,
@@ -129,7 +127,6 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | N
         breaks=contacts.times(_each(scene, found.breaks / n, n)),
         run_time=contacts.less(done).times(each).after(ready + each_block + few.once),
         memory=Estimate(memory + 0.5 * _AFTERWARDS, _COMPILED * memory, memory + _AFTERWARDS),
-        temporary=file / 1e6,
         kept=counts / 1e6,
         error=Estimate(
             of_n.value * math.sqrt(n / contacts.value),
@@ -276,8 +273,7 @@ def _on_disk(told: Forecast) -> list[str]:
     """Room for histograms, where there are any."""
     if not told.kept:
         return []
-    temporary = f"{told.temporary:.0f} MB in {tempfile.gettempdir()} and " if told.temporary else ""
-    return [f"on disk         {temporary}{told.kept:.2g} MB in its checkpoint, of the histograms of each rank"]
+    return [f"on disk         {told.kept:.2g} MB in its checkpoint, of the histograms of each rank"]
 
 
 def _range(number: Estimate, form: str) -> str:
