@@ -8,6 +8,7 @@ Positions and thresholds are whole numbers of a unit.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from eq_model.compiling import bare, inlined
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
 CHUNK = 128  # keys that are kept together
 PER_BUCKET = 16384  # breaks: what a core's L2 cache holds
+FEW = 64  # keys that are moved, on average, to put one more among those of a bucket
 DIGIT = 8  # bits by which breaks are sorted at a time
 WIDEST = 5  # buckets of at most 2^-5 mean thresholds: few breaks come in the bucket of their birth
 AHEAD = 4  # mean thresholds that the ring holds; breaks further on wait in a list
@@ -50,11 +52,23 @@ class Queue(NamedTuple):
     at: npt.NDArray[np.int64]
 
 
-def make_queue(n: int, mean: float) -> Queue:
-    """An empty queue for n contacts, of `mean` threshold (units); memory is used as it fills."""
+def bucket_width(n: int, share_below: Callable[[float], float]) -> float:
+    """Width of a bucket for n contacts, in mean thresholds.
+
+    share_below : share of the thresholds below so many means; breaks that come in the bucket of
+        their birth are put in their place one by one.
+    """
+    width = min(PER_BUCKET / n, 2.0**-WIDEST)
+    while width * n * min(share_below(width), 1.0) > FEW and width * n > FEW:
+        width *= 0.5
+    return width
+
+
+def make_queue(n: int, mean: float, width: float) -> Queue:
+    """An empty queue for n contacts, of `mean` threshold (units), with buckets of that width (in
+    means); memory is used as it fills."""
     bits = int(np.log2(mean))
-    narrow = int(np.floor(np.log2(mean * PER_BUCKET / n)))
-    shift = max(min(narrow, bits - WIDEST, 64 - THRESHOLD_BITS), 1)
+    shift = min(max(int(np.floor(np.log2(mean * width))), 1), 64 - THRESHOLD_BITS)
     buckets = AHEAD << (bits - shift)
     chunks = n // CHUNK + buckets + 1
     free = np.empty(chunks + 1, np.int32)

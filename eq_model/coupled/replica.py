@@ -70,11 +70,14 @@ class Follower:
         self, contacts: Contacts, drive: Drive, n: int, seed: int, slip_fraction: float
     ) -> None:
         from eq_model.coupled.draws import Draws
+        from eq_model.coupled.queue_kernel import bucket_width
         from eq_model.coupled.slide_kernel import Pull
 
         assert drive.spring is not None
         self._draws, self._drive, self._n = Draws(contacts, seed), drive, n
         self._unit, self._spring = self._draws.unit, drive.spring
+        law, mean = contacts.thresholds, contacts.mean_threshold
+        self._width = bucket_width(n, lambda width: float(law.cdf(width * mean)))
         delay, nothing = contacts.delay, np.empty(0)
         self._pull = Pull(
             spring=drive.spring * n,
@@ -83,7 +86,7 @@ class Follower:
             clock=nothing,
             clock_drive=nothing,
             wait=0.0 if delay is None else delay.time,
-            mean=contacts.mean_threshold / self._unit,
+            mean=mean / self._unit,
             slip=max(int(np.ceil(slip_fraction * n)), 1),
             at_once=drive.slip == "instant" and delay is None,
             resets=drive.slip == "reset",
@@ -100,7 +103,7 @@ class Follower:
         from eq_model.coupled.queue_kernel import clear, make_queue
 
         n, size = self._n, self._drive.path.size
-        draws, queue = self._draws.of_replica(replica), make_queue(n, self._pull.mean)
+        draws, queue = self._draws.of_replica(replica), make_queue(n, self._pull.mean, self._width)
         slider = np.zeros(1, kernel.SLIDER)
         s, slips = slider[0], list[list[float]]()
         s["back"] = _NEVER
