@@ -19,7 +19,8 @@ def bin_of(clock, bins):  # type: ignore[no-untyped-def]
 @inlined
 def place_of(clock, leg, course):  # type: ignore[no-untyped-def]
     """The slider's position (whole)."""
-    return course.positions[leg] + course.directions[leg] * (clock - course.begins[leg])
+    k = np.uint64(leg)
+    return course.positions[k] + course.directions[k] * (clock - course.begins[k])
 
 
 @bare

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from eq_model.lives import LIVES, LOOKS, Break
+from eq_model.lives import LIVES, LOOKS, OPTIONS, Break
 from eq_model.watch import look
 from origins.laws.compiled import CompiledRates
 
@@ -20,10 +20,11 @@ class Cold(NamedTuple):
 
 
 class Warm(NamedTuple):
-    """At the rate of a law, its lengths and times those of the drive; `unit` is a length."""
+    """At the rate of a law, its lengths and times those of the drive."""
 
     rates: Any
-    unit: float
+    unit: float  # a length
+    log_slow: Any  # (m,): ln of the time for a length, of each leg
 
 
 class NoRates(NamedTuple):
@@ -40,13 +41,17 @@ def _no_more(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-d
     return 0.0
 
 
+def _never(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
+    return threshold
+
+
 def _no_most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
     return 0.0
 
 
 # by the class of their law, which numba finds them by
 RATES: dict[type, CompiledRates] = {
-    NoRates: CompiledRates(NoRates(), _none, _no_more, _no_more, _no_most)
+    NoRates: CompiledRates(NoRates(), _none, _no_more, _never, _no_most)
 }
 
 
@@ -70,22 +75,22 @@ def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignor
     raise NotImplementedError
 
 
-@overload(rate)
+@overload(rate, jit_options=OPTIONS)
 def _rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
     return RATES[law.instance_class].rate
 
 
-@overload(passed)
+@overload(passed, jit_options=OPTIONS)
 def _passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
     return RATES[law.instance_class].passed
 
 
-@overload(reached)
+@overload(reached, jit_options=OPTIONS)
 def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
     return RATES[law.instance_class].reached
 
 
-@overload(most)
+@overload(most, jit_options=OPTIONS)
 def _most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
     return RATES[law.instance_class].most
 
@@ -94,7 +99,12 @@ def at_threshold(law, contact, course, watch, counts):  # type: ignore[no-untype
     """The break of a contact at T = 0."""
     birth = course.positions[contact.leg] - contact.stretch
     birth += course.directions[contact.leg] * (contact.clock - course.begins[contact.leg])
-    threshold, leg, clock, legs = contact.threshold, contact.leg, contact.clock, course.directions.size
+    threshold, leg, clock, legs = (
+        contact.threshold,
+        contact.leg,
+        contact.clock,
+        course.directions.size,
+    )
     while leg < legs:
         y = course.positions[leg + 1] - birth
         beyond = abs(y) - threshold
@@ -109,11 +119,12 @@ def at_threshold(law, contact, course, watch, counts):  # type: ignore[no-untype
 def by_rate(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
     """The break of a contact that bears the integral of its rate up to e^exposure."""
     clock, leg, x, stiffness = contact.clock, contact.leg, contact.stretch, contact.stiffness
-    rates, unit, threshold = law.rates, law.unit, _F(contact.threshold) * law.unit
+    rates, unit, per = law.rates, law.unit, 1.0 / law.unit
+    threshold = _F(contact.threshold) * unit
     log_bears, bears, legs = contact.exposure, -1.0, course.directions.size
     while leg < legs:
         room, d = course.begins[leg + 1] - clock, course.directions[leg]
-        slow = course.paces[leg] / unit  # time for a length
+        slow = course.paces[leg] * per  # time for a length
         if d == 0:
             bears = np.exp(log_bears) if bears < 0.0 else bears
             hazard = rate(rates, abs(_F(x)) * unit, threshold, stiffness) * course.paces[leg]
@@ -139,8 +150,8 @@ def by_rate(law, contact, course, watch, counts):  # type: ignore[no-untyped-def
             if room > 0:
                 log_bears = log_bears if bears < 0.0 else np.log(max(bears, _NOTHING))
                 near = _F(d * x) * unit
-                own = reached(rates, log_bears - np.log(slow), near, threshold, stiffness)
-                moved = max(_I(np.floor(own / unit + 0.5)) - d * x, _I(0))
+                own = reached(rates, log_bears - law.log_slow[leg], near, threshold, stiffness)
+                moved = max(_I(np.floor(own * per + 0.5)) - d * x, _I(0))
                 if moved <= room:
                     return Break(clock + moved, leg, contact.drawn, True)
                 if leg + 1 < legs:

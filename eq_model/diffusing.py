@@ -18,8 +18,13 @@ from eq_model.watch import look_at
 _F = np.float64
 _FAR = 8.0  # standard deviations that a threshold does not diffuse in a step
 _THERMAL = 0.1  # of what a contact bears, spent in one step
-_CHANGE, _UNFELT = 0.6, 1e-4  # of the logarithm of a rate in a step; of what is borne: needs no care
-_OF_THE_GAP = 0.15  # between the stretch and the upper end of the final law, a step's standard deviation
+_CHANGE, _UNFELT = (
+    0.6,
+    1e-4,
+)  # of the logarithm of a rate in a step; of what is borne: needs no care
+_OF_THE_GAP = (
+    0.15  # between the stretch and the upper end of the final law, a step's standard deviation
+)
 _FELT = 0.25  # standard deviations of a step closer to an end than which no drift is felt
 _FORGOTTEN = 0.5  # of the time in which old thresholds forget: the longest step where rates count
 _NUDGE = 1e-3  # of the stretch, and of the logarithm of the rate that it changes
@@ -131,10 +136,14 @@ def _moved(y, time, normal, uniform, walled, ageing):  # type: ignore[no-untyped
     there = _drift(min(max(guess, least), most), ageing)
     later = y + 0.5 * diffusion * time * (slope + there) + spread * normal
     if walled and y - low <= high - y:
-        lowest = 0.5 * (y + later - np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(uniform)))
+        lowest = 0.5 * (
+            y + later - np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(uniform))
+        )
         later += max(low - lowest, 0.0)
     elif high < np.inf:
-        highest = 0.5 * (y + later + np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(uniform)))
+        highest = 0.5 * (
+            y + later + np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(uniform))
+        )
         later -= max(highest - high, 0.0)
     return min(max(later, low), high) if walled else min(later, high)
 
@@ -177,7 +186,10 @@ def _felt(time, here, y, speed, ageing):  # type: ignore[no-untyped-def]
         spread = of_threshold * np.sqrt(2.0 * diffusion * time)
         if max(carried, spread) <= change and relaxing * time <= coarser**2 * _FORGOTTEN:
             return time
-        if min(now * np.exp(min(carried + 4.0 * spread, 700.0)), _highest(y, ageing)) * time <= coarser**4 * _UNFELT:
+        if (
+            min(now * np.exp(min(carried + 4.0 * spread, 700.0)), _highest(y, ageing)) * time
+            <= coarser**4 * _UNFELT
+        ):
             return time
         time *= 0.5
 
@@ -218,7 +230,12 @@ def _first_meeting(above, below, spread, normal, uniform):  # type: ignore[no-un
 def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
     """The break of a contact whose threshold diffuses, counted at the watched points on its way."""
     ageing, lane, stream, clock, leg = law, contact.lane, contact.stream, contact.clock, contact.leg
-    legs, y, x, place = course.directions.size, _F(contact.threshold), contact.stretch, contact.drawn
+    legs, y, x, place = (
+        course.directions.size,
+        _F(contact.threshold),
+        contact.stretch,
+        contact.drawn,
+    )
     bears, diffusion = np.exp(contact.exposure), ageing.diffusion
     seen, moments = np.int64(0), watch.moments
     while counts.shape[0] and seen < moments.size and moments[seen] < clock:
@@ -259,7 +276,9 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
                 more = words_at(lane, place, stream, STEPS)
                 place += 1
                 reflected = (_F(more[3]) + 0.5) * 2.0**-32
-            later = _moved(y, time, _normal(words[0], words[1], words[2]), reflected, walled, ageing)
+            later = _moved(
+                y, time, _normal(words[0], words[1], words[2]), reflected, walled, ageing
+            )
             # the stretch is rounded where a leg ends
             above, below = max(y - here, 0.0), later - then
             part, broken = 1.0, below <= 0.0 and not walled
@@ -274,7 +293,9 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
             if ageing.warm:
                 first, met = _rate(here, y, ageing), here + part * (then - here)
                 last = _rate(met, met, ageing) if broken else _rate(then, later, ageing)
-                spread = _steepness(min(here, y), y, ageing)[1] * np.sqrt(2.0 * diffusion * time * part)
+                spread = _steepness(min(here, y), y, ageing)[1] * np.sqrt(
+                    2.0 * diffusion * time * part
+                )
                 spent = _borne(first, last, time * part, spread)
                 if spent >= bears:
                     part *= bears / spent

@@ -12,7 +12,7 @@ from eq_model.lattice import SUM_BITS, TIE, make_lattice
 from eq_model.layout import BLOCK, Blocks, is_measured
 from eq_model.often import check_growth, check_steps, duration
 from eq_model.rare import Seen, unseen_break, unseen_variance
-from eq_model.tables import DEEPEST, FAR, Table, cells_of, exposure_cells
+from eq_model.tables import DEEPEST, FAR, LEVEL_UNIT, Table, cells_of, exposure_cells
 from origins import Contacts, Drive, GrainContact
 from origins.errors import InputError
 
@@ -64,7 +64,10 @@ class Engine:
         self.contacts, self.drive, self._seed = contacts, drive, seed
         self._cells = cells_of(contacts)
         self.linked = contacts.stiffness == "linked"
-        self._plain = not contacts.laws and drive.forward
+        # alike all along the path: without laws contacts know no time
+        self._plain = drive.forward and (
+            not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
+        )
         scale = contacts.mean_threshold
         furthest = self._furthest()
         path = np.append(0.0, drive.path)
@@ -79,8 +82,7 @@ class Engine:
             usual = min(float(np.sqrt(contacts.thresholds.moment(2))) / scale, stiffest)
             self._reached *= np.maximum(self._reached / scale, usual)
             self._differ = max(usual**2 - 1.0, 0.0)
-        # without laws of their own contacts know no time
-        course = Drive(drive.path) if self._plain else drive
+        course = Drive(drive.path, drive.velocity) if self._plain else drive
         self._exact = contacts.thresholds.atoms[0].size > 0
         self.lattice = make_lattice(course, scale, 2.0 * self._longest * stiffest, self._exact)
         unit = self.lattice.unit
@@ -144,6 +146,7 @@ class Engine:
 
     def _forward(self) -> Callable[..., tuple[int, int]]:
         from eq_model.forward import Plain, forward
+        from eq_model.physics import rates_of
 
         start = self.contacts.start
         plain = Plain(
@@ -153,23 +156,30 @@ class Engine:
             self._begun,
             self._start_square,
             self._top,
+            exposure_cells().table(LEVEL_UNIT),
+            self.contacts.thermal is not None,
+            rates_of(self.contacts),
+            self.lattice.unit,
+            1.0 / self.drive.velocity,
         )
 
         def run(stream: Any, count: int, sums: Any, counts: Counts, law: Any) -> tuple[int, int]:
             bins, watch = self.lattice.bins, self._watch
-            made = forward(stream, count, plain, bins, watch, sums.measured, sums.all, sums.some, counts)
+            made = forward(
+                stream, count, plain, bins, watch, sums.measured, sums.all, sums.some, counts
+            )
             return int(made), 0
 
         return run
 
     def _lives(self) -> Callable[..., tuple[int, int]]:
-        from eq_model.lives import LEVEL_UNIT, Settings, follow_lives
+        from eq_model.lives import Settings, follow_lives
         from eq_model.physics import law_of
 
         contacts, unit = self.contacts, self.lattice.unit
         start, again = contacts.start, contacts.reforming
         spread = again is not None and not again.law.is_single
-        self._law = law_of(contacts, unit, TIE if self._exact else 0)
+        self._law = law_of(contacts, self.lattice, TIE if self._exact else 0)
         settings = Settings(
             thresholds=self._table("thresholds"),
             reforming=self._table("reforming"),
@@ -203,9 +213,12 @@ class Engine:
 
     def seconds(self, often: float) -> float:
         """About how long a contact takes that breaks `often` at a temperature: what the size of blocks goes by."""
-        travel = float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum()) / self.contacts.mean_threshold
+        travel = (
+            float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum())
+            / self.contacts.mean_threshold
+        )
         if self._plain:
-            return 2e-9 * travel
+            return 2e-9 * travel + 1e-7 * often
         return 2e-8 * travel + 1e-7 * often + 2e-7 * self.steps
 
     def follow(self, blocks: Blocks, block: int) -> Found:
@@ -214,7 +227,10 @@ class Engine:
         from eq_model.streams import make_stream
 
         rows, measured = self.lattice.bins.points.size + 1, is_measured(block)
-        stream, count = make_stream(self._seed, max(block, 0)), blocks.size(block) if block >= 0 else 0
+        stream, count = (
+            make_stream(self._seed, max(block, 0)),
+            blocks.size(block) if block >= 0 else 0,
+        )
         counts = np.zeros((self._points.size, 2, BINS), np.uint32)
         out = np.zeros((2, self.size), np.int64)
         every, some = (np.zeros((rows, many), np.int64) for many in self._columns)
@@ -266,7 +282,9 @@ class Engine:
         beside, x = self._told - at * lattice.unit, at.astype(object)
         force = held * x - born
         spread = (squares * x - 2 * squares_born) * x + squares_far
-        variance = (spread * (part * n) - force * force).astype(float) * (lattice.unit / part) ** 2 / n
+        variance = (
+            (spread * (part * n) - force * force).astype(float) * (lattice.unit / part) ** 2 / n
+        )
         mean = (force.astype(float) * lattice.unit + held.astype(float) * beside) / (part * n)
         variance = np.maximum(variance, 0.0) / (n - 1) if n > 1 else np.full(mean.size, np.inf)
         return Moments(count.astype(float) / n, mean, variance)
@@ -288,13 +306,14 @@ class Engine:
         spread = self._moments(measured, limbs).variance
         seen = self._seen(n / measured, limbs)
         contacts, reached = self.contacts, self._reached.copy()
-        if self._plain:
+        if self._plain and contacts.thermal is None:
             # so early the first breaks are known better than that one might have been
             unseen, known = unseen_variance(contacts, self.lattice.path, measured)
             spread = np.maximum(spread, unseen)
             reached[:known] = 0.0
         warm = contacts.thermal is not None
-        if self._plain and contacts.start.is_single and not np.diff(contacts.thresholds.support())[0]:
+        alike = contacts.start.is_single and not np.diff(contacts.thresholds.support())[0]
+        if self._plain and alike and not warm:
             spread = np.zeros(spread.size)  # but for rounding: contacts are all alike
         else:
             present = spread + mean.force**2

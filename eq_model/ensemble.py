@@ -81,11 +81,22 @@ class Ensemble:
             )
         started = self.clock()
         if comm is not None and not hasattr(comm, "Get_rank"):
-            refuse("comm", comm, "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process")
+            refuse(
+                "comm",
+                comm,
+                "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process",
+            )
         self.contacts, self.comm = contacts, comm
-        self.n_contacts, replicas = whole("n_contacts", n_contacts, 1), whole("n_replicas", n_replicas, 1)
+        self.n_contacts, replicas = (
+            whole("n_contacts", n_contacts, 1),
+            whole("n_replicas", n_replicas, 1),
+        )
         if replicas >= _MOST_REPLICAS:
-            refuse("n_replicas", n_replicas, f"must be below {_MOST_REPLICAS}; take more contacts instead")
+            refuse(
+                "n_replicas",
+                n_replicas,
+                f"must be below {_MOST_REPLICAS}; take more contacts instead",
+            )
         self._threads = whole("threads", threads, 1)
         self.total = self.n_contacts * replicas
         if self.total > _MOST_CONTACTS:
@@ -98,13 +109,18 @@ class Ensemble:
         self._engine = Engine(contacts, self.drive, seed, points)
         self.seconds = self._engine.seconds(often)
         self.blocks = layout.make_blocks(self.n_contacts, replicas, self.seconds)
-        self._tolerance = None if tolerance is None else positive("tolerance", tolerance, "such as 1e-4")
+        self._tolerance = (
+            None if tolerance is None else positive("tolerance", tolerance, "such as 1e-4")
+        )
         self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
         ready = self.clock() - started
         started = self.clock()
         layout.in_turn(comm, lambda: self._engine.follow(self.blocks, -1))
         self.compile_time = self.clock() - started
-        sums, counts = np.zeros((2, self._engine.size), np.int64), no_counts(points.size, self.total)
+        sums, counts = (
+            np.zeros((2, self._engine.size), np.int64),
+            no_counts(points.size, self.total),
+        )
         nothing = State(sums, counts, 0, 0, 0, [], ready)
         found = list(earlier)
         self._before = [part for state in found for part in state.done]
@@ -136,7 +152,9 @@ class Ensemble:
                 if self._enough(one_round, late or self._stopped):
                     return
 
-    def _found(self, blocks: list[int], pool: ThreadPoolExecutor | None) -> Generator[int, None, None]:
+    def _found(
+        self, blocks: list[int], pool: ThreadPoolExecutor | None
+    ) -> Generator[int, None, None]:
         """Follow blocks, each counted in the state before it is yielded; in threads several at once, in order."""
         started = self.clock()
 
@@ -186,7 +204,9 @@ class Ensemble:
         if late or any(part.stop > one_round.stop for part in self._before):
             return late
         found = self._result()
-        wanted = self._wanted(found.contacts, float(found.force_standard_error.max()) / self.contacts.mean_threshold)
+        wanted = self._wanted(
+            found.contacts, float(found.force_standard_error.max()) / self.contacts.mean_threshold
+        )
         ends = (self.blocks.before(part.stop) for part in self.blocks.rounds(True))
         self.expected = next((end for end in ends if end >= wanted), self.total)
         return found.success
@@ -213,7 +233,9 @@ class Ensemble:
         done = sorted((part for one in states for part in one.done), key=lambda part: part.start)
         contacts = self.blocks.contacts(done)
         if not contacts:
-            raise InputError("ensemble: no block of contacts is finished yet; iterate over it first")
+            raise InputError(
+                "ensemble: no block of contacts is finished yet; iterate over it first"
+            )
         moments = self._engine.moments(self.blocks, done, sums)
         holding, error = moments.holding, np.sqrt(moments.variance / contacts)
         if counts is not None and counts.size and self.comm is not None:
@@ -253,11 +275,17 @@ class Ensemble:
         if self._tolerance is not None:
             if largest <= self._tolerance:
                 return True, f"{found}, within the tolerance {self._tolerance:.1e}"
-            more, unmet = self._wanted(contacts, largest), f"{found}, above the tolerance {self._tolerance:.1e}"
+            more, unmet = (
+                self._wanted(contacts, largest),
+                f"{found}, above the tolerance {self._tolerance:.1e}",
+            )
             if not np.isfinite(largest):
                 return False, f"{unmet}; take at least two"
             if more > _MOST_CONTACTS:
-                return False, f"{unmet}; it takes more than {_MOST_CONTACTS:.1e} contacts, the most there can be"
+                return (
+                    False,
+                    f"{unmet}; it takes more than {_MOST_CONTACTS:.1e} contacts, the most there can be",
+                )
             return False, f"{unmet}; it takes about {more:.1e} contacts"
         if contacts < self.total:
             return False, f"{found}: stopped before all {self.total} were followed"
@@ -268,9 +296,17 @@ def _points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     points = np.atleast_1d(np.asarray(histograms))
     if not points.size:
         return np.empty(0, np.intp)
-    good = points.ndim == 1 and points.dtype.kind in "iu" and ((points >= -size) & (points < size)).all()
+    good = (
+        points.ndim == 1
+        and points.dtype.kind in "iu"
+        and ((points >= -size) & (points < size)).all()
+    )
     if not good:
-        refuse("histograms", histograms, f"must be indices of points of the path, such as [0, {size - 1}]")
+        refuse(
+            "histograms",
+            histograms,
+            f"must be indices of points of the path, such as [0, {size - 1}]",
+        )
     if points.size > MOST:
         refuse("histograms", f"{points.size} points", f"must be at most {MOST}, which take 65 MB")
     return np.asarray(points % size, dtype=np.intp)

@@ -1,28 +1,40 @@
-"""Contacts without laws of their own on a path that moves forward, in lanes: where a break is a sum.
+"""Contacts in steady forward motion, in lanes: where a break is a sum.
 
-A contact that breaks at thresholds x1, x2, ... stands relaxed where they add up to; released stretch
-is summed in the bin where it is released. The stages are loops over the lanes that the compiler turns
-into vector code.
+A contact that breaks at stretches x1, x2, ..., its thresholds or at a temperature less, stands relaxed
+where they add up to; released stretch is summed in the bin where it is released. The stages are loops
+over the lanes, most of which the compiler turns into vector code.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from eq_model.bins import bin_of
+from eq_model.breaking import passed, reached
 from eq_model.compiling import bare, compiled
 from eq_model.quantiles import Scratch, beyond, draw_inside, draw_values
-from eq_model.streams import BEYOND, LANES, ROW, STARTS, THRESHOLDS, draw, uniform, words_at
-from eq_model.tables import Table
+from eq_model.streams import (
+    BEYOND,
+    EXPOSURES,
+    LANES,
+    ROW,
+    STARTS,
+    THRESHOLDS,
+    draw,
+    uniform,
+    words_at,
+)
+from eq_model.tables import FAR, LEVEL_UNIT, Table
 from eq_model.watch import look
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 _NONE, _FIRST_STARTS = np.int64(0), np.int64(1 << 39)  # a turn that no row of thresholds comes to
+_NOTHING = 1e-300
 _REST = 4  # rounds after which lanes without contacts leave
 
 
 class Plain(NamedTuple):
-    """What contacts without laws of their own are made of."""
+    """What these contacts are made of."""
 
     thresholds: Table
     starts: Table  # of the stretches at X = 0, where drawn
@@ -30,6 +42,11 @@ class Plain(NamedTuple):
     begun: np.int64  # the stretch at X = 0 of all, or about the mean where drawn
     square: float  # squared distances from that, whole, are this times unit^-2
     top: np.int64  # no threshold lies beyond
+    exposures: Table  # ln e, e of the exponential law of mean 1
+    warm: bool  # whether they break at rates
+    rates: Any
+    unit: float  # a length
+    slow: float  # time for a length
 
 
 @bare
@@ -84,12 +101,12 @@ def _restart(n, start, at, left, before, least, plain):  # type: ignore[no-untyp
         total += apart if used else _I(0)
         square += _I(np.floor(0.5 + _F(apart) * _F(apart) * plain.square)) if used else _I(0)
         at[i] = -start[i] if over else at[i]
-        least[i] = abs(start[i]) if over else _I(0)
+        least[i] = max(abs(start[i]), _I(1)) if over else _I(0)
     return total, square
 
 
 @bare
-def _beyond_starts(n, row, turn, stream, least, table, x):  # type: ignore[no-untyped-def]
+def _beyond_starts(n, row, turn, stream, least, table, rows, x):  # type: ignore[no-untyped-def]
     """First thresholds exceed the stretches that contacts begin with: P_c conditional on x_s > |x|."""
     few = False
     for i in range(_U(n)):
@@ -98,7 +115,28 @@ def _beyond_starts(n, row, turn, stream, least, table, x):  # type: ignore[no-un
         for i in range(n):
             if x[i] < least[i]:
                 a, b, c, d = words_at(i, turn, stream, BEYOND + row)
-                x[i] = beyond(least[i], uniform(a, b), uniform(c, d), table)
+                x[i] = beyond(least[i], uniform(a, b), uniform(c, d), table, rows)
+
+
+@bare
+def _early(n, x, e, at, least, plain):  # type: ignore[no-untyped-def]
+    """Of n lanes with thresholds x the stretches at which they break that bear the exposures e."""
+    per, log_slow, one = 1.0 / plain.unit, np.log(plain.slow), 1.0
+    for i in range(_U(n)):
+        threshold, log_bears = _F(x[i]) * plain.unit, _F(e[i]) * LEVEL_UNIT - log_slow
+        # contacts that form again are relaxed; others begin at a stretch of either sign
+        near = _F(-at[i]) * plain.unit if least[i] > 0 else 0.0
+        if near < 0.0:
+            bears = np.exp(log_bears)
+            whole = passed(plain.rates, 0.0, -near, threshold, one)
+            if whole >= bears:
+                left = np.log(max(whole - bears, _NOTHING))
+                own = min(reached(plain.rates, left, 0.0, threshold, one), -near)
+                x[i] = -_I(np.floor(own * per + 0.5))
+                continue
+            log_bears, near = np.log(bears - whole), 0.0
+        own = reached(plain.rates, log_bears, near, threshold, one)
+        x[i] = min(_I(np.floor(min(own * per, _F(FAR)) + 0.5)), x[i])
 
 
 @compiled
@@ -113,6 +151,7 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
     n, top = min(LANES, count), bins.points.size
     words, others = np.empty(4 * ROW, np.uint32), np.empty(4 * ROW, np.uint32)
     rows = Scratch(
+        np.full(9, -1.0),
         np.empty(LANES, np.uint32),
         np.empty(LANES, np.uint32),
         np.empty(LANES, np.uint32),
@@ -120,6 +159,7 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
         np.empty(2 * LANES, _I),
     )
     x, at, start = np.empty(LANES, _I), np.zeros(LANES, _I), np.zeros(LANES, _I)
+    more, e, own = np.empty(4 * ROW, np.uint32), np.zeros(LANES, _I), np.zeros(LANES, _I)
     least, used, before = np.zeros(LANES, _I), np.zeros(LANES, _I), np.zeros(LANES, _I)
     left, found = np.zeros(LANES, _I), np.zeros(LANES, np.int32)
     since = np.zeros(LANES, np.int32)
@@ -129,7 +169,9 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
         left[i] = count // n + (i < count % n)
     if plain.drawn:
         draw(n, _FIRST_STARTS, stream, STARTS, words)
-        draw_inside(n, _NONE, _FIRST_STARTS, stream, STARTS, words, plain.starts, plain.top, rows, start)
+        draw_inside(
+            n, _NONE, _FIRST_STARTS, stream, STARTS, words, plain.starts, plain.top, rows, start
+        )
         before[:] = left + 1
         apart, squared = _restart(n, start, at, left, before, least, plain)
     begins_stretched = plain.drawn or plain.begun != 0
@@ -138,10 +180,17 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
         draw(n, turn, stream, THRESHOLDS, words)
         if plain.drawn:
             draw(n, turn, stream, STARTS, others)
+        if plain.warm:
+            draw(n, turn, stream, EXPOSURES, more)
         for row in range(_I(4)):
             draw_values(n, row, turn, stream, THRESHOLDS, words, plain.thresholds, rows, x)
             if begins_stretched:
-                _beyond_starts(n, row, turn, stream, least, plain.thresholds, x)
+                _beyond_starts(n, row, turn, stream, least, plain.thresholds, rows, x)
+            if counts.shape[0]:
+                own[:] = x
+            if plain.warm:
+                draw_values(n, row, turn, stream, EXPOSURES, more, plain.exposures, rows, e)
+                _early(n, x, e, at, least, plain)
             if begins_stretched or measured or counts.shape[0]:
                 for i in range(_U(n)):
                     before[i], used[i] = left[i], at[i]
@@ -155,13 +204,15 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
             if counts.shape[0]:
                 for i in range(n):
                     if before[i] > 0:
-                        look(since[i], found[i], used[i], _F(x[i]), watch, counts)
+                        look(since[i], found[i], used[i], _F(own[i]), watch, counts)
                     since[i] = 0 if found[i] == top else found[i]
             if plain.drawn:
-                draw_inside(n, row, turn, stream, STARTS, others, plain.starts, plain.top, rows, start)
-                more = _restart(n, start, at, left, before, least, plain)
-                apart += more[0]
-                squared += more[1]
+                draw_inside(
+                    n, row, turn, stream, STARTS, others, plain.starts, plain.top, rows, start
+                )
+                begun = _restart(n, start, at, left, before, least, plain)
+                apart += begun[0]
+                squared += begun[1]
             elif begins_stretched:
                 for i in range(_U(n)):
                     least[i] = abs(plain.begun) if left[i] < before[i] else _I(0)

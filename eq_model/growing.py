@@ -21,7 +21,10 @@ _NODES = tuple((0.5 + 0.5 * np.polynomial.legendre.leggauss(10)[0]).tolist())
 _WEIGHTS = tuple((0.5 * np.polynomial.legendre.leggauss(10)[1]).tolist())
 _STEPS, _MISS = 60, 1e-5  # Halley's step leaves the cube of what is missing
 _SPLITS = 200
-_RISE, _LITTLE = 3.0, 0.05  # of a bound above the rate; of what is borne, where the bound may be any
+_RISE, _LITTLE = (
+    3.0,
+    0.05,
+)  # of a bound above the rate; of what is borne, where the bound may be any
 
 
 class Growing(NamedTuple):

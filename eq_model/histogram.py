@@ -69,7 +69,9 @@ def make_range(reach: float, largest: float, typical: float) -> Range:
     return Range((min(reach, wide), reach), (min(largest, wide), largest))
 
 
-def histogram(point: int, position: float, over: Range, counts: npt.NDArray[Any], n: int) -> Histogram:
+def histogram(
+    point: int, position: float, over: Range, counts: npt.NDArray[Any], n: int
+) -> Histogram:
     """From counts (2, bins) of n contacts."""
     held, (near, far) = int(counts[0].sum()), over.stretch
     stretches = _density(counts[0], n, -near, near, -far, far)

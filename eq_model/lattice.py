@@ -44,7 +44,9 @@ class Bins(NamedTuple):
 
     points: Whole  # (n,): the last moment that counts before each point
     places: Whole  # (n,): slider there; stretches of the bin's events are told as of then
-    first: npt.NDArray[np.int32]  # of each cell of the clock the first point that does not lie before it
+    first: npt.NDArray[
+        np.int32
+    ]  # of each cell of the clock the first point that does not lie before it
     shift: np.int64  # cells are 2^shift long
     even: bool  # each cell ends at a point
     offset: np.int64  # so that (clock + offset) >> shift is the point, where even
@@ -146,7 +148,11 @@ def _knots(clock: Array, widest: float) -> _Knots:
             return _Knots(np.maximum(knots, 0.0), spacing, before + parts * place)
     gaps = np.diff(points, prepend=0.0)
     wide = np.flatnonzero(gaps > widest)
-    more = [points[k] - gaps[k] * np.arange(1, many) / many for k in wide if (many := int(np.ceil(gaps[k] / widest)))]
+    more = [
+        points[k] - gaps[k] * np.arange(1, many) / many
+        for k in wide
+        if (many := int(np.ceil(gaps[k] / widest)))
+    ]
     knots = np.unique(np.concatenate([points, *more]))
     return _Knots(knots, 0.0, np.searchsorted(knots, points)[place])
 
@@ -157,7 +163,9 @@ def _legs(drive: Drive, stand: float) -> tuple[Array, Array, Array]:
     The clock takes `stand` for each leg on which the slider stands.
     """
     step = np.diff(drive.path, prepend=0.0)
-    lasts = np.abs(step) / drive.velocity if drive.time is None else np.diff(drive.time, prepend=0.0)
+    lasts = (
+        np.abs(step) / drive.velocity if drive.time is None else np.diff(drive.time, prepend=0.0)
+    )
     speed = np.divide(step, lasts, out=np.zeros(step.size), where=lasts > 0.0)
     passing = np.flatnonzero(lasts > 0.0)
     new = np.ones(passing.size, dtype=bool)

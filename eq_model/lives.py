@@ -13,7 +13,7 @@ import numpy.typing as npt
 from numba.extending import overload
 
 from eq_model.bins import bin_of, later, place_of
-from eq_model.compiling import compiled, inlined
+from eq_model.compiling import bare, compiled, inlined
 from eq_model.quantiles import Scratch, beyond, draw_inside, draw_values
 from eq_model.streams import (
     BEYOND,
@@ -28,11 +28,10 @@ from eq_model.streams import (
     uniform,
     words_at,
 )
-from eq_model.tables import Table
+from eq_model.tables import LEVEL_UNIT, Table
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 STIFFNESS_UNIT = 2.0**36  # stiffnesses are summed in parts of this, squares of them too
-LEVEL_UNIT = 2.0**-40  # logarithms of what contacts bear are drawn in whole numbers of this
 
 
 class Settings(NamedTuple):
@@ -88,6 +87,7 @@ class Lanes(NamedTuple):
     left: npt.NDArray[np.int64]  # contacts to follow, this one among them
     lane: npt.NDArray[np.int64]
     drawn: npt.NDArray[np.int64]
+    taken: npt.NDArray[np.int64]  # (1,): contacts of the block that were begun
 
 
 class Sums(NamedTuple):
@@ -118,12 +118,16 @@ def look(law, contact, course, born, broken, birth, watch, counts):  # type: ign
     raise NotImplementedError
 
 
-@overload(life)
+# as compiling.bare, and as a part of the loop
+OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
+
+
+@overload(life, jit_options=OPTIONS)
 def _life(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
     return LIVES[law.instance_class]
 
 
-@overload(look)
+@overload(look, jit_options=OPTIONS)
 def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
     return LOOKS[law.instance_class]
 
@@ -131,8 +135,8 @@ def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ig
 @inlined
 def _event(sign, linked, stiffness, birth, j, bins, sums):  # type: ignore[no-untyped-def]
     """Add to bin j a contact that is born (sign 1) or breaks (-1); birth: slider where it is relaxed."""
-    y = birth - bins.places[j]
-    sums.all[j, 0] += sign
+    y, j = birth - bins.places[_U(j)], _U(j)
+    sums.all[j, _U(0)] += sign
     if not linked:
         sums.all[j, 1] += sign * y
         if sums.measured:
@@ -184,6 +188,61 @@ def _follow(  # type: ignore[no-untyped-def]
     return found.held and not over
 
 
+@bare
+def _follow_row(  # type: ignore[no-untyped-def]
+    n,
+    row,
+    turn,
+    stream,
+    x,
+    e,
+    r,
+    first,
+    rows,
+    settings,
+    law,
+    course,
+    bins,
+    watch,
+    lanes,
+    sums,
+    counts,
+):
+    """One life in each of n lanes, with a row of draws: breaks and steps."""
+    breaks, steps = _I(0), _I(0)
+    for i in range(n):
+        if lanes.left[i] <= 0:
+            continue
+        stretch, threshold, before = settings.single, x[i], lanes.drawn[i]
+        if not lanes.fresh[i]:
+            stretch = lanes.start[i]
+        elif settings.spread:
+            stretch = r[i]
+        if threshold < abs(stretch):
+            a, b, c, d = words_at(i, turn, stream, BEYOND + row)
+            threshold = beyond(
+                abs(stretch), uniform(a, b), uniform(c, d), settings.thresholds, rows
+            )
+        contact = Contact(
+            lanes.clock[i],
+            lanes.leg[i],
+            stretch,
+            threshold,
+            _F(e[i]) * LEVEL_UNIT,
+            _F(threshold) / settings.mean if settings.linked else 1.0,
+            lanes.fresh[i],
+            lanes.lane[i],
+            before,
+            stream,
+        )
+        breaks += _follow(i, contact, settings, law, course, bins, watch, lanes, sums, counts)
+        steps += lanes.drawn[i] - before
+        if not lanes.fresh[i] and lanes.left[i] > 0:
+            lanes.start[i] = first[lanes.taken[0]]
+            lanes.taken[0] += 1
+    return breaks, steps
+
+
 @compiled
 def follow_lives(stream, count, settings, law, course, bins, watch, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one block of contacts to the drive's end: breaks, and steps of those that take any.
@@ -194,6 +253,7 @@ def follow_lives(stream, count, settings, law, course, bins, watch, sums, counts
     words, more = np.empty(4 * ROW, np.uint32), np.empty(4 * ROW, np.uint32)
     again = np.empty(4 * ROW, np.uint32)
     rows = Scratch(
+        np.full(9, -1.0),
         np.empty(LANES, np.uint32),
         np.empty(LANES, np.uint32),
         np.empty(LANES, np.uint32),
@@ -209,16 +269,19 @@ def follow_lives(stream, count, settings, law, course, bins, watch, sums, counts
         np.zeros(LANES, _I),
         np.zeros(LANES, _I),
         np.zeros(LANES, _I),
+        np.full(1, n),
     )
     # the stretches at X = 0 of all contacts of the block
     first = np.full(-(-count // LANES) * LANES, settings.begun)
     for part in range(first.size // LANES if settings.drawn else 0):
         draw(_I(LANES), part, stream, STARTS, words)
         own = first[part * LANES : (part + 1) * LANES]
-        draw_inside(_I(LANES), _I(0), part, stream, STARTS, words, settings.starts, settings.top, rows, own)
+        draw_inside(
+            _I(LANES), _I(0), part, stream, STARTS, words, settings.starts, settings.top, rows, own
+        )
     for i in range(n):
         lanes.lane[i], lanes.start[i], lanes.left[i] = i, first[i], count // n + (i < count % n)
-    taken, breaks, steps, turn = n, _I(0), _I(0), _I(0)
+    breaks, steps, turn = _I(0), _I(0), _I(0)
     while n > 0:
         draw(n, turn, stream, THRESHOLDS, words)
         if settings.bears:
@@ -231,36 +294,38 @@ def follow_lives(stream, count, settings, law, course, bins, watch, sums, counts
                 draw_values(n, row, turn, stream, EXPOSURES, more, settings.exposures, rows, e)
             if settings.spread:
                 draw_inside(
-                    n, row, turn, stream, REFORMING, again, settings.reforming, settings.top, rows, r
-                )
-            for i in range(n):
-                if lanes.left[i] <= 0:
-                    continue
-                stretch, threshold, before = settings.single, x[i], lanes.drawn[i]
-                if not lanes.fresh[i]:
-                    stretch = lanes.start[i]
-                elif settings.spread:
-                    stretch = r[i]
-                if threshold < abs(stretch):
-                    a, b, c, d = words_at(i, turn, stream, BEYOND + row)
-                    threshold = beyond(abs(stretch), uniform(a, b), uniform(c, d), settings.thresholds)
-                contact = Contact(
-                    lanes.clock[i],
-                    lanes.leg[i],
-                    stretch,
-                    threshold,
-                    _F(e[i]) * LEVEL_UNIT,
-                    _F(threshold) / settings.mean if settings.linked else 1.0,
-                    lanes.fresh[i],
-                    lanes.lane[i],
-                    before,
+                    n,
+                    row,
+                    turn,
                     stream,
+                    REFORMING,
+                    again,
+                    settings.reforming,
+                    settings.top,
+                    rows,
+                    r,
                 )
-                breaks += _follow(i, contact, settings, law, course, bins, watch, lanes, sums, counts)
-                steps += lanes.drawn[i] - before
-                if not lanes.fresh[i] and lanes.left[i] > 0:
-                    lanes.start[i] = first[taken]
-                    taken += 1
+            more_breaks, more_steps = _follow_row(
+                n,
+                row,
+                turn,
+                stream,
+                x,
+                e,
+                r,
+                first,
+                rows,
+                settings,
+                law,
+                course,
+                bins,
+                watch,
+                lanes,
+                sums,
+                counts,
+            )
+            breaks += more_breaks
+            steps += more_steps
         turn += 1
         n = _kept(n, lanes)
     return breaks, steps
@@ -272,7 +337,11 @@ def _kept(n, lanes):  # type: ignore[no-untyped-def]
     m = 0
     for i in range(n):
         if lanes.left[i] > 0:
-            lanes.clock[m], lanes.leg[m], lanes.fresh[m] = lanes.clock[i], lanes.leg[i], lanes.fresh[i]
+            lanes.clock[m], lanes.leg[m], lanes.fresh[m] = (
+                lanes.clock[i],
+                lanes.leg[i],
+                lanes.fresh[i],
+            )
             lanes.start[m], lanes.left[m] = lanes.start[i], lanes.left[i]
             lanes.lane[m], lanes.drawn[m] = lanes.lane[i], lanes.drawn[i]
             m += 1

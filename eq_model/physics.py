@@ -5,6 +5,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from eq_model.lattice import Lattice
 from origins import Contacts, RateLaw
 from origins.laws.compiled import CompiledRates, called
 
@@ -26,20 +27,31 @@ def _compiled(rates: RateLaw) -> CompiledRates:
     return _CALLED[rates]
 
 
-def law_of(contacts: Contacts, unit: float, tie: int) -> Any:
+def rates_of(contacts: Contacts) -> Any:
+    """The settings of the rates at which these contacts break, known to the compiler by their type."""
+    from eq_model import breaking
+
+    if contacts.thermal is None:
+        return breaking.NoRates()
+    found = _compiled(contacts.thermal.rates)
+    breaking.RATES.setdefault(type(found.law), found)
+    return found.law
+
+
+def law_of(contacts: Contacts, lattice: Lattice, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as of breaking.Cold."""
     from eq_model import breaking
 
-    rates: Any = breaking.NoRates()
-    if contacts.thermal is not None:
-        rates = _compiled(contacts.thermal.rates)
-        breaking.RATES.setdefault(type(rates.law), rates)
-        rates = rates.law
+    unit, rates = lattice.unit, rates_of(contacts)
     if contacts.ageing is not None:
         return _diffusing(contacts, unit, rates)
     if contacts.grains is not None and contacts.grains.age is not None:
         return _growing(contacts, unit, rates)
-    return breaking.Cold(np.int64(tie)) if contacts.thermal is None else breaking.Warm(rates, unit)
+    if contacts.thermal is None:
+        return breaking.Cold(np.int64(tie))
+    # of a stand any number
+    log_slow = np.log(np.maximum(lattice.course.paces / unit, 1e-300))
+    return breaking.Warm(rates, unit, log_slow)
 
 
 def _growing(contacts: Contacts, unit: float, rates: Any) -> Any:

@@ -18,7 +18,9 @@ Places = npt.NDArray[np.intp]
 
 _SEEN = 100  # breaks from which their own variance is good enough
 _SOME = 10  # breaks from which their size is
-_SELDOM = 0.1  # part of the contacts up to which breaks are first breaks, and do not depend on the start
+_SELDOM = (
+    0.1  # part of the contacts up to which breaks are first breaks, and do not depend on the start
+)
 _NEVER = 1e-9  # breaks that need not be thought of
 _PANELS = 24
 _LOOKS = 300
@@ -59,7 +61,9 @@ class Seen:
     squares: Array
 
 
-def unseen_break(seen: Seen, place: Places, n: int, present: Array, reached: Array, thermal: bool) -> Array:
+def unseen_break(
+    seen: Seen, place: Places, n: int, present: Array, reached: Array, thermal: bool
+) -> Array:
     """Variance of the force between n contacts from one break more or less than there were, at each path point.
 
     place : the bin of each path point. present : the mean square of the force of a contact, at each path point;
@@ -77,10 +81,14 @@ def unseen_break(seen: Seen, place: Places, n: int, present: Array, reached: Arr
     top = seen.squares.max() if (seen.squares > 0.0).any() else 1.0
     share = seen.squares / top
     fourth = share**2 / np.maximum(seen.breaks, 1.0)
-    many, taken, weighed = (np.concatenate([[0.0], np.cumsum(each)]) for each in (seen.breaks, share, fourth))
+    many, taken, weighed = (
+        np.concatenate([[0.0], np.cumsum(each)]) for each in (seen.breaks, share, fourth)
+    )
     last = place + 1
     so_far, at = many[last], edges[last]
-    large = top * np.divide(weighed[last], taken[last], out=np.zeros(last.size), where=taken[last] > 0.0)
+    large = top * np.divide(
+        weighed[last], taken[last], out=np.zeros(last.size), where=taken[last] > 0.0
+    )
     # from the hundredth of the last breaks to the last one, from the next one to the hundredth after
     latest = edges[np.searchsorted(many, so_far)]
     back = latest - edges[np.maximum(np.searchsorted(many, so_far - _SEEN, side="right") - 1, 0)]

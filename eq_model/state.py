@@ -44,7 +44,9 @@ class State:
     def joined(self, other: State) -> State:
         """Of both."""
         if self.sums.shape != other.sums.shape or self.counts.shape != other.counts.shape:
-            raise InputError("earlier: was found on another path, or for other contacts; start anew")
+            raise InputError(
+                "earlier: was found on another path, or for other contacts; start anew"
+            )
         return State(
             self.sums + other.sums,
             self.counts + other.counts,

@@ -29,6 +29,7 @@ CELLS = 1 << CELL_BITS
 SIDE = OCTAVES * CELLS + 1  # cells of one side; the first is its tail, v < 2^-12
 FAR = 1 << 58  # whole lengths beyond every path; quick cells give more where the tree must be asked
 TOLERANCE = 1e-6  # of |cdf - u|, relative to min(u, 1 - u)
+LEVEL_UNIT = 2.0**-40  # logarithms of what contacts bear are drawn in whole numbers of this
 DEEPEST = 2.0**-64  # a word and the one that continues it tell no smaller v
 
 _MOST_PARTS = 8  # components drawn first; of more of them the sum is tabled as one law

@@ -26,7 +26,7 @@ class Lane:
     def __init__(self, contacts: Contacts, drive: Drive, reach: float = 8.0) -> None:
         self.lattice: Lattice = make_lattice(drive, 1.0, reach, exact=False)
         self.unit, self.course = self.lattice.unit, self.lattice.course
-        self.law, self.contacts = law_of(contacts, self.unit, 0), contacts
+        self.law, self.contacts = law_of(contacts, self.lattice, 0), contacts
         # time at which each leg begins, and that of the end
         self.times = np.append(0.0, np.cumsum(self.course.paces * np.diff(self.course.begins)))
 
@@ -62,5 +62,9 @@ class Lane:
             return np.inf, np.inf
         moved = found.clock - self.course.begins[found.leg]
         place = self.course.positions[found.leg] + self.course.directions[found.leg] * moved
-        first = self.course.positions[leg] + self.course.directions[leg] * (clock - self.course.begins[leg])
-        return self.times[found.leg] + moved * self.course.paces[found.leg], x + (place - first) * self.unit
+        first = self.course.positions[leg] + self.course.directions[leg] * (
+            clock - self.course.begins[leg]
+        )
+        return self.times[found.leg] + moved * self.course.paces[found.leg], x + (
+            place - first
+        ) * self.unit

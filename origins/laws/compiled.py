@@ -12,6 +12,8 @@ from typing import Any
 class CompiledRates:
     """Plain functions of numbers that numba can compile; those that they call must be compiled already.
 
+    Their arguments have the names told here.
+
     law : a NamedTuple of numbers and arrays, of a class that no other law has; it is the first
         argument of all functions, lengths and times in it those of the RateLaw.
     rate(law, x, threshold, stiffness) : h at 0 <= x <= threshold, not of its logarithm.

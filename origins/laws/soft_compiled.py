@@ -19,11 +19,12 @@ _NODES = tuple((0.5 + 0.5 * np.polynomial.legendre.leggauss(8)[0]).tolist())
 _WEIGHTS = tuple((0.5 * np.polynomial.legendre.leggauss(8)[1]).tolist())
 
 
-
 class SoftLaw(NamedTuple):
     """b = k/2k_BT of mean stiffness, per length squared; ω; D(y) and the y at which y² + ln D(y) is a level."""
 
     spring: float
+    root: float  # b^(1/2)
+    log_share: float  # ln (b^(1/2)/ω)
     omega: float
     dawson: Array
     dawson_slopes: Array
@@ -40,7 +41,8 @@ def _tables() -> tuple[Array, Array, Array, Array]:
 
 def soft_compiled(temperature: float, omega: float) -> CompiledRates:
     """Of SoftRates."""
-    law = SoftLaw(0.5 / temperature, omega, *_tables())
+    root = float(np.sqrt(0.5 / temperature))
+    law = SoftLaw(0.5 / temperature, root, float(np.log(root / omega)), omega, *_tables())
     return CompiledRates(law, _rate, _passed, _reached, _most)
 
 
@@ -112,9 +114,12 @@ def _passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-de
 
 
 def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-    spring = law.spring * stiffness
-    root = np.sqrt(spring)
-    level = log_amount + np.log(root / law.omega) + spring * threshold * threshold
+    spring, root, level = law.spring, law.root, log_amount + law.log_share
+    if stiffness != 1.0:
+        spring *= stiffness
+        root *= np.sqrt(stiffness)
+        level += 0.5 * np.log(stiffness)
+    level += spring * threshold * threshold
     y = root * near
     if y > 0.0:
         level = _log_sum(level, y * y + np.log(_dawson(y, law)))

@@ -8,27 +8,26 @@ from origins.laws.compiled import CompiledRates, inlined
 
 
 class StiffLaw(NamedTuple):
-    """k/2k_BT of mean stiffness, per length squared, and ω."""
+    """k/2k_BT of mean stiffness, per length squared; ω."""
 
     spring: float
     omega: float
+    log_share: float  # ln (3 k/4 k_BT ω)
 
 
 def stiff_compiled(temperature: float, omega: float) -> CompiledRates:
     """Of StiffRates."""
-    return CompiledRates(StiffLaw(0.5 / temperature, omega), _rate, _passed, _reached, _most)
-
-
-@inlined
-def _log_sum(a, b):  # type: ignore[no-untyped-def]
-    high, low = max(a, b), min(a, b)
-    return high if low == -np.inf else high + np.log1p(np.exp(low - high))
+    law = StiffLaw(0.5 / temperature, omega, float(np.log(0.75 / (temperature * omega))))
+    return CompiledRates(law, _rate, _passed, _reached, _most)
 
 
 @inlined
 def _fall(near, far, threshold):  # type: ignore[no-untyped-def]
     """(1 - near/threshold)^(3/2) - (1 - far/threshold)^(3/2), without cancellation."""
-    first, last = np.sqrt((threshold - near) / threshold), np.sqrt(max((threshold - far) / threshold, 0.0))
+    first, last = (
+        np.sqrt((threshold - near) / threshold),
+        np.sqrt(max((threshold - far) / threshold, 0.0)),
+    )
     if first == 0.0:
         return 0.0
     return (far - near) / threshold * (first * first + first * last + last * last) / (first + last)
@@ -59,10 +58,15 @@ def _passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-de
 
 def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
     c, s = law.spring * stiffness * threshold * threshold, (threshold - near) / threshold
-    start, part = c * s * np.sqrt(s), log_amount + np.log(1.5 * c / (threshold * law.omega))
-    gone = _log_sum(0.0, part + start)
-    left = -_log_sum(part, -start) if part + start > 0.0 else start - gone
-    x = _stretch(max(left, 0.0) / c, min(_fall(0.0, near, threshold) + gone / c, 1.0), threshold)
+    start, part = c * s * np.sqrt(s), log_amount + law.log_share + np.log(threshold * stiffness)
+    # c u at the end is -ln(e^part + e^-start), and by so much less than at `near`
+    more = np.log1p(np.exp(-abs(part + start)))
+    left, gone = start - more, more
+    if part + start > 0.0:
+        left, gone = -part - more, part + start + more
+    if near > 0.0:
+        gone += c * _fall(0.0, near, threshold)
+    x = _stretch(max(left, 0.0) / c, min(gone / c, 1.0), threshold)
     return min(max(x, near), threshold)
 
 
