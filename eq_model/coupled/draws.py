@@ -139,7 +139,7 @@ def stretched_contact(thresholds, stretches, top):  # type: ignore[no-untyped-de
     x = take(thresholds)
     if x <= abs(r):
         a, b, c, d = words_at(_FIRST, thresholds.at[3], thresholds.stream, _FREE)
-        x = beyond(abs(r), uniform(a, b), uniform(c, d), thresholds.table)
+        x = beyond(abs(r), uniform(a, b), uniform(c, d), thresholds.table, thresholds.rows)
         thresholds.at[3] += 1
     return max(x, np.int64(1)), r
 
