@@ -1,13 +1,13 @@
 """What the distribution of contacts does: the master equation, solved as a renewal equation."""
 
 from master._old.decoherence_spectrum import DecoherenceSpectrum, decoherence_spectrum
-from master._old.kinetic import KineticCurve, kinetic_curve
-from master._old.phase_line import PhaseLine, phase_line
-from master._old.propensity import Propensity, propensity
-from master._old.steady import SteadyState, steady_state
 from master.paper.critical_velocity import CriticalVelocity, critical_velocity
 from master.solution import Solution
 from master.solve import solve
+from master.steady.kinetic import KineticCurve, kinetic_curve
+from master.steady.steady import SteadyState, steady_state
+from master.stick_slip.phase_line import PhaseLine, phase_line
+from master.stick_slip.propensity import Propensity, propensity
 
 __all__ = [
     "CriticalVelocity",

@@ -20,10 +20,6 @@ if TYPE_CHECKING:
     from master._old.timed import TimedSolution
     from master.paper.q15_transient import AgeingTransient
 
-# Points at which P_c jumps or bends: of more, the sums are too many for panels to end at each, and
-# the older road for forward motion is faster (islands, histograms).
-MOST_BENDS = 10
-
 
 def solve(
     contacts: Contacts,
@@ -97,9 +93,7 @@ def solve(
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     in_time = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
     if drive.spring is None and not in_time:
-        life = ColdLife(contacts)
-        if life.bends.size <= MOST_BENDS:
-            return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
+        return solve_rigid(contacts, drive, ColdLife(contacts), tolerance, progress, wall_time)
     if drive.spring is not None and not in_time and contacts.delay is None:
         return solve_soft(contacts, drive, tolerance, progress, wall_time)
     from master._old.solve import solve as solve_old

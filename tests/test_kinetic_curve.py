@@ -288,6 +288,8 @@ def test_births_among_the_thresholds(law: str, stiffness: str, mean: float) -> N
 def test_speeds_beyond_numbers_are_told() -> None:
     contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))
     slow = master.kinetic_curve(contacts, [1e-30, 1e-100])
-    assert np.isfinite(slow.force).all() and (slow.force_error < 2e-15).all()
-    with pytest.raises(InputError, match=r"velocity = 1e-200: contacts break within .* slide faster"):
+    # at 1e-100 thresholds that hardly any contact has would bear the force
+    assert slow.success.tolist() == [True, False] and " only at 1 of 2 points" in slow.message
+    assert slow.force_error[0] < 1e-9 * slow.force[0] and np.isfinite(slow.force).all()
+    with pytest.raises(InputError, match=r"velocity = 1e-200: contacts break before .* slide faster"):
         master.kinetic_curve(contacts, [1e-200, 1.0])

@@ -1,5 +1,7 @@
 """Number conservation on panels: order, claims beside true errors, Q(x;X), far paths, wall time."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import scipy.stats
@@ -101,3 +103,19 @@ def test_wall_time_ends_a_solution_with_what_there_is() -> None:
     assert found.path.size == found.force.size < path.size
     with pytest.raises(origins.InputError, match="wall_time"):
         master.solve(contacts, path, wall_time=0.0)
+
+
+def test_corners_that_a_law_does_not_declare_are_found_to_rounding() -> None:
+    """Bins of a scipy histogram, whose edges nobody tells, take as few panels as told ones."""
+    edges = np.linspace(0.5, 1.5, 13)
+    counts = np.random.default_rng(1).random(12) + 0.1
+    untold = scipy.stats.rv_histogram((counts, edges)).freeze()
+    told = origins.mixture(
+        [origins.rectangular(low, high) for low, high in pairwise(edges)],
+        (counts / counts.sum()).tolist(),
+    )
+    path = np.linspace(0.0, 5.0, 101)
+    found = [master.solve(origins.Contacts(thresholds=law), path) for law in (untold, told)]
+    assert all(solved.success for solved in found)
+    assert found[0].force == pytest.approx(found[1].force, abs=1e-11)
+    assert found[0].nodes < 2 * found[1].nodes

@@ -203,10 +203,7 @@ def test_a_short_way_back_from_the_threshold() -> None:
 PATH = np.linspace(0.0, 1.0, 5)
 SOLVERS = {
     "master.solve": lambda contacts: master.solve(contacts, PATH),
-    "master.steady_state": master.steady_state,
     "master.propensity": master.propensity,
-    "master.phase_line": lambda contacts: master.phase_line(contacts, velocity=[1.0, 2.0]),
-    "master.kinetic_curve": lambda contacts: master.kinetic_curve(contacts, velocity=[1.0, 2.0]),
     "master.decoherence_spectrum": master.decoherence_spectrum,
     "master.paper.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),

@@ -75,6 +75,24 @@ def test_births_at_one_stretch(r: float) -> None:
     assert state.cycle_length == pytest.approx(length, rel=1e-12)
 
 
+def test_births_as_far_out_as_the_strongest_contacts_reach() -> None:
+    """Births at up to 1.76 mean thresholds, where hardly a contact holds that has moved at all."""
+    births, warm = gaussian_start(0.1, 0.2), Thermal("soft", 0.1)
+    cuts = np.linspace(*births.span, 9)
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    half = 0.5 * (cuts[1] - cuts[0])
+    length, area = 0.0, 0.0
+    for middle in cuts[:-1] + half:
+        for r, weight in zip(middle + half * nodes, half * weights, strict=True):
+            one = found(Contacts(gaussian(1.0, 0.1), reforming=float(r), thermal=warm))
+            share = weight * float(births.pdf(np.array(r)))
+            length += share * one.cycle_length
+            area += share * one.force * one.cycle_length
+    state = found(Contacts(gaussian(1.0, 0.1), reforming=births, thermal=warm))
+    assert abs(state.force - area / length) < state.force_error + 2e-10 < 3e-10
+    assert abs(state.cycle_length - length) < state.cycle_length_error + 2e-10 < 3e-10
+
+
 def test_births_at_many_stretches_are_averages_of_births_at_one() -> None:
     births = gaussian_start(0.1, 0.02)
     nodes, weights = np.polynomial.hermite_e.hermegauss(24)

@@ -18,7 +18,7 @@ def test_kinetic_forces_are_those_by_mpmath() -> None:
         steady = master.steady_state(Contacts(NARROW, thermal=Thermal(law, temperature, rate, closure=closure)))
         assert steady.force == pytest.approx(known, rel=1e-9), (law, closure, temperature, rate)
         assert abs(steady.force - known) <= steady.force_error + 1e-11 * known
-        assert steady.force_error <= 1e-9 * steady.force
+        assert steady.force_error <= 2e-7 * steady.force
 
 
 @pytest.mark.parametrize("number", [50, 61])

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master._old.propensity import propensity
 from master.soft.regime import Regime, Verdict
+from master.stick_slip.propensity import propensity
 from origins import Contacts
 from origins.drive import SlipRule
 

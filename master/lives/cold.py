@@ -27,6 +27,12 @@ LEAST_SURVIVAL = 1e-280
 # A threshold that a contact's |x| has come this near, relatively, is met: a turning point that was
 # meant to lie at an exact threshold is off by rounding.
 TIE = 1e-12
+# Panels of the table narrower than this, in grains, hint at a corner; at panels so much narrower as
+# the second there is one in any case. Jumps of P_c times the grain below the last are not felt.
+NARROW, CORNER, LEAST_BEND = 1e-2, 1e-4, 1e-6
+# A bend is rated by what polynomials of its sides differ by half a panel beyond it, times this: the
+# panels that resolve the breaks may be a few times wider.
+SEEN = 30.0
 # Gauss nodes on a piece of a law of stretches that is no wider than the survival's own panels.
 _NODES, _WEIGHTS = (0.5 * part for part in np.polynomial.legendre.leggauss(16))
 _NODES = _NODES + 0.5
@@ -67,27 +73,72 @@ class ColdLife:
         # halving then never ends by chance at a corner that the law does not declare
         odd = self.reach * (0.5 * 5.0**0.5 - 0.5)
         # a narrow law breaks between `quiet` and `reach` alone, where nodes of wider panels see none
+        self._end = self.reach
         edges = np.unique(np.concatenate([[0.0, self.quiet, odd, self.reach], self.bends]))
         if self.reach > HEAVY * float(law.isf(FEW[0])):
             far = law.isf(FEW)
             edges = np.union1d(edges, far[(far > 0.0) & (far < self.reach)])
+            self._end = float(upper)  # so few as hold beyond may bear a force that counts
         shortest = 1e-9 * self._mean
         self._table = Table(lambda x: self._smooth(x)[None], edges, 1e-12, shortest)
         lost = -np.diff(self._smooth(self._table.edges))
         weight = lost.sum()
         self.grain = float(self._table.widths @ lost / weight) if weight > 0.0 else self.reach
-        self.bends = np.union1d(self.bends, self._corners(1e-4 * self.grain))
+        self.bends = np.union1d(self.bends, self._corners())
+        self.bend_sizes: Array = np.array([self._size(at) for at in self.bends])
         self.error = 0.0
 
-    def _corners(self, width: float) -> Array:
+    def _corners(self) -> Array:
         """Corners that the law does not declare: where halving ended at panels much narrower."""
         begin, widths = self._table.begin, self._table.widths
+        width = NARROW * self.grain
         narrow = np.flatnonzero(widths < width)
         known = np.append(0.0, self.bends)
         away = np.abs(begin[narrow, None] - known).min(axis=1, initial=np.inf)
         narrow = narrow[away > 10.0 * width]
         groups = np.split(narrow, np.flatnonzero(np.diff(begin[narrow]) > 10.0 * width) + 1)
-        return np.array([begin[group[np.argmin(widths[group])]] for group in groups if group.size])
+        found = []
+        for group in groups if narrow.size else []:
+            least = group[np.argmin(widths[group])]
+            crossing = self._crossing(float(begin[least]), 4.0 * float(widths[least]))
+            if crossing is not None:
+                found.append(crossing)
+            elif widths[least] < CORNER * self.grain:
+                found.append(float(begin[least]))
+        return np.array(found)
+
+    def _crossing(self, near: float, width: float) -> float | None:
+        """Where the survival's slope jumps, or None where it does not.
+
+        Polynomials from either side of the corner cross there. (Halving ends at some 1e-9 beside it,
+        but sums of corners that are multiples of one length are one edge only where they agree to
+        rounding.)
+        """
+        width = max(width, CORNER * self.grain)
+        steps = width * np.arange(1.0, 5.0)
+        left, right = (
+            np.polynomial.Polynomial.fit(x, self._smooth(x), 3)
+            for x in (near - steps, near + steps)
+        )
+        bend = float(right.deriv()(near) - left.deriv()(near))
+        if not abs(bend) * self.grain > LEAST_BEND:
+            return None
+        shift = float(left(near) - right(near)) / bend
+        return near + shift if abs(shift) < width else None
+
+    def _size(self, bend: float) -> float:
+        """How much of the survival is not smooth at a bend: 1 at most, as where P_c jumps.
+
+        Polynomials from either side are compared half a panel beyond.
+        """
+        panel = int(np.searchsorted(self._table.begin, bend, "right")) - 1
+        before = int(np.searchsorted(self._table.end, bend * (1.0 - TIE)))
+        widths = self._table.widths[[before, panel]]
+        if bend in self.atoms or before == panel or widths.min() < NARROW * self.grain:
+            return 1.0
+        x = bend + 0.5 * widths.min() * np.array([-1.0, 1.0])
+        left, right = (self._table.extended(x, which) for which in (before, panel))
+        return float(np.clip(SEEN * np.abs(left - right).max(), 1e-16, 1.0))
 
     def marks(self, width: float) -> Array:
         """See Life."""
@@ -152,7 +203,7 @@ class ColdLife:
         )
         first, last = born.span
         out = np.zeros((2, now.size))
-        near = np.flatnonzero(np.maximum(first + high, -(last + low))[:, 0] < self.reach)
+        near = np.flatnonzero(np.maximum(first + high, -(last + low))[:, 0] < self._end)
         now, high, low = now[near], high[near], low[near]
         pieces = int(np.clip(np.ceil((last - first) / (4.0 * self.grain)), 5, 64))
         own = np.concatenate([np.linspace(first, last, pieces + 1), born.breakpoints, [0.0]])
@@ -179,7 +230,7 @@ class ColdLife:
             born.cdf(self.reach) - born.cdf(-self.reach) if max(last, -first) > self.reach else 1.0
         )
         share /= kept * np.bincount(row, share.sum(axis=1), now.size)[row, None]
-        alive = (m.min(axis=1) < self.reach) & (np.abs(r).max(axis=1) < self.reach)
+        alive = (m.min(axis=1) < self._end) & (np.abs(r).max(axis=1) < self.reach)
         row, r, m, share = row[alive], r[alive], m[alive], share[alive]
         middle = r.shape[1] // 2
         share = share / self._held(np.abs(r), np.abs(r[:, middle, None]))

@@ -32,6 +32,9 @@ class Life(Protocol):
     bends : array of shape (n,)
         Lengths, sorted: the largest |x| at which the survival of a contact is not smooth, such as
         jumps of P_c and exact thresholds.
+    bend_sizes : array of shape (n,)
+        How strongly the survival bends at each, above 0: 1 where P_c jumps, less where only a
+        higher derivative does.
     grain : float
         Length over which the survival has to be resolved.
     quick : bool
@@ -46,6 +49,7 @@ class Life(Protocol):
     quiet: float
     atoms: Array
     bends: Array
+    bend_sizes: Array
     grain: float
     quick: bool
     timeless: bool

@@ -41,6 +41,7 @@ class StraightLife:
         self.timeless = life.timeless
         moving = bends_of(life, born, speed)
         self.bends: Array = moving[moving < longest]
+        self.bend_sizes: Array = np.ones(self.bends.size)
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         scale = np.array([1.0, 1.0 / life.reach])[:, None, None]
 

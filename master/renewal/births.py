@@ -193,21 +193,19 @@ class Births:
         Returns for each piece its row (target times the number of panels, plus the panel) and its
         ends.
         """
-        cuts = (self._cuts(t, begin, width) - begin[:, None]) / width[:, None]
-        inside = (cuts > CLOSE) & (cuts < born[..., None] - CLOSE)
-        row, mark = np.nonzero(inside.reshape(born.size, -1))
+        row, cut = self._cuts(t, begin, width, born)
         rows = np.arange(born.size)
         rows_of = np.concatenate([rows, rows, row])
-        shares = np.concatenate(
-            [np.zeros(born.size), born.ravel(), cuts.reshape(born.size, -1)[row, mark]]
-        )
+        shares = np.concatenate([np.zeros(born.size), born.ravel(), cut])
         order = np.lexsort([shares, rows_of])
         rows_of, shares = rows_of[order], shares[order]
         piece = np.flatnonzero((rows_of[1:] == rows_of[:-1]) & (shares[1:] > shares[:-1]))
         return rows_of[piece], shares[piece], shares[piece + 1]
 
-    def _cuts(self, t: Array, begin: Array, width: Array) -> Array:
-        """Moments s of breaks at which what is left at t bends, shape (n, m, any).
+    def _cuts(
+        self, t: Array, begin: Array, width: Array, born: Array
+    ) -> tuple[npt.NDArray[np.intp], Array]:
+        """Shares of the panels at which what is left at t bends: rows, as in `_pieces`, and shares.
 
         That is where the largest |x| of a contact changes sides, and where it meets a bend of the
         survival, or one of the edges of the survival's own panels where these are finer.
@@ -216,16 +214,35 @@ class Births:
         r = self.law.mean() if self.law.is_single else 0.0
         leg = np.atleast_1d(motion.leg(begin + 0.5 * width + self.delay))
         speed = motion.speeds[leg]
-        marks = life.marks(0.6 * float(np.abs(speed * width).max()))
+        moved = speed * width
+        first = motion.positions[leg] + speed * (begin + self.delay - motion.times[leg])
         high, low = motion.extremes(t, leg)
-        goals = np.concatenate(
-            [
-                high[..., None] + r - marks,
-                low[..., None] + r + marks,
-                0.5 * (high + low)[..., None] + r,
-            ],
-            axis=-1,
-        )
-        with np.errstate(divide="ignore", invalid="ignore"):
-            since = (goals - motion.positions[leg][:, None]) / speed[:, None]
-        return np.asarray(motion.times[leg][:, None] + since - self.delay)
+        marks = life.marks(0.6 * float(np.abs(moved).max()))
+        # births at the position p have a largest |x| of high + r - p, or of p - low - r
+        found = [
+            _between(marks, high + r - first, -moved, born),
+            _between(marks, first - low - r, moved, born),
+            _between(np.zeros(1), 0.5 * (high + low) + r - first, -moved, born),
+        ]
+        row = np.concatenate([rows for rows, _ in found])
+        return row, np.concatenate([shares for _, shares in found])
+
+
+def _between(
+    marks: Array, at_first: Array, change: Array, born: Array
+) -> tuple[npt.NDArray[np.intp], Array]:
+    """Where a length that changes evenly along each panel meets marks: rows, and shares of panels.
+
+    marks : array of shape (k,), sorted
+    at_first : array of shape (n, m), the length at the panels' beginnings, as seen from n targets
+    change : array of shape (m,), from there to the panels' ends
+    born : array of shape (n, m), the share of each panel that counts
+    """
+    near, far = at_first + CLOSE * change, at_first + (born - CLOSE) * change
+    before = np.searchsorted(marks, np.minimum(near, far), "right").ravel()
+    until = np.searchsorted(marks, np.maximum(near, far), "left").ravel()
+    count = np.where((born.ravel() > 0.0) & (until > before), until - before, 0)
+    row = np.repeat(np.arange(count.size), count)
+    mark = np.arange(row.size) - np.repeat(np.cumsum(count) - count, count) + before[row]
+    share = (marks[mark] - at_first.ravel()[row]) / change[row % change.size]
+    return row, share

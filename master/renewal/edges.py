@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 # on panels of 17 nodes, about two digits smaller.
 DIGITS_A_GENERATION = 2.0
 # Edges at most, those of lumps apart: beyond, panels that do not resolve the breaks are halved.
-MOST = 400
+MOST = 1000
 # Lumps at most: each is followed by itself.
 MOST_LUMPS = 4000
 # Share of the contacts below which a lump is left to the rounding of conservation.
@@ -27,6 +27,9 @@ LEAST_LUMP = 1e-15
 # Two edges nearer than this share of their time are one, and a point this shortly before an edge is
 # read after it: times are rounded.
 CLOSE = 1e-12
+# Two bends nearer than this share of the tolerance, in units of the grain, are one: between them
+# next to no contacts break. (Sums of corners that a law does not declare scatter by as much.)
+UNFELT = 1e-2
 
 
 class Moment(NamedTuple):
@@ -90,6 +93,8 @@ def edges(
     def meet(moments: list[Moment]) -> None:
         for moment in sorted(moments):
             close = CLOSE * (moment.time + grain)
+            if moment.generation >= 1:
+                close = max(close, UNFELT * tolerance * grain)
             if since + close < moment.time < end - close:
                 place = int(np.searchsorted(found, moment.time))
                 near = found[max(place - 1, 0) : place + 1]
@@ -149,14 +154,16 @@ def _lump_times(
 def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life) -> list[Moment]:
     """The moments at which contacts born a delay after one make a bend.
 
-    A bend of P_c smooths a bend of the breaks by one order; an exact threshold leaves its order,
-    and of its size the share of the contacts that have it.
+    A bend of P_c smooths a bend of the breaks by one order, and by as much again as it is weak
+    itself; an exact threshold leaves its order, and of its size the share of the contacts that have
+    it.
     """
-    found = []
+    found, sizes = [], dict(zip(life.bends.tolist(), life.bend_sizes.tolist(), strict=True))
     for stretch in [law.mean()] if law.is_single else list(law.breakpoints):
         for passing in passings(motion, moment.time + delay, float(stretch), life.bends):
             share = life.atom_share(passing.mark, float(stretch))
-            lost = -np.log10(share) / DIGITS_A_GENERATION if share > 0.0 else 1.0
+            size = share if share > 0.0 else sizes.get(passing.mark, 1.0)
+            lost = -np.log10(size) / DIGITS_A_GENERATION + (share == 0.0)
             found.append(Moment(passing.time, moment.generation + lost))
     return found
 

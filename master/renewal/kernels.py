@@ -61,6 +61,11 @@ class Kernels:
         lasting = self._births.life.reach + max(abs(end) for end in self._births.law.span)
         return min(duration, lasting / abs(speed)) if speed else duration
 
+    def widths(self, leg: int) -> Array:
+        """Widths of panels for which there is a kernel on a leg."""
+        speed = float(self._motion.speeds[leg])
+        return np.array([width for known, width in self._known if known == speed])
+
     def on(self, leg: int, width: float, panels: int) -> Kernel:
         """Kernel of panels so many apart, or until none of the births holds."""
         speed, delay = float(self._motion.speeds[leg]), self._births.delay

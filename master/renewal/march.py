@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from master.renewal import rule
 from master.renewal.births import Births
-from master.renewal.edges import LEAST_LUMP
+from master.renewal.edges import LEAST_LUMP, UNFELT
 from master.renewal.kernels import TARGETS, Kernels
 from origins.start import Start
 
@@ -189,7 +189,7 @@ class March:
                 break
             left = max(1, int(np.ceil((end - t) / allowed * (1.0 - 1e-9))))
             if abs((end - t) / left - width) > 1e-9 * width:
-                width = (end - t) / left
+                width = self._known_width((end - t) / left, left, leg)
             run = self._run(t, width, min(count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
             if self.births.work > MOST_WORK:
@@ -215,6 +215,20 @@ class March:
                     allowed = min(allowed, self.life.reach / speed)
             self.allowed = allowed
             yield
+
+    def _known_width(self, width: float, panels: int, leg: int) -> float:
+        """This width, or one of this leg that differs by what is not felt: its kernel is known.
+
+        Edges that are sums of the same bends lie at equal distances, but for rounding.
+        """
+        speed = abs(float(self.motion.speeds[leg]))
+        slack = UNFELT * self.tolerance * (self.grain / speed if speed else 0.0) / panels
+        known = self.kernels.widths(leg)
+        if known.size:
+            nearest = float(known[np.abs(known - width).argmin()])
+            if abs(nearest - width) <= min(slack, UNFELT * width):
+                return nearest
+        return width
 
     def _settled(self, leg: int, left: float) -> bool:
         """Whether all that may be felt has broken at one rate, so that the rest of a leg will too.

@@ -92,6 +92,11 @@ class Table:
         found = legendre.legval(np.where(inside, z, 0.0), self._parts[:, :, panel], tensor=False)
         return np.asarray(found * inside)
 
+    def extended(self, x: Array, panel: int) -> Array:
+        """The polynomial of the first function on one panel, at points x anywhere."""
+        z = (2.0 * x - self.begin[panel] - self.end[panel]) / self.widths[panel]
+        return np.asarray(legendre.legval(z, self._parts[:, 0, panel]))
+
     def integrals(self) -> Array:
         """Integral of each function over all panels, shape (functions,)."""
         return np.asarray(self._parts[0] @ self.widths)

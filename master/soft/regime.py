@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from master._old.propensity import propensity
 from master.soft.slips import Slips
+from master.stick_slip.propensity import propensity
 from origins import Contacts
 from origins.drive import Drive
 

@@ -34,7 +34,7 @@ ROUND_OFF = 2e-12
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 # Last coefficients, over typical values, at which a panel of thresholds is not halved: its sum is
 # then off by about the square. And its least width, of the mean threshold.
-ACCURACY, SHORTEST = 1e-8, 1e-13
+ACCURACY, SHORTEST = 1e-9, 1e-13
 # Survival of the thresholds that are summed.
 TAIL = 1e-80
 # Power of a tail that ends, or nearly so.

@@ -72,7 +72,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     """
     began = time.perf_counter()
     tolerance = check_tolerance("tolerance", tolerance)
-    check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
+    check_contacts(contacts, "master.propensity", LAWS)
     check_finite(contacts)
     velocity = positive("velocity", velocity)
     life = life_of(contacts)

@@ -37,7 +37,8 @@ _FELT = 1e-3
 # Gauss nodes along a short move: exact for the polynomials of the table
 _SHORT_Z, _SHORT_W = legendre.leggauss(8)
 _SHORT_Z, _SHORT_W = 0.5 * (_SHORT_Z + 1.0), 0.5 * _SHORT_W
-# share of L: a move that adds less is integrated by itself, as the difference has lost 3 digits
+# share of L, or of a panel: a move that adds less is integrated by itself, as the difference has
+# lost 3 digits
 _SHORT = 1e-3
 _CHUNK = 400  # stretches at which H is summed at once
 # Share of an exact threshold within which rounding may tell wrong on which side of it a contact is.
@@ -131,7 +132,8 @@ class MeanRateLife(ReplayedLife):
             return duration * self.table.rate(np.abs(near))
         before, after = self.table.grown(near), self.table.grown(far)
         gone = np.abs(after - before)
-        short = np.flatnonzero(gone < _SHORT * np.abs(after))
+        lost = (gone < _SHORT * np.abs(after)) | self.table.within_little(near, far)
+        short = np.flatnonzero(lost)
         gone[short] = self.table.mean(near[short], far[short]) * duration[short] * abs(speed)
         return gone / abs(speed)
 
@@ -207,6 +209,12 @@ class RateTable:
         panel, z = self._at(np.abs(x))
         part = legendre.legval(z, self._grown[:, panel], tensor=False)
         return np.sign(x) * (self._before[panel] + part)
+
+    def within_little(self, near: Array, far: Array) -> npt.NDArray[np.bool_]:
+        """Whether a way, on one side of 0, is short against the panel that it ends on."""
+        panel = self._at(np.abs(far))[0]
+        way = np.abs(far - near)
+        return (near * far >= 0.0) & (way < _SHORT * (self.high - self.low)[panel])
 
     def mean(self, near: Array, far: Array) -> Array:
         """Mean of H on short ways on one side of 0, across one edge at most; same shape."""

@@ -50,6 +50,7 @@ class ReplayedLife:
         self.reach = max([self.reach, *self.atoms])
         marks = np.concatenate([law.breakpoints, self.atoms])
         self.bends: Array = np.unique(marks[(marks > 0.0) & (marks <= self.reach)])
+        self.bend_sizes: Array = np.ones(self.bends.size)
         edges = edges[edges < self.reach]
         lost = -np.diff(law.sf(edges))
         many = lost.sum() > 0.0

@@ -23,7 +23,7 @@ _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 # beside an onset of P_c, where it is not, by some 1e-3 of it
 _RESOLVED = 1e-9
 _HALVINGS = 40
-_PIECES = 4  # of a law's span to begin with: a Gaussian to 8 widths is resolved by twice as many
+_PIECES = 16  # of a law's span to begin with: twelve nodes then resolve a Gaussian to 8 widths
 _NARROW = 1e-13  # share of the span: narrower pieces hold no weight
 
 
@@ -83,6 +83,8 @@ def _pieces(law: Start, moves: Moves, reach: float, bends: Array) -> _Pieces:
     """Where what is left bends: x is 0, or the largest |x| changes sides or meets a bend."""
     first, last = max(law.span[0], -reach), min(law.span[1], reach)
     even = np.linspace(first, last, _PIECES + 1)
+    # beyond the reach none holds: a piece that lies across would be told by its middle alone
+    bends = np.append(bends, reach)
     fixed = [even, law.breakpoints, np.zeros(1), bends, -bends]
     now, high, low = (part[:, None] for part in moves)
     moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
