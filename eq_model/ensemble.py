@@ -16,7 +16,7 @@ import numpy.typing as npt
 from eq_model import layout
 from eq_model.engine import Engine, Found
 from eq_model.ensemble_result import EnsembleResult
-from eq_model.histogram import MOST, Counts, no_counts
+from eq_model.histogram import Counts, chosen_points, no_counts
 from eq_model.often import check_often
 from eq_model.state import State
 from origins import Contacts, Drive
@@ -103,7 +103,7 @@ class Ensemble:
         self.drive = Drive(path, velocity, time)
         often = check_often(contacts, self.drive)
         key_of(seed)
-        points = _points(histograms, self.drive.path.size)
+        points = chosen_points(histograms, self.drive.path.size)
         self._engine = Engine(contacts, self.drive, seed, points)
         self.seconds = self._engine.seconds(often)
         self.blocks = layout.make_blocks(self.n_contacts, replicas, self.seconds)
@@ -288,23 +288,3 @@ class Ensemble:
         if contacts < self.total:
             return False, f"{found}: stopped before all {self.total} were followed"
         return True, found
-
-
-def _points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
-    points = np.atleast_1d(np.asarray(histograms))
-    if not points.size:
-        return np.empty(0, np.intp)
-    good = (
-        points.ndim == 1
-        and points.dtype.kind in "iu"
-        and ((points >= -size) & (points < size)).all()
-    )
-    if not good:
-        refuse(
-            "histograms",
-            histograms,
-            f"must be indices of points of the path, such as [0, {size - 1}]",
-        )
-    if points.size > MOST:
-        refuse("histograms", f"{points.size} points", f"must be at most {MOST}, which take 65 MB")
-    return np.asarray(points % size, dtype=np.intp)

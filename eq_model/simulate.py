@@ -1,5 +1,7 @@
 """The face of the ensemble: discrete contacts along the path of a rigid slider."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy.typing as npt
