@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from eq_model.lives import LIVES, LOOKS, OPTIONS, Break
+from eq_model.contact import LIVES, LOOKS, OPTIONS, Break
 from eq_model.watch import look
 from origins.laws.compiled import CompiledRates
 

@@ -3,163 +3,27 @@
 Lengths are in units of the lattice, but for those of rates.
 """
 
-from typing import Any, NamedTuple
-
 import numpy as np
-import numpy.typing as npt
 
 from eq_model.bins import place_of
 from eq_model.breaking import rate
 from eq_model.compiling import bare
-from eq_model.lives import LIVES, LOOKS, Break
-from eq_model.streams import STEPS, uniform, words_at
+from eq_model.contact import LIVES, LOOKS, Break
+from eq_model.drift import Ageing, drift, first_meeting, local_step, moved, normal, safe_step
+from eq_model.streams import STEPS, words_at
 from eq_model.watch import look_at
 
 _F = np.float64
-_FAR = 8.0  # standard deviations that a threshold does not diffuse in a step
 _THERMAL = 0.1  # of what a contact bears, spent in one step
-_CHANGE, _UNFELT = (
-    0.6,
-    1e-4,
-)  # of the logarithm of a rate in a step; of what is borne: needs no care
-_OF_THE_GAP = (
-    0.15  # between the stretch and the upper end of the final law, a step's standard deviation
-)
-_FELT = 0.25  # standard deviations of a step closer to an end than which no drift is felt
+_CHANGE = 0.6  # of the logarithm of a rate in a step
+_UNFELT = 1e-4  # of what a contact bears: so little needs no care
 _FORGOTTEN = 0.5  # of the time in which old thresholds forget: the longest step where rates count
 _NUDGE = 1e-3  # of the stretch, and of the logarithm of the rate that it changes
-
-
-class Ageing(NamedTuple):
-    """Diffusion of thresholds, towards a normal law or one whose drift is tabled (ageing_tables)."""
-
-    normal: bool
-    mean: float
-    width: float
-    relaxing: float  # per time
-    diffusion: float  # squared units per time
-    first: float  # of the table's places
-    step: float
-    values: npt.NDArray[np.float64]
-    slopes: npt.NDArray[np.float64]
-    shares: npt.NDArray[np.float64]  # of the longest step, squared standard deviations
-    low: float  # ends of the final law, and of the table
-    high: float
-    near: float
-    far: float
-    longest: float  # time of a step near the stretch that a threshold must not meet
-    coarse: float  # how much coarser than need be other steps are
-    warm: bool  # whether contacts break at rates besides
-    rates: Any
-    unit: float  # a length
-
-    def coarser(self, times: float) -> "Ageing":
-        """With steps so many times longer."""
-        # the integral of a rate is of fourth order in the change of its logarithm
-        return self._replace(longest=times * self.longest, coarse=times**0.25)
-
-
-@bare
-def _normal(a, b, c):  # type: ignore[no-untyped-def]
-    """A draw of the standard normal law from three words."""
-    return np.sqrt(-2.0 * np.log(uniform(a, b))) * np.cos(2.0 * np.pi * (_F(c) + 0.5) * 2.0**-32)
-
-
-@bare
-def _hermite(place, values, slopes, step):  # type: ignore[no-untyped-def]
-    """A tabled function between its nodes, from its values and slopes there."""
-    k = min(max(int(place), 0), values.size - 2)
-    t = place - k
-    rise = values[k + 1] - values[k]
-    p, q = slopes[k] * step - rise, slopes[k + 1] * step - rise
-    return values[k] + t * (rise + (1.0 - t) * (p - t * (p + q)))
 
 
 @bare
 def _rate(x, y, ageing):  # type: ignore[no-untyped-def]
     return rate(ageing.rates, min(x, y) * ageing.unit, y * ageing.unit, 1.0)
-
-
-@bare
-def _drift(y, ageing):  # type: ignore[no-untyped-def]
-    """Mean change of a threshold per time, over D, towards a law that is not normal."""
-    y = min(max(y, ageing.near), ageing.far)
-    below, above = y - ageing.low, ageing.high - y
-    place = (_over(below, above) - ageing.first) / ageing.step
-    slope = _hermite(place, ageing.values, ageing.slopes, ageing.step)
-    return slope * (1.0 / below + 1.0 / above)
-
-
-@bare
-def _over(below, above):  # type: ignore[no-untyped-def]
-    """Where a threshold is in the tables, by its distance from the law's ends."""
-    return np.log(below / above) if above < np.inf else np.log(below)
-
-
-@bare
-def _local(y, here, speed, ageing):  # type: ignore[no-untyped-def]
-    """The time of a step from a threshold y; the stretch |x| = here grows with `speed`."""
-    low, high, shares = ageing.low, ageing.high, ageing.shares
-    y = min(max(y, ageing.near), ageing.far)
-    place = (_over(y - low, high - y) - ageing.first) / ageing.step
-    k = min(max(int(place), 0), shares.size - 2)
-    part = min(max(place - k, 0.0), 1.0)
-    time = ageing.longest * (shares[k] + part * (shares[k + 1] - shares[k]))
-    if high < np.inf and here >= low:
-        # a threshold meets the stretch or the wall in one step, not both
-        gap = max(high - here, 1.0)
-        time = min(time, (_OF_THE_GAP * gap) ** 2 / (2.0 * ageing.diffusion))
-        if speed > 0.0:
-            time = min(time, 0.5 * gap / speed)
-    return time
-
-
-@bare
-def _moved(y, time, normal, uniform, walled, ageing):  # type: ignore[no-untyped-def]
-    """A threshold a time later: in an exact step towards a normal law, else by Heun's, of second order in the mean.
-
-    A step that comes to the final law's upper end, or to its lower one where that is above the stretch (walled), is
-    reflected by how far it went beyond, exact but for the change of the drift; how far a Brownian bridge tells.
-    """
-    diffusion, low, high = ageing.diffusion, ageing.low, ageing.high
-    if ageing.normal:
-        lost = -np.expm1(-ageing.relaxing * time)
-        spread = ageing.width * np.sqrt(lost * (2.0 - lost))
-        return y + (ageing.mean - y) * lost + spread * normal
-    spread = np.sqrt(2.0 * diffusion * time)
-    # closer to an end than this no drift is felt through a step
-    least, most = low + _FELT * spread, high - _FELT * spread
-    slope = _drift(min(max(y, least), most), ageing)
-    guess = low + abs(y + diffusion * time * slope + spread * normal - low)
-    if high < np.inf:
-        guess = high - abs(high - guess)
-    there = _drift(min(max(guess, least), most), ageing)
-    later = y + 0.5 * diffusion * time * (slope + there) + spread * normal
-    if walled and y - low <= high - y:
-        lowest = 0.5 * (
-            y + later - np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(uniform))
-        )
-        later += max(low - lowest, 0.0)
-    elif high < np.inf:
-        highest = 0.5 * (
-            y + later + np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(uniform))
-        )
-        later -= max(highest - high, 0.0)
-    return min(max(later, low), high) if walled else min(later, high)
-
-
-@bare
-def _safe(gap, y, x, speed, ageing):  # type: ignore[no-untyped-def]
-    """A time within which a threshold y does not come down to a stretch |x| that grows with `speed`."""
-    if not ageing.normal:
-        return 0.0
-    # what is above the mean may come down to it
-    gap = min(y, max(ageing.mean, 0.0)) - x
-    if gap <= 0.0:
-        return 0.0
-    spread = _FAR * np.sqrt(2.0 * ageing.diffusion)
-    root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
-    return root * root
 
 
 @bare
@@ -174,15 +38,21 @@ def _steepness(x, y, ageing):  # type: ignore[no-untyped-def]
 
 
 @bare
+def _highest(y, ageing):  # type: ignore[no-untyped-def]
+    """The rate at the threshold or close to it, which few laws exceed."""
+    return max(_rate(y, y, ageing), _rate(0.9 * y, y, ageing))
+
+
+@bare
 def _felt(time, here, y, speed, ageing):  # type: ignore[no-untyped-def]
     """The part of a step in which the breaking rate changes little, or comes to nothing, and little is borne."""
     coarser, relaxing, diffusion = ageing.coarse, ageing.relaxing, ageing.diffusion
     now = max(_rate(here, y, ageing), 1e-300)
     time, change = min(time, coarser**2 * _THERMAL / now), coarser * _CHANGE
-    drift = relaxing * abs(ageing.mean - y) if ageing.normal else diffusion * abs(_drift(y, ageing))
+    pull = relaxing * abs(ageing.mean - y) if ageing.normal else diffusion * abs(drift(y, ageing))
     while True:
         of_stretch, of_threshold = _steepness(here + speed * time, y, ageing)
-        carried = (of_stretch * speed + of_threshold * drift) * time
+        carried = (of_stretch * speed + of_threshold * pull) * time
         spread = of_threshold * np.sqrt(2.0 * diffusion * time)
         if max(carried, spread) <= change and relaxing * time <= coarser**2 * _FORGOTTEN:
             return time
@@ -195,36 +65,11 @@ def _felt(time, here, y, speed, ageing):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _highest(y, ageing):  # type: ignore[no-untyped-def]
-    """The rate at the threshold or close to it, which few laws exceed."""
-    return max(_rate(y, y, ageing), _rate(0.9 * y, y, ageing))
-
-
-@bare
 def _borne(first, last, time, spread):  # type: ignore[no-untyped-def]
     """Integral of a rate over a step from its ends, of which the logarithm goes straight but for a Brownian bridge."""
     ratio = np.log(last / first) if first > 0.0 and last > 0.0 else 0.0
     mean = (last - first) / ratio if abs(ratio) > 1e-4 else 0.5 * (first + last)
     return mean * time * (1.0 + min(spread * spread, 1.0) / 12.0)
-
-
-@bare
-def _first_meeting(above, below, spread, normal, uniform):  # type: ignore[no-untyped-def]
-    """Part of a step after which a Brownian bridge from `above` zero first meets it, when it does.
-
-    I/(1 + I), I of the inverse Gaussian law of mean above/|below| and shape above²/spread², spread² the variance of
-    the step without ends.
-    """
-    if above <= 0.0:
-        return 0.0
-    if below == 0.0:
-        return 1.0
-    mean, shape = above / abs(below), (above / spread) ** 2
-    w = 0.5 * mean * normal * normal / shape
-    first = mean / (1.0 + w + np.sqrt(w * (2.0 + w)))
-    if uniform * (mean + first) > mean:
-        first = mean * (mean / first)
-    return first / (1.0 + first)
 
 
 def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
@@ -257,11 +102,11 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
                 left = min(left, max(_F(moments[seen] - at) - passed, 1.0) * pace)
             own = ageing.longest
             if not ageing.normal:
-                own = _local(y, here, speed, ageing)
+                own = local_step(y, here, speed, ageing)
                 # what comes to the law's lower end is reflected where the stretch is below, and breaks beyond
                 if d != 0 and (here < ageing.low) == leaving and here != ageing.low:
                     left = min(left, max(abs(ageing.low - here), 1.0) * pace)
-            time = min(max(own, _safe(y - here, y, here, speed, ageing)), left)
+            time = min(max(own, safe_step(y - here, y, here, speed, ageing)), left)
             if ageing.warm:
                 time = _felt(time, min(here, y), y, speed, ageing)
                 time = min(max(time, 1e-3 * own), left)
@@ -276,9 +121,7 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
                 more = words_at(lane, place, stream, STEPS)
                 place += 1
                 reflected = (_F(more[3]) + 0.5) * 2.0**-32
-            later = _moved(
-                y, time, _normal(words[0], words[1], words[2]), reflected, walled, ageing
-            )
+            later = moved(y, time, normal(words[0], words[1], words[2]), reflected, walled, ageing)
             # the stretch is rounded where a leg ends
             above, below = max(y - here, 0.0), later - then
             part, broken = 1.0, below <= 0.0 and not walled
@@ -288,8 +131,8 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
                 words = words_at(lane, place, stream, STEPS)
                 place += 1
                 chance = (_F(words[3]) + 0.5) * 2.0**-32
-                normal = _normal(words[0], words[1], words[2])
-                part = _first_meeting(above, below, np.sqrt(2.0 * diffusion * time), normal, chance)
+                bell = normal(words[0], words[1], words[2])
+                part = first_meeting(above, below, np.sqrt(2.0 * diffusion * time), bell, chance)
             if ageing.warm:
                 first, met = _rate(here, y, ageing), here + part * (then - here)
                 last = _rate(met, met, ageing) if broken else _rate(then, later, ageing)

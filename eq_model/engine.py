@@ -1,30 +1,26 @@
 """What blocks of contacts do, as sums of whole numbers, and what these say of the force."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from eq_model.drawn import cells_of, exposure_cells
 from eq_model.histogram import BINS, Counts, Histogram, Made, histogram, make_range
 from eq_model.lattice import SUM_BITS, TIE, make_lattice
 from eq_model.layout import BLOCK, Blocks, is_measured
+from eq_model.moments import COARSER, EACH, Readout, split
 from eq_model.often import check_growth, check_steps, duration
-from eq_model.rare import Seen, unseen_break, unseen_variance
-from eq_model.tables import DEEPEST, FAR, LEVEL_UNIT, Table, cells_of, exposure_cells
+from eq_model.tables import DEEPEST, FAR, LEVEL_UNIT, Table
 from origins import Contacts, Drive, GrainContact
 from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
-_LIMB = 32  # bits of the low one of the two numbers that hold a sum of all blocks
 _TOLD = 256  # units in which half of the contacts break again: their mean is told to 1e-5
 _SPREAD = 9.0  # standard deviations beyond which no threshold of 1e17 diffuses
-# contacts of every _EACH-th block are followed once more in steps COARSER times longer, whose force
-# tells the error of the steps
-COARSER, _EACH = 16, 8
 
 
 class Found(NamedTuple):
@@ -34,25 +30,6 @@ class Found(NamedTuple):
     counts: Counts
     breaks: int
     steps: int
-
-
-@dataclass(frozen=True)
-class Moments:
-    """At the points of the path: fraction that holds, mean force (a length), its variance between contacts."""
-
-    holding: Array
-    force: Array
-    variance: Array
-
-
-def split(sums: Whole) -> Whole:
-    """Whole sums as two limbs, shape (2, ...), high and low; limbs of many blocks and ranks may be added up."""
-    return np.stack([sums >> _LIMB, sums & ((1 << _LIMB) - 1)])
-
-
-def _rows(limbs: Whole, columns: int) -> npt.NDArray[np.object_]:
-    """Limbs as whole numbers of any size, a row for each bin, and one for the start."""
-    return (limbs[0].astype(object) * (1 << _LIMB) + limbs[1].astype(object)).reshape(-1, columns)
 
 
 class Engine:
@@ -75,13 +52,13 @@ class Engine:
         longest = _largest(contacts, drive, max(self._cells["thresholds"].largest, furthest))
         self._longest = min(longest, float(span[-1]) + furthest)
         check_growth(contacts, drive, self._longest)
-        self._reached, self._differ = np.minimum(span + furthest, longest), 0.0
+        reached, differ = np.minimum(span + furthest, longest), 0.0
         stiffest = max(longest / scale, 1.0) if self.linked else 1.0
         if self.linked:
             # what breaks first is weak; but no contact is weaker than it is stretched
             usual = min(float(np.sqrt(contacts.thresholds.moment(2))) / scale, stiffest)
-            self._reached *= np.maximum(self._reached / scale, usual)
-            self._differ = max(usual**2 - 1.0, 0.0)
+            reached *= np.maximum(reached / scale, usual)
+            differ = max(usual**2 - 1.0, 0.0)
         course = Drive(drive.path, drive.velocity) if self._plain else drive
         self._exact = contacts.thresholds.atoms[0].size > 0
         self.lattice = make_lattice(course, scale, 2.0 * self._longest * stiffest, self._exact)
@@ -94,7 +71,7 @@ class Engine:
         start = contacts.start
         self._begun = np.int64(round(start.mean() / unit))
         # of a single start what its rounding leaves is told of the slider
-        self._told = self.lattice.path + (start.mean() - self._begun * unit) * start.is_single
+        told = self.lattice.path + (start.mean() - self._begun * unit) * start.is_single
         # squares of a block's starts add up to 61 bits, however narrow the start
         apart = 1.0 + max(abs(end - start.mean()) for end in start.span) / unit
         spare = SUM_BITS - np.log2(BLOCK) - 2 * np.ceil(np.log2(apart))
@@ -107,6 +84,19 @@ class Engine:
         if contacts.ageing is not None:
             self._parts[2] = self._parts[1]
         self.size = int(self._parts.sum())
+        self.readout = Readout(
+            contacts,
+            self.lattice,
+            self._plain,
+            int(self._begun),
+            self._start_square,
+            told,
+            self._columns,
+            self._parts,
+            reached,
+            differ,
+            self._longest,
+        )
 
     def _furthest(self) -> float:
         laws = [self.contacts.start]
@@ -240,118 +230,11 @@ class Engine:
         out[:, :first] = split(sums.all.ravel())
         if measured:
             out[:, first : first + second] = split(np.hstack([sums.all, sums.some]).ravel())
-        if self._parts[2] and (block < 0 or block % _EACH == 0):
+        if self._parts[2] and (block < 0 or block % EACH == 0):
             coarse = Sums(np.zeros_like(every), np.zeros_like(some), True)
             self._kernel(stream, count, coarse, counts[:0], self._law.coarser(COARSER))
             out[:, first + second :] = split(np.hstack([coarse.all, coarse.some]).ravel())
         return Found(out, counts, breaks, steps)
-
-    def _moments(self, n: int, limbs: Whole) -> Moments:
-        """Of n contacts, from limbs of all and some sums side by side; whole numbers, so nothing cancels."""
-        from eq_model.lives import STIFFNESS_UNIT
-
-        lattice, part, columns = self.lattice, int(STIFFNESS_UNIT), sum(self._columns)
-        rows, reference = _rows(limbs, columns), lattice.bins.places.astype(object)
-        start, rows = rows[-1], rows[:-1]
-        some = rows[:, self._columns[0] :]
-        number, back = 1.0 / lattice.bins.square, some[:, 0]
-        # columns of stretches are whole lengths, those of stiffnesses parts of STIFFNESS_UNIT
-        weight, first = (rows[:, 1], rows[:, 2]) if self.linked else (rows[:, 0] * part, rows[:, 1])
-        squared, first_squared = (some[:, 3], some[:, 4]) if self.linked else (weight, first)
-        count, held, born, squares, squares_born, squares_far = (
-            np.cumsum(change)[lattice.place]
-            for change in (
-                rows[:, 0],
-                weight,
-                first * part + weight * reference,
-                squared,
-                first_squared * part + squared * reference,
-                back * (round(number) * part)
-                + reference * (2 * part * first_squared + squared * reference),
-            )
-        )
-        if not self.linked:
-            # contacts are relaxed where the slider is at minus their stretch at X = 0
-            begun, many = int(self._begun), start[0]
-            births = -part * (start[1] + many * begun)
-            far = round(1.0 / self._start_square) * start[2] + begun * (2 * start[1] + many * begun)
-            count, held, born = count + many, held + many * part, born + births
-            squares, squares_born = squares + many * part, squares_born + births
-            squares_far = squares_far + far * part
-        at = np.rint(self._told / lattice.unit).astype(np.int64)
-        beside, x = self._told - at * lattice.unit, at.astype(object)
-        force = held * x - born
-        spread = (squares * x - 2 * squares_born) * x + squares_far
-        variance = (
-            (spread * (part * n) - force * force).astype(float) * (lattice.unit / part) ** 2 / n
-        )
-        mean = (force.astype(float) * lattice.unit + held.astype(float) * beside) / (part * n)
-        variance = np.maximum(variance, 0.0) / (n - 1) if n > 1 else np.full(mean.size, np.inf)
-        return Moments(count.astype(float) / n, mean, variance)
-
-    def _mean(self, n: int, limbs: Whole) -> Moments:
-        """Without the variance, from limbs of all contacts' sums."""
-        wide = np.zeros((2, limbs.shape[1] // self._columns[0], sum(self._columns)), np.int64)
-        wide[:, :, : self._columns[0]] = limbs.reshape(2, -1, self._columns[0])
-        return self._moments(n, wide.reshape(2, -1))
-
-    def moments(self, blocks: Blocks, done: list[range], sums: Whole) -> Moments:
-        """Of these blocks, with the variance that breaks too rare to be seen add."""
-        n, measured = blocks.contacts(done), blocks.measured(done)
-        first, second, _ = self._parts
-        mean = self._mean(n, sums[:, :first])
-        if not measured:
-            return Moments(mean.holding, mean.force, np.full(mean.force.size, np.inf))
-        limbs = sums[:, first : first + second]
-        spread = self._moments(measured, limbs).variance
-        seen = self._seen(n / measured, limbs)
-        contacts, reached = self.contacts, self._reached.copy()
-        if self._plain and contacts.thermal is None:
-            # so early the first breaks are known better than that one might have been
-            unseen, known = unseen_variance(contacts, self.lattice.path, measured)
-            spread = np.maximum(spread, unseen)
-            reached[:known] = 0.0
-        warm = contacts.thermal is not None
-        alike = contacts.start.is_single and not np.diff(contacts.thresholds.support())[0]
-        if self._plain and alike and not warm:
-            spread = np.zeros(spread.size)  # but for rounding: contacts are all alike
-        else:
-            present = spread + mean.force**2
-            rare = unseen_break(seen, self.lattice.place, n, present, reached, warm)
-            # the stiffest contacts may be in none of few
-            spread = np.maximum(spread, np.maximum(rare, self._differ * mean.force**2))
-        return Moments(mean.holding, mean.force, spread)
-
-    def _seen(self, scale: float, limbs: Whole) -> Seen:
-        """Breaks of `scale` times as many contacts as are measured."""
-        unit, bins, held = self.lattice.unit, self.lattice.bins, self._columns[0]
-        rows = _rows(limbs, sum(self._columns))[:-1].astype(float)
-        points, area = bins.points.astype(float), unit**2 / bins.square
-        if not self._plain:
-            return Seen(points, rows[:, held + 1] * scale, rows[:, held + 2] * area * scale)
-        # each break releases x at b, and x² + 2x (end - b) of the second moments about the bin's end
-        stretches = np.maximum(rows[:, 1], 0.0) * unit
-        squares = np.clip(-rows[:, held] * area, 0.0, self._longest * stretches)
-        largest = squares.sum() / max(stretches.sum(), unit)
-        breaks = stretches * (scale / largest) if largest > 0.0 else np.zeros(stretches.size)
-        return Seen(points, breaks, squares * scale)
-
-    def step_error(self, blocks: Blocks, done: list[range], sums: Whole) -> Array:
-        """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.
-
-        The error grows faster than in proportion to the step, so this is more than it is.
-        """
-        first, second, third = self._parts
-        if not third:
-            return np.zeros(self.lattice.path.size)
-        coarse = [range(block, block + 1) for part in done for block in part if block % _EACH == 0]
-        n, some = blocks.measured(done), blocks.contacts(coarse)
-        if not some or not n:
-            return np.full(self.lattice.path.size, np.inf)
-        fine = self._moments(n, sums[:, first : first + second])
-        other = self._moments(some, sums[:, first + second :])
-        doubt = np.sqrt(fine.variance / n + other.variance / some)
-        return (np.abs(other.force - fine.force) + doubt) / (COARSER - 1.0)
 
     def histograms(self, n: int, counts: Counts) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""

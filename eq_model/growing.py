@@ -11,7 +11,7 @@ import numpy as np
 
 from eq_model.breaking import most, rate
 from eq_model.compiling import bare
-from eq_model.lives import LIVES, LOOKS, Break
+from eq_model.contact import LIVES, LOOKS, Break
 from eq_model.streams import STEPS, uniform, words_at
 from eq_model.watch import look_at
 

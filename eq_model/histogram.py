@@ -7,6 +7,8 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from origins.errors import refuse
+
 Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.unsignedinteger[Any]]
 
@@ -46,6 +48,27 @@ class Histogram:
 def no_counts(points: int, contacts: int) -> Counts:
     """Zeros, shape (points, 2, BINS), that hold the counts of so many contacts."""
     return np.zeros((points, 2, BINS), np.uint32 if contacts < 1 << 32 else np.uint64)
+
+
+def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
+    """Indices of points of a path of this size, checked; raises InputError, named histograms."""
+    points = np.atleast_1d(np.asarray(histograms))
+    if not points.size:
+        return np.empty(0, np.intp)
+    good = (
+        points.ndim == 1
+        and points.dtype.kind in "iu"
+        and ((points >= -size) & (points < size)).all()
+    )
+    if not good:
+        refuse(
+            "histograms",
+            histograms,
+            f"must be indices of points of the path, such as [0, {size - 1}]",
+        )
+    if points.size > MOST:
+        refuse("histograms", f"{points.size} points", f"must be at most {MOST}, which take 65 MB")
+    return np.asarray(points % size, dtype=np.intp)
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,15 @@ type of its settings), waits where there is a delay, and is drawn again. The loo
 each type of law, so that other laws cost nothing, and kept on disk, which closures are not.
 """
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba.extending import overload
 
 from eq_model.bins import bin_of, later, place_of
 from eq_model.compiling import bare, compiled, inlined
+from eq_model.contact import Contact, life, look
+from eq_model.moments import STIFFNESS_UNIT
 from eq_model.quantiles import Scratch, beyond, draw_inside, draw_values
 from eq_model.streams import (
     BEYOND,
@@ -23,7 +23,6 @@ from eq_model.streams import (
     ROW,
     STARTS,
     THRESHOLDS,
-    Stream,
     draw,
     uniform,
     words_at,
@@ -31,7 +30,6 @@ from eq_model.streams import (
 from eq_model.tables import LEVEL_UNIT, Table
 
 _U, _I, _F = np.uint64, np.int64, np.float64
-STIFFNESS_UNIT = 2.0**36  # stiffnesses are summed in parts of this, squares of them too
 
 
 class Settings(NamedTuple):
@@ -51,30 +49,6 @@ class Settings(NamedTuple):
     spread: bool  # whether stretches of re-forming are drawn
     bears: bool  # whether the law asks what contacts bear
     linked: bool  # stiffness to the threshold
-
-
-class Contact(NamedTuple):
-    """One that holds at a stretch (whole) at a moment of the clock."""
-
-    clock: np.int64
-    leg: np.int64
-    stretch: np.int64
-    threshold: np.int64
-    exposure: float  # ln of the integral of its rate that it bears
-    stiffness: float  # over the mean one
-    fresh: bool  # is not one of those at X = 0
-    lane: np.int64
-    drawn: np.int64  # steps that its lane has drawn words for
-    stream: Stream
-
-
-class Break(NamedTuple):
-    """Where a contact breaks; a clock beyond the drive's end where it holds so long."""
-
-    clock: np.int64
-    leg: np.int64
-    drawn: np.int64
-    held: bool  # False of one that did not hold at all
 
 
 class Lanes(NamedTuple):
@@ -102,34 +76,6 @@ class Sums(NamedTuple):
     all: npt.NDArray[np.int64]
     some: npt.NDArray[np.int64]
     measured: bool
-
-
-LIVES: dict[type, Callable[..., Any]] = {}
-LOOKS: dict[type, Callable[..., Any]] = {}
-
-
-def life(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact, by the type of its law."""
-    raise NotImplementedError
-
-
-def look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    """Count a contact at watched points, as of watch.look."""
-    raise NotImplementedError
-
-
-# as compiling.bare, and as a part of the loop
-OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
-
-
-@overload(life, jit_options=OPTIONS)
-def _life(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
-    return LIVES[law.instance_class]
-
-
-@overload(look, jit_options=OPTIONS)
-def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    return LOOKS[law.instance_class]
 
 
 @inlined

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from eq_model.contact import Break, Contact, life
 from eq_model.lattice import Lattice, make_lattice
-from eq_model.lives import Break, Contact, life
 from eq_model.physics import law_of
 from eq_model.streams import make_stream
 from eq_model.watch import Watch

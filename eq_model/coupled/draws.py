@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, inlined
+from eq_model.drawn import cells_of
 from eq_model.quantiles import Scratch, beyond, draw_values, scratch
 from eq_model.streams import (
     BEYOND,
@@ -26,7 +27,7 @@ from eq_model.streams import (
     words_at,
     words_of_round,
 )
-from eq_model.tables import Table, cells_of
+from eq_model.tables import Table
 from origins import Contacts
 
 UNIT_BITS, LARGEST_BITS = 28, 40
