@@ -16,7 +16,9 @@ Array = npt.NDArray[np.float64]
 
 _NODES = 4097
 _RARE = 1e-14
-_RELAXES = 0.02  # in one step, of the time in which two thresholds side by side come closer, or part
+_RELAXES = (
+    0.02  # in one step, of the time in which two thresholds side by side come closer, or part
+)
 _OF_THE_WAY = 0.25  # to an end at which the drift has a pole, a step's standard deviation
 _POLE = 0.25  # of a power there that is felt
 _SURROUNDINGS = 3.0  # standard deviations within which the drift is to change as little
@@ -84,7 +86,9 @@ def drift_table(final: Thresholds, fresh: Thresholds) -> DriftTable:
     # no more than a share of the way to where the drift changes faster
     spreads = np.minimum.accumulate(spreads - y / _SURROUNDINGS) + y / _SURROUNDINGS
     spreads = np.minimum.accumulate((spreads + y / _SURROUNDINGS)[::-1])[::-1] - y / _SURROUNDINGS
-    spreads = np.maximum(spreads, width * np.where((below < above) & (low == 0.0), _LEAST, _AT_A_WALL))
+    spreads = np.maximum(
+        spreads, width * np.where((below < above) & (low == 0.0), _LEAST, _AT_A_WALL)
+    )
     typical = float(np.median(np.interp(final.ppf(_TYPICAL), y, spreads)))
     return DriftTable((low, high), (near, far), w[0], w[1] - w[0], values, slopes, spreads, typical)
 

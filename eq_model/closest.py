@@ -14,7 +14,9 @@ from origins.errors import whole
 Array = npt.NDArray[np.float64]
 
 
-def closest(contacts: Contacts, path: npt.ArrayLike, *, n_contacts: int, seed: int = 0) -> tuple[Array, int]:
+def closest(
+    contacts: Contacts, path: npt.ArrayLike, *, n_contacts: int, seed: int = 0
+) -> tuple[Array, int]:
     """Mean stretch at each point of `path` (lengths, shape (n,)) and the number of breaks, of n_contacts contacts.
 
     Raises InputError for a path that does not go forward from 0 and for n_contacts below 1.

@@ -10,7 +10,6 @@ from numba import njit, types
 from numba.extending import intrinsic
 
 _HERE = Path(__file__).parent
-_ORIGINS = ("hot_cells", "quantile", "streams")  # whose constants are compiled in
 
 
 def compiled(function: Callable[..., Any]) -> Any:
@@ -52,10 +51,8 @@ def _compiled(function: Callable[..., Any], cache: bool = True, **more: bool) ->
 @cache
 def sources() -> str:
     """What tells these kernels from those of another version."""
-    files = [
-        *sorted(_HERE.rglob("*.py")),
-        *(_HERE.parent / f"origins/{name}.py" for name in _ORIGINS),
-    ]
+    laws = _HERE.parent / "origins" / "laws"
+    files = [*sorted(_HERE.rglob("*.py")), *sorted(laws.rglob("*.py"))]
     return sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 

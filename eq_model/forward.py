@@ -1,128 +1,234 @@
-"""Contacts that hold all the time, alike in stiffness, on a path that moves forward at one speed.
+"""Contacts in steady forward motion, in lanes: where a break is a sum.
 
-The stretches at which each of them breaks, its thresholds or at a temperature less, add up to where it stands: nothing
-else is needed of it.
+A contact that breaks at stretches x1, x2, ..., its thresholds or at a temperature less, stands relaxed
+where they add up to; released stretch is summed in the bin where it is released. The stages are loops
+over the lanes, most of which the compiler turns into vector code.
 """
 
-from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from eq_model import layout
-from eq_model.beginning import Beginning
-from eq_model.histogram import BINS, Histogram
-from eq_model.lattice import SUM_BITS, Whole, carried, force, joined, make_lattice, split, variance
-from eq_model.rare import unseen_break, unseen_variance
-from eq_model.tally import Counts, Tally
-from eq_model.thermal_tables import steady_for_kernel
-from origins import Contacts, Drive
+from eq_model.bins import bin_of
+from eq_model.breaking import passed, reached
+from eq_model.compiling import bare, compiled
+from eq_model.quantiles import Scratch, beyond, draw_inside, draw_values
+from eq_model.streams import (
+    BEYOND,
+    EXPOSURES,
+    LANES,
+    ROW,
+    STARTS,
+    THRESHOLDS,
+    draw,
+    uniform,
+    words_at,
+)
+from eq_model.tables import FAR, LEVEL_UNIT, Table
+from eq_model.watch import look
 
-Array = npt.NDArray[np.float64]
+_U, _I, _F = np.uint64, np.int64, np.float64
+_NONE, _FIRST_STARTS = np.int64(0), np.int64(1 << 39)  # a turn that no row of thresholds comes to
+_NOTHING = 1e-300
+_REST = 4  # rounds after which lanes without contacts leave
 
 
-def takes(contacts: Contacts, drive: Drive) -> bool:
-    """Whether contacts on a drive are such."""
-    return set(contacts.laws) <= {"thermal"} and drive.forward and drive.time is None
+class Plain(NamedTuple):
+    """What these contacts are made of."""
+
+    thresholds: Table
+    starts: Table  # of the stretches at X = 0, where drawn
+    drawn: bool
+    begun: np.int64  # the stretch at X = 0 of all, or about the mean where drawn
+    square: float  # squared distances from that, whole, are this times unit^-2
+    top: np.int64  # no threshold lies beyond
+    exposures: Table  # ln e, e of the exponential law of mean 1
+    warm: bool  # whether they break at rates
+    rates: Any
+    unit: float  # a length
+    slow: float  # time for a length
 
 
-class Forward:
-    """The sums of such contacts, and what they say of the force.
+@bare
+def _advance(n, x, at, left, begun, bins, found):  # type: ignore[no-untyped-def]
+    """Move n lanes by their thresholds x to where they break, or begin the next contact; how many broke."""
+    top, end, breaks = bins.points.size, bins.end, _I(0)
+    if bins.even:
+        for i in range(_U(n)):
+            b = at[i] + x[i]
+            over = (b > end) | (left[i] <= _I(0))
+            found[i] = np.int32(top if over else max((b + bins.offset) >> bins.shift, _I(0)))
+            breaks += _I(not over)
+    else:
+        for i in range(n):
+            b = at[i] + x[i]
+            over = (b > end) | (left[i] <= _I(0))
+            found[i] = np.int32(top if over else bin_of(b, bins))
+            breaks += _I(not over)
+    for i in range(_U(n)):
+        b = at[i] + x[i]
+        over = b > end
+        left[i] -= _I(over)
+        at[i] = -begun if over else b
+    return breaks
 
-    size : of the sums, 3 + 3 bins: all births and each bin's thresholds; then, of those contacts that are measured,
-    births, squared births, and each bin's thresholds and second moments in turn. weight : of a break, to go by;
-    steps : none.
+
+@bare
+def _second_moments(n, x, at, bins, found, out):  # type: ignore[no-untyped-def]
+    """Changes of y² as n lanes that stand at `at` break at thresholds x; of no use in the last bin."""
+    if bins.even:
+        for i in range(_U(n)):
+            y = at[i] - bins.origin - (_I(found[i]) << bins.shift)
+            out[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * bins.square)
+    else:
+        last = bins.points.size - 1
+        for i in range(_U(n)):
+            y = at[i] - bins.places[min(_I(found[i]), last)]
+            out[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * bins.square)
+
+
+@bare
+def _restart(n, start, at, left, before, least, plain):  # type: ignore[no-untyped-def]
+    """Let lanes whose contact is over begin the next one at stretches `start`.
+
+    The sums of their distances from `begun`, and of the squares.
     """
+    total, square = _I(0), _I(0)
+    for i in range(_U(n)):
+        over = left[i] < before[i]
+        used = over & (left[i] > _I(0))
+        apart = start[i] - plain.begun
+        total += apart if used else _I(0)
+        square += _I(np.floor(0.5 + _F(apart) * _F(apart) * plain.square)) if used else _I(0)
+        at[i] = -start[i] if over else at[i]
+        least[i] = max(abs(start[i]), _I(1)) if over else _I(0)
+    return total, square
 
-    weight, steps = 1.0, 0.0
 
-    def __init__(self, drive: Drive, beginning: Beginning) -> None:
-        self._beginning, table = beginning, beginning.table
-        contacts, start = beginning.contacts, beginning.contacts.start
-        self._thermal = contacts.thermal
-        self._single = start.is_single and (self._thermal is None or start.mean() == 0.0)
-        self._stretch = start.mean()
-        origin = -self._stretch if self._single else 0.0
-        furthest = max(abs(start.span[0]), abs(start.span[1]))
-        longest = min(float(table.upper(0.0)) * table.scale, float(drive.path[-1]) + furthest)
-        self.lattice = make_lattice(
-            drive.path, origin, table.scale, longest + furthest, exact=contacts.thresholds.atoms[0].size > 0
+@bare
+def _beyond_starts(n, row, turn, stream, least, table, rows, x):  # type: ignore[no-untyped-def]
+    """First thresholds exceed the stretches that contacts begin with: P_c conditional on x_s > |x|."""
+    few = False
+    for i in range(_U(n)):
+        few |= x[i] < least[i]
+    if few:
+        for i in range(n):
+            if x[i] < least[i]:
+                a, b, c, d = words_at(i, turn, stream, BEYOND + row)
+                x[i] = beyond(least[i], uniform(a, b), uniform(c, d), table, rows)
+
+
+@bare
+def _early(n, x, e, at, least, plain):  # type: ignore[no-untyped-def]
+    """Of n lanes with thresholds x the stretches at which they break that bear the exposures e."""
+    per, log_slow, one = 1.0 / plain.unit, np.log(plain.slow), 1.0
+    for i in range(_U(n)):
+        threshold, log_bears = _F(x[i]) * plain.unit, _F(e[i]) * LEVEL_UNIT - log_slow
+        # contacts that form again are relaxed; others begin at a stretch of either sign
+        near = _F(-at[i]) * plain.unit if least[i] > 0 else 0.0
+        if near < 0.0:
+            bears = np.exp(log_bears)
+            whole = passed(plain.rates, 0.0, -near, threshold, one)
+            if whole >= bears:
+                left = np.log(max(whole - bears, _NOTHING))
+                own = min(reached(plain.rates, left, 0.0, threshold, one), -near)
+                x[i] = -_I(np.floor(own * per + 0.5))
+                continue
+            log_bears, near = np.log(bears - whole), 0.0
+        own = reached(plain.rates, log_bears, near, threshold, one)
+        x[i] = min(_I(np.floor(min(own * per, _F(FAR)) + 0.5)), x[i])
+
+
+@compiled
+def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):  # type: ignore[no-untyped-def]
+    """Follow one block of contacts to the path's end; how many breaks.
+
+    sums : (bins + 1, 2), increased by changes of the number of contacts, which are none, and of the sum
+    of y, minus a contact's stretch when its bin ends; squares : (bins + 1, 1), by those of y², where
+    `measured`. The last row is that of the start: contacts, distances from `begun` and squares of
+    these. counts : as of watch.look.
+    """
+    n, top = min(LANES, count), bins.points.size
+    words, others = np.empty(4 * ROW, np.uint32), np.empty(4 * ROW, np.uint32)
+    rows = Scratch(
+        np.full(9, -1.0),
+        np.empty(LANES, np.uint32),
+        np.empty(LANES, np.uint32),
+        np.empty(LANES, np.uint32),
+        np.empty(LANES),
+        np.empty(2 * LANES, _I),
+    )
+    x, at, start = np.empty(LANES, _I), np.zeros(LANES, _I), np.zeros(LANES, _I)
+    more, e, own = np.empty(4 * ROW, np.uint32), np.zeros(LANES, _I), np.zeros(LANES, _I)
+    least, used, before = np.zeros(LANES, _I), np.zeros(LANES, _I), np.zeros(LANES, _I)
+    left, found = np.zeros(LANES, _I), np.zeros(LANES, np.int32)
+    since = np.zeros(LANES, np.int32)
+    apart, squared = _I(0), _I(0)
+    at[:], least[:] = -plain.begun, abs(plain.begun)
+    for i in range(n):
+        left[i] = count // n + (i < count % n)
+    if plain.drawn:
+        draw(n, _FIRST_STARTS, stream, STARTS, words)
+        draw_inside(
+            n, _NONE, _FIRST_STARTS, stream, STARTS, words, plain.starts, plain.top, rows, start
         )
-        self._reached, self._longest = np.minimum(drive.path + furthest, longest), longest
-        self._bins = self.lattice.bin_cell.size
-        self.size = 3 + 3 * self._bins
-        self._block_sums = np.zeros(2 * (self._bins + 1), np.int64)
-        # squares of a block add up, however narrow the start
-        apart = 1.0 + max(abs(edge - self._stretch) for edge in start.span) / self.lattice.unit
-        self._birth_square = 2.0 ** (SUM_BITS - 17 - 2 * int(np.ceil(np.log2(apart))))
-        beginning.compile(self.lattice.unit)
-        self._steady = steady_for_kernel(self._thermal, drive.velocity, self.lattice.unit)
-        self._pace = self.lattice.unit / drive.velocity
+        before[:] = left + 1
+        apart, squared = _restart(n, start, at, left, before, least, plain)
+    begins_stretched = plain.drawn or plain.begun != 0
+    breaks, turn = _I(0), _I(0)
+    while n > 0:
+        draw(n, turn, stream, THRESHOLDS, words)
+        if plain.drawn:
+            draw(n, turn, stream, STARTS, others)
+        if plain.warm:
+            draw(n, turn, stream, EXPOSURES, more)
+        for row in range(_I(4)):
+            draw_values(n, row, turn, stream, THRESHOLDS, words, plain.thresholds, rows, x)
+            if begins_stretched:
+                _beyond_starts(n, row, turn, stream, least, plain.thresholds, rows, x)
+            if counts.shape[0]:
+                own[:] = x
+            if plain.warm:
+                draw_values(n, row, turn, stream, EXPOSURES, more, plain.exposures, rows, e)
+                _early(n, x, e, at, least, plain)
+            if begins_stretched or measured or counts.shape[0]:
+                for i in range(_U(n)):
+                    before[i], used[i] = left[i], at[i]
+            breaks += _advance(n, x, at, left, plain.begun, bins, found)
+            for i in range(_U(n)):
+                sums[_U(found[i]), _U(1)] += x[i]
+            if measured:
+                _second_moments(n, x, used, bins, found, rows.place)
+                for i in range(_U(n)):
+                    squares[_U(found[i]), _U(0)] += _I(rows.place[i])
+            if counts.shape[0]:
+                for i in range(n):
+                    if before[i] > 0:
+                        look(since[i], found[i], used[i], _F(own[i]), watch, counts)
+                    since[i] = 0 if found[i] == top else found[i]
+            if plain.drawn:
+                draw_inside(
+                    n, row, turn, stream, STARTS, others, plain.starts, plain.top, rows, start
+                )
+                begun = _restart(n, start, at, left, before, least, plain)
+                apart += begun[0]
+                squared += begun[1]
+            elif begins_stretched:
+                for i in range(_U(n)):
+                    least[i] = abs(plain.begun) if left[i] < before[i] else _I(0)
+        turn += 1
+        if turn % _REST == 0:
+            n = _kept(n, at, left, least, since)
+    sums[top, 0], sums[top, 1], squares[top, 0] = count, apart, squared
+    return breaks
 
-    def follow(self, block: range) -> tuple[npt.NDArray[np.int64], Counts, int, int]:
-        """Follow a block of contacts to the path's end: sums as two limbs, shape (2, size), no counts, breaks, and no
-        steps."""
-        from eq_model import kernel, life_kernel
 
-        relaxed = self._single and self._stretch == 0.0
-        births, firsts = self._beginning.draw(block, none=relaxed)
-        many, key = self._beginning.n_contacts, self._beginning.words
-        if self._thermal is not None:
-            law, tables = self._steady[5:7]
-            life_kernel.first_breaks(block.start, many, key, births, firsts, law, tables, self._pace)
-        if self._single:
-            births[:] = 0  # positions are counted from where all contacts were born
-        total, squares = kernel.spread(births, self._expected_birth(), self._birth_square)
-        self._block_sums[:] = 0
-        path, measured, sums = self.lattice.for_kernel, layout.is_measured(block.start), self._block_sums
-        table, thermal = self._beginning.compiled, self._steady
-        breaks = kernel.run(block.start, len(block), many, key, table, thermal, births, firsts, path, measured, sums)
-        bins, split_at = split(sums[:-2]), self._bins + 1
-        out = np.zeros((2, self.size), np.int64)
-        out[:, :split_at] = np.concatenate([split(np.array([total])), bins[:, ::2]], axis=1)
-        if measured:
-            out[:, split_at:] = np.concatenate([split(np.array([total, squares])), bins], axis=1)
-        return out, np.zeros((0, 2, BINS), np.uint32), int(breaks), 0
-
-    def moments(self, done: list[range], sums: npt.NDArray[np.int64]) -> tuple[Array, Array, Array]:
-        """Fraction that holds, mean stretch (a length) of these contacts and its variance between them, at points."""
-        n = sum(map(len, done))
-        total, part = sums[:, : self._bins + 1], sums[:, self._bins + 1 :]
-        births, squares, measured = part[:, 0], part[:, 1], layout.measured(done)
-        # squared distances were taken from the expected mean: this brings them to the mean found
-        from_expected = joined(births) - measured * self._expected_birth()
-        square_births = float(joined(squares) / self._birth_square - from_expected**2 / measured)
-        contacts, unseen, reached = self._beginning.contacts, np.zeros(self._reached.size), self._reached.copy()
-        if self._thermal is None:
-            # so early the first breaks are known better than that one might have been
-            unseen, known = unseen_variance(contacts, self.lattice.path, measured)
-            reached[:known] = 0.0
-        spread = variance(self.lattice, measured, births, square_births, part[:, 2::2], part[:, 3::2], unseen)
-        mean = force(self.lattice, n, total[:, 0], total[:, 1:])
-        thermal = self._thermal is not None
-        if thermal or np.diff(contacts.thresholds.support())[0] > 0.0:
-            breaks, taken = self._breaks(n / measured, part[:, 2::2], part[:, 3::2])
-            rare = unseen_break(self.lattice, breaks, taken, n, spread + mean**2, reached, thermal)
-            spread = np.maximum(spread, rare)
-        return np.ones(mean.size), mean, spread
-
-    def _breaks(self, scale: float, moved: Whole, moments: Whole) -> tuple[Array, Array]:
-        """Of `scale` times as many contacts as these: breaks in each bin, not more than there are, and the sum of their
-        squared stretches (lengths^2), not less."""
-        unit = self.lattice.unit
-        stretches, squares = np.maximum(joined(moved), 0.0) * unit, joined(carried(moments)) * unit**2
-        # more than the squares by up to the width of a cell for each stretch
-        squares = np.clip(-squares / self.lattice.square, 0.0, self._longest * stretches)
-        largest = squares.sum() / max(stretches.sum(), unit)
-        return stretches * (scale / largest) if largest > 0.0 else np.zeros(stretches.size), squares * scale
-
-    def step_error(self, done: list[range], sums: npt.NDArray[np.int64]) -> Array:
-        """None: there are no steps."""
-        return np.zeros(self._reached.size)
-
-    def histograms(self, n: int, counts: Tally) -> Sequence[Histogram]:
-        """None."""
-        return []
-
-    def _expected_birth(self) -> int:
-        return 0 if self._single else round(-self._stretch / self.lattice.unit)
+@bare
+def _kept(n, at, left, least, since):  # type: ignore[no-untyped-def]
+    """Close the ranks of lanes that still have contacts to follow; how many."""
+    m = 0
+    for i in range(n):
+        if left[i] > 0:
+            at[m], left[m], least[m], since[m] = at[i], left[i], least[i], since[i]
+            m += 1
+    return m

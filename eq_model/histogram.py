@@ -7,9 +7,13 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from origins.errors import refuse
+
 Array = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.unsignedinteger[Any]]
 
 BINS = 4096
+MOST = 2000  # points at which contacts are counted: the counts of all then take 65 MB, and 131 MB from 2^32 contacts on
 _WIDE = 64.0  # typical lengths that bins alike are spread over: they are at most 1/32 of one wide
 
 
@@ -41,6 +45,32 @@ class Histogram:
     count: int
 
 
+def no_counts(points: int, contacts: int) -> Counts:
+    """Zeros, shape (points, 2, BINS), that hold the counts of so many contacts."""
+    return np.zeros((points, 2, BINS), np.uint32 if contacts < 1 << 32 else np.uint64)
+
+
+def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
+    """Indices of points of a path of this size, checked; raises InputError, named histograms."""
+    points = np.atleast_1d(np.asarray(histograms))
+    if not points.size:
+        return np.empty(0, np.intp)
+    good = (
+        points.ndim == 1
+        and points.dtype.kind in "iu"
+        and ((points >= -size) & (points < size)).all()
+    )
+    if not good:
+        refuse(
+            "histograms",
+            histograms,
+            f"must be indices of points of the path, such as [0, {size - 1}]",
+        )
+    if points.size > MOST:
+        refuse("histograms", f"{points.size} points", f"must be at most {MOST}, which take 65 MB")
+    return np.asarray(points % size, dtype=np.intp)
+
+
 @dataclass(frozen=True)
 class Range:
     """Where contacts are counted, lengths: stretches up to +-stretch and thresholds up to `threshold`, each of them
@@ -62,7 +92,9 @@ def make_range(reach: float, largest: float, typical: float) -> Range:
     return Range((min(reach, wide), reach), (min(largest, wide), largest))
 
 
-def histogram(point: int, position: float, over: Range, counts: npt.NDArray[Any], n: int) -> Histogram:
+def histogram(
+    point: int, position: float, over: Range, counts: npt.NDArray[Any], n: int
+) -> Histogram:
     """From counts (2, bins) of n contacts."""
     held, (near, far) = int(counts[0].sum()), over.stretch
     stretches = _density(counts[0], n, -near, near, -far, far)

@@ -1,198 +1,194 @@
-"""Whole numbers for lengths, and the bins in which breaks are summed along the path.
+"""The drive in whole numbers, and the bins in which births and breaks are summed along it.
 
-Every length is a whole number of `unit`, a power of two far below the mean threshold: sums are then exact and
-do not depend on their order. The path is covered by lattice cells, each a power of two wide; a cell holds at
-most one path point, or is crowded and has bins of its own.
+Every length is a whole number of `unit`, far below the mean threshold, so that sums are exact and do
+not depend on their order. While the slider moves the clock counts its travel; while it stands the
+clock takes a mean threshold for each stand, however long. A path that moves forward is its own clock.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from eq_model.layout import BLOCK
+from origins import Drive
 from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
-BLOCK = 1 << 16  # contacts summed before the sums are split in two limbs
-SUM_BITS = 61
-_PATH_BITS = 57
-_MOST_BITS = 44  # 2^-44 of the scale is below the table's own error
-_LEAST_BITS = 24
-TIE = 1 << 10  # units of rounding through which ties of exact thresholds with path points and turns are kept
-_LIMB = 32
-_FINEST = 2.0**-20  # width of a cell, in scales
+# Breaks within so many units of a path point or a turn fall on it where thresholds are exact values: so
+# far may rounding have carried them after some 1e6 breaks.
+TIE = 1 << 10
+
+SUM_BITS = 61  # of a block's sum in one bin; the sign and a bit to spare are left
+_PATH_BITS = 57  # of the clock: positions beyond it, with a threshold added, stay in 64 bits
+_MOST_BITS, _LEAST_BITS = 44, 24  # of a mean threshold: finer than the tables; too coarse for them
+_FINEST = 2.0**-20  # of a mean threshold: the shortest cell
+_LEAST_BINS = 1024  # of a long path: second moments are told relative to the ends of bins
+_SAME_SPEED = 1e-12  # relative difference of two legs that are one
+
+
+class Course(NamedTuple):
+    """Legs of the drive, each of one speed, in whole units."""
+
+    begins: Whole  # (m + 1,): clock at the ends of m legs
+    positions: Whole  # (m + 1,): slider there
+    directions: Whole  # (m,): of the motion, 0 where the slider stands
+    paces: Array  # (m,): time that passes in one unit of the clock
+
+
+class Bins(NamedTuple):
+    """Points of the path in the order of the clock; each bin ends at one of them."""
+
+    points: Whole  # (n,): the last moment that counts before each point
+    places: Whole  # (n,): slider there; stretches of the bin's events are told as of then
+    first: npt.NDArray[
+        np.int32
+    ]  # of each cell of the clock the first point that does not lie before it
+    shift: np.int64  # cells are 2^shift long
+    even: bool  # each cell ends at a point
+    offset: np.int64  # so that (clock + offset) >> shift is the point, where even
+    origin: np.int64  # slider at the first point
+    end: np.int64  # the last moment that counts
+    square: float  # whole second moments are this times unit^-2
 
 
 @dataclass(frozen=True)
 class Lattice:
-    """The path in whole numbers.
+    """Course and bins of a drive with their unit (a length).
 
-    path : array (n,), lengths; origin : length, the zero of whole positions; unit : length.
-    square : whole second moments are this times unit^-2.
-    offset, shift : position b lies in cell (b + offset) >> shift; end : last position at which a break counts.
-    points : path points, sorted; place : of each entry of path its point.
-    bound : empty where points are the last positions of their cells, and each cell is a bin. Else for each cell its
-    point, the largest number where it has none, and -1 - row of `crowds` where it has several; and the cell is two
-    bins. crowds : rows (first bin, first point, one past the last point).
-    bin_cell, bin_point : of each bin the cell, and the first of `points` not before it.
+    path : shape (n,), lengths; place : of each point of the path its bin.
     """
 
     path: Array
-    origin: float
     unit: float
-    square: float
-    offset: int
-    shift: int
-    end: int
-    points: Whole
+    course: Course
+    bins: Bins
     place: npt.NDArray[np.intp]
-    bound: Whole
-    crowds: Whole
-    bin_cell: Whole
-    bin_point: npt.NDArray[np.intp]
-
-    @property
-    def for_kernel(self) -> tuple[int, int, int, int, float, Whole, Whole, Whole]:
-        """The part that the kernel needs."""
-        top = self.bin_cell.size
-        return self.offset, self.shift, self.end, top, self.square, self.bound, self.crowds, self.points
 
 
-def make_lattice(path: Array, origin: float, scale: float, reach: float, exact: bool) -> Lattice:
-    """Lattice for a checked `path` (lengths).
+def make_lattice(drive: Drive, scale: float, reach: float, exact: bool) -> Lattice:
+    """The lattice of a rigid slider's drive.
 
-    origin : where position 0 lies; scale : a power of two near the thresholds' size; reach : the longest stretch that
-    counts, start included; exact : whether P_c holds exact values, so that breaks may fall on path points.
-    Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^20 times.
+    scale : the mean threshold's size; reach : the largest force that counts, in stretches of contacts
+    of mean stiffness; exact : whether thresholds hold exact values, so that breaks fall on points.
+    Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^21 times.
     """
-    length = max(float(path[-1]) - origin, scale * _FINEST)
-    most_cells = 4 * path.size + 1024
-    spacing, even = _spacing(path, scale)
-    halvings = max(np.ceil(np.log2(spacing / scale)), 0.0) if even else 0.0
-    if even:
-        halvings = min(halvings, np.floor(np.log2(max(most_cells * spacing / length, 1.0))))
-        even = length / spacing <= most_cells
-    width = spacing * 2.0**-halvings
-    if not even:
-        width = max(min(width, scale, length), length / most_cells, scale * _FINEST)
-    # a bin's sum over one block is at most BLOCK (width + reach), its second moment twice the square of that
-    room = int(np.ceil(np.log2((width + reach) / scale)))
-    bits = min(_MOST_BITS, SUM_BITS - 16 - room, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
-    if reach / scale > 2.0 ** (SUM_BITS - 16 - _LEAST_BITS):
+    travel, duration, clock = _legs(drive, scale)
+    length = max(float(clock[-1]), scale * _FINEST)
+    knots = _knots(clock, max(scale, length / _LEAST_BINS))
+    widest = float(np.diff(knots.clock, prepend=0.0).max())
+    # a bin's sum over one block is at most BLOCK (widest + reach), its second moment the square of that
+    room = int(np.ceil(np.log2((widest + reach) / scale)))
+    most = SUM_BITS - int(np.log2(BLOCK)) - room
+    bits = min(_MOST_BITS, most, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
+    if reach / scale > 2.0 ** (SUM_BITS - np.log2(BLOCK) - _LEAST_BITS):
         raise InputError(
-            f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted in; the "
-            "ensemble sums up to some 1e6 of them: use thresholds with a shorter tail"
+            f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted "
+            "in; the ensemble sums up to some 1e6 of them: use thresholds with a shorter tail"
         )
     if bits < _LEAST_BITS:
         raise InputError(
-            f"path[-1] = {path[-1]:g}: lies {length / scale:.2g} mean thresholds away; the ensemble follows contacts "
-            "along a path of at most 8e9 of them"
+            f"path[-1] = {drive.path[-1]:g}: lies {length / scale:.2g} mean thresholds away; the ensemble "
+            "follows contacts along a path of at most 8e9 of them"
         )
-    shift = int(np.floor(np.log2(width / scale))) + bits
-    unit = width * 2.0**-shift if even else scale * 2.0**-bits
-    square = 2.0 ** (SUM_BITS - 17 - 2 * (room + bits))
-    places = np.rint((path - origin) / unit).astype(np.int64) + (TIE if exact else 0)
-    points, place = np.unique(places, return_inverse=True)
-    if even:
-        points = points[0] + np.arange(points.size) * (1 << (shift + int(halvings)))
-    offset = -(int(points[0]) + 1) & ((1 << shift) - 1) if even else 0
-    end = int(points[-1])
-    cells = max((end + offset) >> shift, 0) + 1
-    bound, crowds = np.empty(0, np.int64), np.empty((0, 3), np.int64)
-    bin_cell = np.arange(cells)
-    bin_point = np.searchsorted(points, ((bin_cell + 1) << shift) - 1 - offset)
-    if not even:
-        bound, crowds, bin_cell, bin_point = _bins(points, cells, shift)
-    return Lattice(
-        path, origin, unit, square, offset, shift, end, points, place.reshape(-1), bound, crowds, bin_cell, bin_point
+    width = knots.spacing or max(length / (4 * knots.clock.size), scale * _FINEST)
+    shift = max(int(np.floor(np.log2(width / scale))) + bits, 0)
+    unit = width * 2.0**-shift if knots.spacing else scale * 2.0**-bits
+    course = _course(travel, duration, scale, unit)
+    points = np.rint(knots.clock / unit).astype(np.int64)
+    if knots.spacing:
+        points = points[0] + np.arange(points.size) * (1 << shift)
+    points, found = np.unique(points, return_inverse=True)
+    leg = np.clip(np.searchsorted(course.begins, points, side="right") - 1, 0, travel.size - 1)
+    places = course.positions[leg] + course.directions[leg] * (points - course.begins[leg])
+    points = points + (TIE if exact else 0)
+    beyond = max(points[-1] - course.begins[-1], 0)
+    course.begins[-1] += beyond
+    course.positions[-1] += course.directions[-1] * beyond
+    first = np.searchsorted(points, np.arange((int(points[-1]) >> shift) + 2) << shift)
+    bins = Bins(
+        points,
+        places,
+        np.minimum(first, points.size - 1).astype(np.int32),
+        np.int64(shift),
+        bool(knots.spacing),
+        np.int64((1 << shift) - 1 - points[0]),
+        places[0],
+        points[-1],
+        2.0 ** min(SUM_BITS - np.log2(BLOCK) - 2 * (room + bits), 0.0),
     )
+    return Lattice(drive.path, unit, course, bins, found.reshape(-1)[knots.place])
 
 
-def _spacing(path: Array, scale: float) -> tuple[float, bool]:
-    """The least distance of different path points, and whether, to rounding, it is that of all."""
-    steps = np.diff(np.unique(path))
-    if steps.size == 0:
-        return scale, False
-    spacing = (float(path[-1]) - float(path[0])) / (path.size - 1)
-    off = np.abs(path - (path[0] + spacing * np.arange(path.size))).max()
-    even = bool(off <= 64.0 * np.finfo(float).eps * path[-1])
-    return (spacing, True) if even else (float(steps.min()), False)
+class _Knots(NamedTuple):
+    """Where bins end: at all path points, and in between where these are far apart."""
+
+    clock: Array
+    spacing: float  # of all of them, if to rounding it is one; else 0
+    place: npt.NDArray[np.intp]  # of each path point its knot
 
 
-def _bins(points: Whole, cells: int, shift: int) -> tuple[Whole, Whole, Whole, npt.NDArray[np.intp]]:
-    """bound, crowds, bin_cell, bin_point of points that lie anywhere in their cells."""
-    none = np.iinfo(np.int64).max
-    bound = np.full(cells, none)
-    ahead = int(np.searchsorted(points, 0))
-    home, first, count = np.unique(points[ahead:] >> shift, return_index=True, return_counts=True)
-    first = first + ahead
-    many = count > 1
-    bound[home[~many]] = points[first[~many]]
-    bound[home[many]] = -1 - np.arange(many.sum())
-    bins = 2 * cells + np.concatenate([[0], np.cumsum(count[many] + 1)])
-    crowds = np.stack([bins[:-1], first[many], first[many] + count[many]], axis=-1).astype(np.int64).reshape(-1, 3)
-    before = np.searchsorted(points, np.arange(cells) << shift)
-    bin_cell = np.concatenate([np.repeat(np.arange(cells), 2), np.repeat(home[many], count[many] + 1)])
-    ordinary = np.stack([before, before + (bound < none)], axis=-1).ravel()
-    return bound, crowds, bin_cell, np.concatenate([ordinary, *(np.arange(low, high + 1) for _, low, high in crowds)])
+def _knots(clock: Array, widest: float) -> _Knots:
+    """The ends of bins of the clock, at most `widest` apart (lengths)."""
+    points, place = np.unique(clock, return_inverse=True)
+    place = place.reshape(-1)
+    apart = np.diff(points)
+    spacing = float(points[-1] - points[0]) / apart.size if apart.size else 0.0
+    off = np.abs(points - (points[0] + spacing * np.arange(points.size))).max()
+    if spacing > 0.0 and off <= 64.0 * np.finfo(float).eps * clock[-1]:
+        parts = 1 << max(int(np.ceil(np.log2(spacing / widest))), 0)
+        spacing /= parts
+        before = int(points[0] / spacing)
+        many = before + parts * apart.size + 1
+        if many <= 4 * points.size + 4 * _LEAST_BINS:
+            knots = points[0] + spacing * (np.arange(many) - before)
+            return _Knots(np.maximum(knots, 0.0), spacing, before + parts * place)
+    gaps = np.diff(points, prepend=0.0)
+    wide = np.flatnonzero(gaps > widest)
+    more = [
+        points[k] - gaps[k] * np.arange(1, many) / many
+        for k in wide
+        if (many := int(np.ceil(gaps[k] / widest)))
+    ]
+    knots = np.unique(np.concatenate([points, *more]))
+    return _Knots(knots, 0.0, np.searchsorted(knots, points)[place])
 
 
-def split(sums: Whole) -> Whole:
-    """Whole sums as two limbs, shape (2, ...), high and low; limbs of many blocks and ranks may be added up."""
-    return np.stack([sums >> _LIMB, sums & ((1 << _LIMB) - 1)])
+def _legs(drive: Drive, stand: float) -> tuple[Array, Array, Array]:
+    """Travel (lengths, signed) and duration of each leg, and the clock at each point of the path (lengths).
 
-
-def carried(limbs: Whole) -> Whole:
-    """Added-up limbs with the low one below 2^32 again."""
-    return np.stack([limbs[0] + (limbs[1] >> _LIMB), limbs[1] & ((1 << _LIMB) - 1)])
-
-
-def joined(limbs: Whole) -> Array:
-    """Limbs as floats."""
-    return limbs[0] * 2.0**_LIMB + limbs[1]
-
-
-def force(lattice: Lattice, n: int, births: Whole, moved: Whole) -> Array:
-    """Mean stretch of n contacts at each path point (lengths, shape (n_points,)).
-
-    births : limbs (2,) of the sum of the starting positions; moved : limbs (2, bins) of the thresholds broken in each
-    bin.
+    The clock takes `stand` for each leg on which the slider stands.
     """
-    order, last = order_of(lattice)
-    total = joined(carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None]))
-    position = np.concatenate([joined(carried(births))[None], total])
-    return (lattice.path - lattice.origin) - lattice.unit * (position[last] / n)[lattice.place]
+    step = np.diff(drive.path, prepend=0.0)
+    lasts = (
+        np.abs(step) / drive.velocity if drive.time is None else np.diff(drive.time, prepend=0.0)
+    )
+    speed = np.divide(step, lasts, out=np.zeros(step.size), where=lasts > 0.0)
+    passing = np.flatnonzero(lasts > 0.0)
+    new = np.ones(passing.size, dtype=bool)
+    if passing.size:
+        before, after = speed[passing[:-1]], speed[passing[1:]]
+        new[1:] = np.abs(after - before) > _SAME_SPEED * np.abs(before)
+    leg = np.zeros(step.size, dtype=np.intp)
+    leg[passing] = np.cumsum(new) - 1
+    leg = np.asarray(np.maximum.accumulate(leg), dtype=np.intp)
+    many = int(leg[-1]) + 1
+    travel = np.bincount(leg, weights=step, minlength=many).astype(float)
+    duration = np.bincount(leg, weights=lasts, minlength=many).astype(float)
+    stands = np.bincount(leg, weights=np.abs(step), minlength=many) == 0.0
+    share = np.divide(lasts, duration[leg], out=np.zeros(step.size), where=duration[leg] > 0.0)
+    clock = np.cumsum(np.where(stands[leg], stand * share, np.abs(step)))
+    if drive.forward and not stands.any():
+        clock = drive.path  # to the last bit
+    return travel, duration, np.asarray(clock, dtype=float)
 
 
-def variance(
-    lattice: Lattice, n: int, births: Whole, square_births: float, moved: Whole, moments: Whole, unseen: Array
-) -> Array:
-    """Variance of the stretch between n contacts at each path point (lengths^2, shape (n_points,)); inf for n = 1.
-
-    births, moved : as for `force`; square_births : sum of the squared distances of the starting positions from their
-    mean, in units^2; moments : limbs (2, bins) of the second moments of the thresholds broken in each bin,
-    (b - r)^2 - (b - x - r)^2 with r the last position of the bin's cell.
-    unseen : where it is above zero, the variance is at least this and that of the start, lengths^2.
-    """
-    if n == 1:
-        return np.full(lattice.path.shape, np.inf)
-    order, last = order_of(lattice)
-    total = carried(np.cumsum(carried(moved)[:, order], axis=1) + births[:, None])
-    # the bins in the order of the path: b is the sum of all births before each bin, relative to its cell
-    before = joined(np.concatenate([carried(births)[:, None], total[:, :-1]], axis=1))
-    reference = (lattice.bin_cell[order] + 1.0) * 2.0**lattice.shift - 1.0 - lattice.offset
-    start = before - n * reference
-    change = joined(carried(moved))[order]
-    spread = joined(carried(moments))[order] / lattice.square - change * (2.0 * start + change) / n
-    spread = np.concatenate([[square_births], square_births + np.cumsum(spread)])
-    scale = lattice.unit**2 / (n - 1)
-    least = np.where(unseen > 0.0, square_births * scale + unseen, 0.0)
-    return np.maximum(np.maximum(spread[last], 0.0)[lattice.place] * scale, least)
-
-
-def order_of(lattice: Lattice) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """The bins in the order of the path, and how many of them lie up to each path point."""
-    order = np.lexsort((lattice.bin_point, lattice.bin_cell))
-    return order, np.searchsorted(lattice.bin_point[order], np.arange(lattice.points.size), side="right")
+def _course(travel: Array, duration: Array, scale: float, unit: float) -> Course:
+    positions = np.rint(np.concatenate([[0.0], np.cumsum(travel)]) / unit).astype(np.int64)
+    moved = np.diff(positions)
+    ticks = np.where(moved != 0, np.abs(moved), max(round(scale / unit), 1))
+    begins = np.concatenate([[0], np.cumsum(ticks)])
+    return Course(begins, positions, np.sign(moved), duration / ticks)

@@ -1,90 +1,103 @@
-"""Who does which contacts: contacts of all replicas in one row, a share for each rank, blocks in each share."""
+"""Blocks of contacts of fixed sizes, and who does which of them.
+
+All replicas' blocks stand in one row. Their sizes follow from the contacts asked for and from an
+estimate of the work each takes, never from how fast anything went, so that the same blocks with the
+same streams are run on any number of ranks and threads, and after a restart.
+"""
 
 import time as clock
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from eq_model.lattice import BLOCK
-
-_BLOCK_BREAKS = 1 << 24  # a block takes about a twentieth of a second
-# the variance of so many contacts is known to a part in 700: of what comes after, a part of each row will do
-_ALL_MEASURED = 4 * BLOCK
-_ROW = 8 * BLOCK
-_FIRST_ROUND = 1 << 14
+BLOCK = 1 << 14  # contacts of a block at most: their rows and sums stay in the cache
+_LONGEST = 0.25  # s that a block should take at most, going by the estimate
+_ALL_MEASURED, _EACH = 8, 8  # blocks that count for the variance: the first ones, then one in eight
 _NAP = 0.001  # seconds
 
 
-def rounds(total: int, several: bool) -> list[range]:
-    """Contacts one round after the other, each as long as all before it; one for all unless `several`.
+@dataclass(frozen=True)
+class Blocks:
+    """`each` blocks in each of n_replicas of n_contacts."""
 
-    After each it may be seen whether more are needed, and no number of ranks shows in that.
-    """
-    ends = [total]
-    while several and ends[0] > _FIRST_ROUND:
-        ends.insert(0, (ends[0] + 1) // 2)
-    return [range(begin, end) for begin, end in pairwise([0, *ends])]
+    n_contacts: int
+    n_replicas: int
+    each: int
+
+    @property
+    def total(self) -> int:
+        """Blocks of all replicas."""
+        return self.each * self.n_replicas
+
+    def size(self, block: int) -> int:
+        """Contacts of a block; those of one replica differ by one at most."""
+        whole, rest = divmod(self.n_contacts, self.each)
+        return whole + (block % self.each < rest)
+
+    def before(self, block: int) -> int:
+        """Contacts of all blocks before this one."""
+        replica, own = divmod(block, self.each)
+        whole, rest = divmod(self.n_contacts, self.each)
+        return replica * self.n_contacts + own * whole + min(own, rest)
+
+    def contacts(self, done: list[range]) -> int:
+        """Contacts of these blocks."""
+        return sum(self.before(part.stop) - self.before(part.start) for part in done)
+
+    def measured(self, done: list[range]) -> int:
+        """Contacts of those of these blocks that count for the variance."""
+        return sum(self.size(block) for part in done for block in part if is_measured(block))
+
+    def rounds(self, several: bool) -> list[range]:
+        """Blocks one round after the other, each as long as all before it; one for all unless `several`."""
+        ends = [self.total]
+        while several and ends[0] > 1:
+            ends.insert(0, (ends[0] + 1) // 2)
+        return [range(begin, end) for begin, end in pairwise([0, *ends])]
 
 
-def left(contacts: range, done: list[range]) -> list[range]:
-    """The part of `contacts` that is not done, in order."""
-    out, begin = [], contacts.start
+def make_blocks(n_contacts: int, n_replicas: int, seconds: float = 0.0) -> Blocks:
+    """Blocks for contacts of which each takes about so many seconds."""
+    most = int(min(max(_LONGEST / max(seconds, 1e-12), 1.0), BLOCK))
+    return Blocks(n_contacts, n_replicas, -(-n_contacts // most))
+
+
+def is_measured(block: int) -> bool:
+    """Whether a block's contacts count for the variance."""
+    return block < _ALL_MEASURED or block % _EACH == 0
+
+
+def left(blocks: range, done: list[range]) -> list[range]:
+    """The part of `blocks` that is not done, in order."""
+    out, begin = [], blocks.start
     for part in sorted(done, key=lambda part: part.start):
-        if part.stop > begin and part.start < contacts.stop:
+        if part.stop > begin and part.start < blocks.stop:
             out.append(range(begin, part.start))
             begin = part.stop
-    out.append(range(begin, contacts.stop))
+    out.append(range(begin, blocks.stop))
     return [part for part in out if len(part)]
 
 
 def joined(done: list[range], block: range) -> list[range]:
-    """`done` and one block more; those that follow each other are one."""
+    """`done` and some blocks more; those that follow each other are one."""
     if done and done[-1].stop == block.start:
         return [*done[:-1], range(done[-1].start, block.stop)]
     return [*done, block]
 
 
-def share(contacts: list[range], rank: int, size: int) -> list[range]:
-    """The contacts of one rank: shares follow one another and differ by at most one contact."""
-    total = sum(map(len, contacts))
-    skip, take = total * rank // size, total * (rank + 1) // size - total * rank // size
+def share(blocks: list[range], rank: int, size: int) -> list[range]:
+    """The blocks of one rank: shares follow one another and differ by at most one block."""
+    total = sum(map(len, blocks))
+    skip, end = (-(-total * one // size) for one in (rank, rank + 1))
+    take = end - skip
     out = []
-    for part in contacts:
+    for part in blocks:
         mine = part[skip : skip + take]
         skip, take = max(skip - len(part), 0), take - len(mine)
         if len(mine):
             out.append(mine)
     return out
-
-
-def block_size(breaks_each: float) -> int:
-    """Contacts of a block, of which so many breaks of the plainest sort are expected each."""
-    return int(min(max(_BLOCK_BREAKS / max(breaks_each, 1.0), 1.0), BLOCK))
-
-
-def cut(contacts: range, size: int) -> tuple[range, range]:
-    """A block of `size` contacts or less, and the rest.
-
-    None reaches across a multiple of 2^16 contacts, so that all of a block is measured or none.
-    """
-    first = contacts.start
-    last = min(first + size, contacts.stop, (first // BLOCK + 1) * BLOCK)
-    return range(first, last), range(last, contacts.stop)
-
-
-def is_measured(contact: int) -> bool:
-    """Whether a contact counts for the variance: the first 2^18 do, and then every eighth 2^16 in turn."""
-    return contact < _ALL_MEASURED or contact % _ROW < BLOCK
-
-
-def measured(done: list[range]) -> int:
-    """How many of these contacts are measured."""
-    return sum(_measured_before(part.stop) - _measured_before(part.start) for part in done)
-
-
-def _measured_before(contact: int) -> int:
-    rows, rest = divmod(contact, _ROW)
-    return min(contact, _ALL_MEASURED) + max(rows - 1, 0) * BLOCK + (min(rest, BLOCK) if rows else 0)
 
 
 def rank_and_size(comm: Any) -> tuple[int, int]:

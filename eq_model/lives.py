@@ -1,303 +1,294 @@
-"""Contacts with laws of their own, or on a path that turns or takes its time: the ensemble's second engine."""
+"""Contacts with laws of their own, or on any path in time: one lane loop for every law.
 
-from collections.abc import Sequence
-from typing import Any
+A contact is drawn, holds until its law breaks it (`life`, the only thing a law writes, found by the
+type of its settings), waits where there is a delay, and is drawn again. The loop is compiled anew for
+each type of law, so that other laws cost nothing, and kept on disk, which closures are not.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.ageing_tables import drift_table
-from eq_model.beginning import Beginning, deep_table, reforming_table
-from eq_model.compiled_table import kernel_table
-from eq_model.course import Course, make_course
-from eq_model.histogram import BINS, Histogram, Made, histogram, make_range
-from eq_model.lattice import TIE, Whole, joined, split
-from eq_model.often import check_growth, check_steps, duration
-from eq_model.rare import unseen_break
-from eq_model.tally import Counts, Tally
-from eq_model.thermal_tables import growth_tables, law_for_kernel
-from origins import Contacts, Drive, GrainContact
-from origins.errors import InputError
-from origins.quantile import DEEPEST
+from eq_model.bins import bin_of, later, place_of
+from eq_model.compiling import bare, compiled, inlined
+from eq_model.contact import Contact, life, look
+from eq_model.moments import STIFFNESS_UNIT
+from eq_model.quantiles import Scratch, beyond, draw_inside, draw_values
+from eq_model.streams import (
+    BEYOND,
+    EXPOSURES,
+    LANES,
+    REFORMING,
+    ROW,
+    STARTS,
+    THRESHOLDS,
+    draw,
+    uniform,
+    words_at,
+)
+from eq_model.tables import LEVEL_UNIT, Table
 
-Array = npt.NDArray[np.float64]
-
-STEP = 0.02  # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
-STEP_ELSE = 0.5  # squares of the standard deviation that a law's table allows
-_TOLD = 256  # units of the lattice in which half of the contacts break again: their mean is told to 1e-5
-_SPREAD = 9.0  # standard deviations beyond which no threshold of 1e17 diffuses
-# contacts followed besides in steps COARSER times longer, whose force tells the error of the steps: the first of each
-# _EACH contacts, _FIRST of them
-COARSER = 16
-_FIRST, _EACH = 512, 4096
+_U, _I, _F = np.uint64, np.int64, np.float64
 
 
-def physics(contacts: Contacts, unit: float) -> tuple[Any, ...]:
-    """Laws as the kernel takes them: thermal, tables for it, wait, whether stiffness is linked, mean threshold,
-    ageing and its steps, growth."""
-    law = law_for_kernel(contacts.thermal, unit)
-    linked, mean = contacts.stiffness == "linked", contacts.mean_threshold / unit
-    ageing = _ageing(contacts, unit)
-    return law, growth_tables(), contacts.waiting_time, linked, mean, *ageing, _growth(contacts.grains, unit)
+class Settings(NamedTuple):
+    """What all contacts share, beside their law; in whole units."""
+
+    thresholds: Table
+    reforming: Table
+    exposures: Table  # ln e, e of the exponential law of mean 1
+    single: np.int64  # the stretch at which contacts form again, where it is not drawn
+    top: np.int64  # no threshold lies beyond: stretches from here on are drawn again
+    mean: float  # threshold, of mean stiffness
+    wait: float  # a time
+    starts: Table  # of the stretches at X = 0, where drawn
+    begun: np.int64  # the stretch at X = 0 of all, or about the mean where drawn
+    square: float  # squared distances from that, whole, are this times unit^-2
+    drawn: bool
+    spread: bool  # whether stretches of re-forming are drawn
+    bears: bool  # whether the law asks what contacts bear
+    linked: bool  # stiffness to the threshold
 
 
-def _growth(grains: GrainContact | None, unit: float) -> tuple[int, float, float, float]:
-    """How thresholds grow: whether, tau_m, B^(1/2) and the age since pinning at X = 0 in units of tau_m."""
-    if grains is None or grains.age is None:
-        return 0, 1.0, 0.0, 0.0
-    first = grains.growth.first_pinning_time
-    return 1, first, float(np.sqrt(grains.growth.B)) * unit, (grains.age - first) / first
+class Lanes(NamedTuple):
+    """The contact of each lane, all of shape (LANES,)."""
+
+    clock: npt.NDArray[np.int64]
+    leg: npt.NDArray[np.int64]
+    fresh: npt.NDArray[np.bool_]
+    start: npt.NDArray[np.int64]  # stretch at X = 0
+    left: npt.NDArray[np.int64]  # contacts to follow, this one among them
+    lane: npt.NDArray[np.int64]
+    drawn: npt.NDArray[np.int64]
+    taken: npt.NDArray[np.int64]  # (1,): contacts of the block that were begun
 
 
-def _ageing(contacts: Contacts, unit: float) -> tuple[tuple[Any, ...], tuple[float, float]]:
-    """How a threshold diffuses, and its steps: the longest in time near the stretch that it must not meet, for laws
-    that are not Gaussian where thresholds typically are, and how much coarser than need be the others are."""
-    nothing, ageing = np.zeros(2), contacts.ageing
-    none = 0.0, 1.0, nothing, nothing, nothing, 0.0, np.inf, 0.0, np.inf
-    if ageing is None:
-        return (0, 0.0, 0.0, 0.0, 0.0, *none), (0.0, 1.0)
-    diffusion = ageing.rate / unit**2
-    if ageing.normal is not None:
-        normal = ageing.normal
-        return (1, normal.mean / unit, normal.std / unit, normal.rate, diffusion, *none), (STEP / normal.rate, 1.0)
-    table = drift_table(ageing.final, contacts.thresholds)
-    ended = np.isfinite(table.ends[1])
-    first = table.first - (0.0 if ended else np.log(unit))
-    shares = (table.spreads / table.typical) ** 2
-    ends = tuple(end / unit for end in (*table.ends, *table.reach))
-    settings = (2, 0.0, 0.0, 0.0, diffusion, first, table.step, table.values, table.slopes, shares, *ends)
-    return settings, (STEP_ELSE * table.typical**2 / ageing.rate, 1.0)
+class Sums(NamedTuple):
+    """What is added up in each bin; y: a contact's stretch when its bin ends, with the other sign.
 
-
-def _largest(contacts: Contacts, drive: Drive, fresh: float) -> float:
-    """The largest threshold (a length) there may come to be, of which `fresh` is that of the fresh ones."""
-    grains, ageing = contacts.grains, contacts.ageing
-    if grains is not None and grains.age is not None:
-        # in the end, when no contact is older than those at X = 0
-        return max(fresh, float(grains.quantile(1.0, grains.age + duration(drive))))
-    if ageing is None or ageing.rate == 0.0:
-        return fresh
-    if ageing.normal is not None:
-        return max(fresh, ageing.normal.mean) + _SPREAD * ageing.normal.std
-    return max(fresh, float(ageing.final.isf(DEEPEST)))
-
-
-def _typical(contacts: Contacts, longest: float) -> float:
-    """About as long as stretches and thresholds are (a length); `longest` where these grow."""
-    if contacts.grains is not None:
-        return longest
-    laws = [contacts.start, *(one.law for one in (contacts.reforming,) if one is not None)]
-    final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
-    return max(contacts.mean_threshold, final, *(abs(law.mean()) for law in laws))
-
-
-def _check_excess(contacts: Contacts, unit: float) -> None:
-    """InputError where contacts all form again so near to the last thresholds that lengths of `unit` do not tell them
-    apart."""
-    reforming, thresholds = contacts.reforming, contacts.thresholds
-    assert reforming is not None
-    stretch = abs(reforming.law.mean())
-    excess = float(thresholds.isf(0.5 * thresholds.sf(stretch))) - stretch
-    if excess < _TOLD * unit:
-        raise InputError(
-            f"reforming: at |x| = {stretch:g} half of the contacts break again within {excess:.1g}, and the ensemble "
-            f"takes lengths in steps of {unit:.1g}; use a smaller stretch, or a shorter path"
-        )
-
-
-def coarse(part: range) -> list[range]:
-    """Those of these contacts that are followed in coarser steps besides, in order."""
-    chunks = range(part.start // _EACH * _EACH, part.stop, _EACH)
-    found = (range(max(chunk, part.start), min(chunk + _FIRST, part.stop)) for chunk in chunks)
-    return [one for one in found if len(one)]
-
-
-def columns(linked: bool) -> int:
-    """Sums of each bin: contacts, stretch and its square, where stiffnesses differ with these as well; then breaks,
-    and the squares of the forces that they took."""
-    return 8 if linked else 5
-
-
-def moments(course: Course, linked: bool, n: int, limbs: Whole) -> tuple[Array, Array, Array]:
-    """Fraction of n contacts that hold, mean force (a length) and its variance between contacts, at the path's points.
-
-    limbs : shape (2, columns * bins), of the events of each bin; whole numbers to the end, so nothing cancels.
+    all : (bins + 1, 2) of the contacts that hold, their number and y; or where stiffness is linked
+    (bins + 1, 3), number, k and k y. some : (bins + 1, 5) of measured blocks, (k y)², breaks, squares
+    of the forces they took, and where linked k² and k² y. The last row is that of the start, unless
+    linked: contacts, their distances from `begun`, and in `some` the squares of these.
     """
-    from eq_model.life_kernel import STIFFNESS_UNIT
 
-    lattice, part = course.lattice, int(STIFFNESS_UNIT)
-    order = np.lexsort((lattice.bin_point, lattice.bin_cell))
-    last = np.searchsorted(lattice.bin_point[order], np.arange(lattice.points.size), side="right")[lattice.place] - 1
-    rows = (limbs[0].astype(object) * (1 << 32) + limbs[1].astype(object)).reshape(-1, columns(linked))[order]
-    reference = course.reference[order].astype(object)
-    # columns of stretches are whole lengths, those of stiffnesses parts of STIFFNESS_UNIT
-    weight, squared = (rows[:, 1], rows[:, 3]) if linked else (rows[:, 0] * part, rows[:, 0] * part)
-    first, first_squared = (rows[:, 2], rows[:, 4]) if linked else (rows[:, 1], rows[:, 1])
-    second = (rows[:, 5] if linked else rows[:, 2]) * (round(1.0 / lattice.square) * part)
-    count, held, born, squares, squares_born, squares_far = (
-        np.cumsum(change)[last]
-        for change in (
-            rows[:, 0],
-            weight,
-            first * part + weight * reference,
-            squared,
-            first_squared * part + squared * reference,
-            second + reference * (2 * part * first_squared + squared * reference),
+    all: npt.NDArray[np.int64]
+    some: npt.NDArray[np.int64]
+    measured: bool
+
+
+@inlined
+def _event(sign, linked, stiffness, birth, j, bins, sums):  # type: ignore[no-untyped-def]
+    """Add to bin j a contact that is born (sign 1) or breaks (-1); birth: slider where it is relaxed."""
+    y, j = birth - bins.places[_U(j)], _U(j)
+    sums.all[j, _U(0)] += sign
+    if not linked:
+        sums.all[j, 1] += sign * y
+        if sums.measured:
+            sums.some[j, 0] += sign * _I(np.rint(_F(y) * _F(y) * bins.square))
+        return
+    sums.all[j, 1] += sign * _I(np.rint(stiffness * STIFFNESS_UNIT))
+    sums.all[j, 2] += sign * _I(np.rint(stiffness * y))
+    if sums.measured:
+        square, exact = stiffness * stiffness, _F(y)
+        sums.some[j, 0] += sign * _I(np.rint(square * exact * exact * bins.square))
+        sums.some[j, 3] += sign * _I(np.rint(square * STIFFNESS_UNIT))
+        sums.some[j, 4] += sign * _I(np.rint(square * exact))
+
+
+@inlined
+def _follow(  # type: ignore[no-untyped-def]
+    i, contact, settings, law, course, bins, watch, lanes, sums, counts
+):
+    """One life of the contact in lane i, whose next one is prepared; whether it broke before the end."""
+    birth, end = place_of(contact.clock, contact.leg, course) - contact.stretch, bins.end
+    born, broken = bin_of(contact.clock, bins), bins.points.size
+    found = life(law, contact, course, watch, counts)
+    lanes.drawn[i] = found.drawn
+    clock, leg, over = found.clock, found.leg, found.clock > end
+    if found.held:
+        if contact.fresh or settings.linked:
+            _event(1, settings.linked, contact.stiffness, birth, born, bins, sums)
+        else:
+            apart, top = contact.stretch - settings.begun, bins.points.size
+            sums.all[top, 0] += 1
+            sums.all[top, 1] += apart
+            sums.some[top, 0] += _I(np.rint(_F(apart) * _F(apart) * settings.square))
+        if not over:
+            broken = bin_of(clock, bins)
+            _event(-1, settings.linked, contact.stiffness, birth, broken, bins, sums)
+            if sums.measured:
+                force = contact.stiffness * _F(place_of(clock, leg, course) - birth)
+                sums.some[broken, 1] += 1
+                sums.some[broken, 2] += _I(np.rint(force * force * bins.square))
+        if counts.shape[0]:
+            look(law, contact, course, born, broken, birth, watch, counts)
+    if not over and settings.wait > 0.0:
+        clock, leg = later(clock, leg, settings.wait, course)
+    if clock > end:
+        lanes.left[i] -= 1
+        lanes.clock[i], lanes.leg[i], lanes.fresh[i] = 0, 0, False
+    else:
+        lanes.clock[i], lanes.leg[i], lanes.fresh[i] = clock, leg, True
+    return found.held and not over
+
+
+@bare
+def _follow_row(  # type: ignore[no-untyped-def]
+    n,
+    row,
+    turn,
+    stream,
+    x,
+    e,
+    r,
+    first,
+    rows,
+    settings,
+    law,
+    course,
+    bins,
+    watch,
+    lanes,
+    sums,
+    counts,
+):
+    """One life in each of n lanes, with a row of draws: breaks and steps."""
+    breaks, steps = _I(0), _I(0)
+    for i in range(n):
+        if lanes.left[i] <= 0:
+            continue
+        stretch, threshold, before = settings.single, x[i], lanes.drawn[i]
+        if not lanes.fresh[i]:
+            stretch = lanes.start[i]
+        elif settings.spread:
+            stretch = r[i]
+        if threshold < abs(stretch):
+            a, b, c, d = words_at(i, turn, stream, BEYOND + row)
+            threshold = beyond(
+                abs(stretch), uniform(a, b), uniform(c, d), settings.thresholds, rows
+            )
+        contact = Contact(
+            lanes.clock[i],
+            lanes.leg[i],
+            stretch,
+            threshold,
+            _F(e[i]) * LEVEL_UNIT,
+            _F(threshold) / settings.mean if settings.linked else 1.0,
+            lanes.fresh[i],
+            lanes.lane[i],
+            before,
+            stream,
         )
+        breaks += _follow(i, contact, settings, law, course, bins, watch, lanes, sums, counts)
+        steps += lanes.drawn[i] - before
+        if not lanes.fresh[i] and lanes.left[i] > 0:
+            lanes.start[i] = first[lanes.taken[0]]
+            lanes.taken[0] += 1
+    return breaks, steps
+
+
+@compiled
+def follow_lives(stream, count, settings, law, course, bins, watch, sums, counts):  # type: ignore[no-untyped-def]
+    """Follow one block of contacts to the drive's end: breaks, and steps of those that take any.
+
+    sums : of Sums, increased. counts : as of watch.look.
+    """
+    n = min(LANES, count)
+    words, more = np.empty(4 * ROW, np.uint32), np.empty(4 * ROW, np.uint32)
+    again = np.empty(4 * ROW, np.uint32)
+    rows = Scratch(
+        np.full(9, -1.0),
+        np.empty(LANES, np.uint32),
+        np.empty(LANES, np.uint32),
+        np.empty(LANES, np.uint32),
+        np.empty(LANES),
+        np.empty(2 * LANES, _I),
     )
-    at = np.rint(course.path / lattice.unit).astype(np.int64)
-    beside = course.path - at * lattice.unit
-    x = at.astype(object)
-    force = held * x - born
-    spread = (squares * x - 2 * squares_born) * x + squares_far
-    variance = (spread * (part * n) - force * force).astype(float) * (lattice.unit / part) ** 2 / n
-    mean = (force.astype(float) * lattice.unit + held.astype(float) * beside) / (part * n)
-    if n == 1:
-        return count.astype(float), mean, np.full(mean.size, np.inf)
-    return count.astype(float) / n, mean, np.maximum(variance, 0.0) / (n - 1)
-
-
-class Lives:
-    """The sums of such contacts, and what they say of the force.
-
-    size : of the sums, columns * bins, the events of each bin; with ageing once more, of the contacts followed in
-    coarser steps. weight : about how much longer a break takes than one of the other engine's. steps : of a contact
-    that ages, at most.
-    """
-
-    def __init__(self, drive: Drive, beginning: Beginning, points: npt.NDArray[np.intp]) -> None:
-        contacts, table = beginning.contacts, beginning.table
-        self._beginning, self.linked = beginning, contacts.stiffness == "linked"
-        self.weight = 10.0 if contacts.ageing is None and contacts.grains is None else 300.0
-        reforming = contacts.reforming
-        furthest = max(map(abs, contacts.start.span))
-        if reforming is not None:
-            furthest = max(furthest, *map(abs, reforming.law.span))
-        last, deep = float(table.upper(0.0)) * table.scale, deep_table(contacts)
-        if deep is not None:
-            last = max(last, float(deep[0].upper(0.0)) * table.scale)
-        longest = max(last, furthest)
-        stiffest = max(longest / contacts.mean_threshold, 1.0) if self.linked else 1.0
-        path = np.append(0.0, drive.path)
-        span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
-        longest = _largest(contacts, drive, longest)
-        self._reached, self._differ = np.minimum(span + furthest, longest), 0.0
-        if self.linked:
-            # what breaks first is weak; but no contact is weaker than it is stretched
-            usual = min(float(np.sqrt(contacts.thresholds.moment(2))) / contacts.mean_threshold, stiffest)
-            self._reached *= np.maximum(self._reached / contacts.mean_threshold, usual)
-            self._differ = max(usual**2 - 1.0, 0.0)
-        # a bin holds births as well as breaks
-        exact = contacts.thresholds.atoms[0].size > 0
-        check_growth(contacts, drive, min(longest, span[-1] + furthest))
-        self.course = make_course(drive, table.scale, 2.0 * min(longest, span[-1] + furthest) * stiffest, exact)
-        unit = self.course.lattice.unit
-        beginning.compile(unit)
-        self._again, single = beginning.compiled, 0
-        self._deep: tuple[Any, float, float] = beginning.compiled, float(np.log2(DEEPEST)), np.inf
-        if deep is not None:
-            self._deep = kernel_table(deep[0], unit), float(np.log2(deep[0].upper.edges[0])), deep[1] / unit
-        spread = reforming is not None and not reforming.law.is_single
-        if reforming is not None and not spread:
-            single = round(reforming.law.mean() / unit)
-            _check_excess(contacts, unit)
-        if spread:
-            self._again = kernel_table(reforming_table(contacts), unit)
-        self._physics = (*physics(contacts, unit), spread, single, TIE if exact else 0)
-        self.steps = check_steps(contacts, drive, self._physics[6][0])
-        moments = self.course.lattice.points[self.course.lattice.place[points]]
-        self._points, self._order = points, np.argsort(moments, kind="stable")
-        places = np.rint(drive.path[points] / unit).astype(np.int64)[self._order]
-        # stretches from here on are drawn again; a single one has thresholds beyond it
-        top = last if spread and np.isfinite(contacts.thresholds.support()[1]) else np.inf
-        reach = float(span[points].max(initial=0.0)) + furthest
-        self._range = make_range(reach, longest, _typical(contacts, longest))
-        self._watch = (moments[self._order], places, self._range.per(unit), min(top / unit, 2.0**58))
-        self._events = columns(self.linked) * self.course.lattice.bin_cell.size
-        self._ages = contacts.ageing is not None
-        self.size = self._events * (1 + self._ages)
-        self._block_sums = np.zeros(self._events, np.int64)
-        # of one block, and as much as a block needs: of all blocks they are in a file
-        self._counts = np.zeros((points.size, 2, BINS), np.uint32)
-
-    def follow(self, block: range) -> tuple[Whole, Counts, int, int]:
-        """Follow a block of contacts to the drive's end: sums as two limbs, shape (2, size); counts at the moments
-        watched, in their order, until the next block; breaks and inner steps."""
-        births, firsts = self._beginning.draw(block)
-        self._block_sums[:], self._counts[:] = 0, 0
-        breaks, steps = self._run(block, births, firsts, self._physics, self._watch, self._block_sums, self._counts)
-        sums = [split(self._block_sums)]
-        if self._ages:
-            coarser = np.zeros(self._events, np.int64)
-            longest, _ = self._physics[6]
-            # the integral of a rate is of fourth order in the change of its logarithm
-            physics = (*self._physics[:6], (COARSER * longest, COARSER**0.25), *self._physics[7:])
-            nothing = np.empty(0, np.int64)
-            watch = (nothing, nothing, *self._watch[2:])
-            for part in coarse(block):
-                mine = slice(part.start - block.start, part.stop - block.start)
-                self._run(part, births[mine], firsts[mine], physics, watch, coarser, self._counts[:0])
-            sums.append(split(coarser))
-        return np.concatenate(sums, axis=1), self._counts, int(breaks), int(steps)
-
-    def _run(
-        self, part: range, births: Whole, firsts: Whole, physics: Any, watch: Any, sums: Whole, counts: Counts
-    ) -> tuple[int, int]:
-        from eq_model import life_kernel
-
-        breaks, steps = life_kernel.run(
-            part.start,
-            births.size,
-            self._beginning.n_contacts,
-            self._beginning.words,
-            self._beginning.compiled,
-            self._again,
-            self._deep,
-            births,
-            firsts,
-            physics,
-            self.course.for_kernel,
-            self.course.lattice.for_kernel,
-            self.course.reference,
-            watch,
-            sums,
-            counts,
+    x, e, r = np.zeros(LANES, _I), np.zeros(LANES, _I), np.zeros(LANES, _I)
+    lanes = Lanes(
+        np.zeros(LANES, _I),
+        np.zeros(LANES, _I),
+        np.zeros(LANES, np.bool_),
+        np.zeros(LANES, _I),
+        np.zeros(LANES, _I),
+        np.zeros(LANES, _I),
+        np.zeros(LANES, _I),
+        np.full(1, n),
+    )
+    # the stretches at X = 0 of all contacts of the block
+    first = np.full(-(-count // LANES) * LANES, settings.begun)
+    for part in range(first.size // LANES if settings.drawn else 0):
+        draw(_I(LANES), part, stream, STARTS, words)
+        own = first[part * LANES : (part + 1) * LANES]
+        draw_inside(
+            _I(LANES), _I(0), part, stream, STARTS, words, settings.starts, settings.top, rows, own
         )
-        return int(breaks), int(steps)
+    for i in range(n):
+        lanes.lane[i], lanes.start[i], lanes.left[i] = i, first[i], count // n + (i < count % n)
+    breaks, steps, turn = _I(0), _I(0), _I(0)
+    while n > 0:
+        draw(n, turn, stream, THRESHOLDS, words)
+        if settings.bears:
+            draw(n, turn, stream, EXPOSURES, more)
+        if settings.spread:
+            draw(n, turn, stream, REFORMING, again)
+        for row in range(_I(4)):
+            draw_values(n, row, turn, stream, THRESHOLDS, words, settings.thresholds, rows, x)
+            if settings.bears:
+                draw_values(n, row, turn, stream, EXPOSURES, more, settings.exposures, rows, e)
+            if settings.spread:
+                draw_inside(
+                    n,
+                    row,
+                    turn,
+                    stream,
+                    REFORMING,
+                    again,
+                    settings.reforming,
+                    settings.top,
+                    rows,
+                    r,
+                )
+            more_breaks, more_steps = _follow_row(
+                n,
+                row,
+                turn,
+                stream,
+                x,
+                e,
+                r,
+                first,
+                rows,
+                settings,
+                law,
+                course,
+                bins,
+                watch,
+                lanes,
+                sums,
+                counts,
+            )
+            breaks += more_breaks
+            steps += more_steps
+        turn += 1
+        n = _kept(n, lanes)
+    return breaks, steps
 
-    def moments(self, done: list[range], sums: Whole) -> tuple[Array, Array, Array]:
-        """Fraction that holds, mean force (a length) of these contacts and its variance between them, at the points."""
-        n = sum(map(len, done))
-        holding, force, variance = moments(self.course, self.linked, n, sums[:, : self._events])
-        lattice, width = self.course.lattice, columns(self.linked)
-        breaks, squares = joined(sums[:, : self._events]).reshape(-1, width)[:, -2:].T
-        taken = squares * (lattice.unit**2 / lattice.square)
-        thermal = self._beginning.contacts.thermal is not None
-        unseen = unseen_break(lattice, breaks, taken, n, variance + force**2, self._reached, thermal)
-        # the stiffest contacts may be in none of few
-        return holding, force, np.maximum(variance, np.maximum(unseen, self._differ * force**2))
 
-    def step_error(self, done: list[range], sums: Whole) -> Array:
-        """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.
-
-        The error grows faster than in proportion to the step, so this is more than it is.
-        """
-        if not self._ages:
-            return np.zeros(self.course.path.size)
-        n, some = sum(map(len, done)), sum(len(part) for block in done for part in coarse(block))
-        if not some:
-            return np.full(self.course.path.size, np.inf)
-        _, fine, variance = moments(self.course, self.linked, n, sums[:, : self._events])
-        _, other, scatter = moments(self.course, self.linked, some, sums[:, -self._events :])
-        doubt = np.sqrt(variance / n + scatter / some)
-        return (np.abs(other - fine) + doubt) / (COARSER - 1.0)
-
-    def histograms(self, n: int, counts: Tally) -> Sequence[Histogram]:
-        """What stood at the chosen points, in their order."""
-        points, path, back = self._points, self.course.path, np.argsort(self._order)
-
-        def make(index: int) -> Histogram:
-            point = int(points[index])
-            return histogram(point, float(path[point]), self._range, counts.at(int(back[index])), n)
-
-        return Made(points.size, make)
+@inlined
+def _kept(n, lanes):  # type: ignore[no-untyped-def]
+    """Close the ranks of lanes that still have contacts to follow; how many."""
+    m = 0
+    for i in range(n):
+        if lanes.left[i] > 0:
+            lanes.clock[m], lanes.leg[m], lanes.fresh[m] = (
+                lanes.clock[i],
+                lanes.leg[i],
+                lanes.fresh[i],
+            )
+            lanes.start[m], lanes.left[m] = lanes.start[i], lanes.left[i]
+            lanes.lane[m], lanes.drawn[m] = lanes.lane[i], lanes.drawn[i]
+            m += 1
+    return m

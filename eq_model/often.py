@@ -65,7 +65,11 @@ def check_often(contacts: Contacts, drive: Drive) -> float:
     # relaxed contacts bear most: the others do not hold as long
     with np.errstate(over="ignore"):
         holds = np.exp(-thermal.log_rate(0.0, thresholds, contacts.relative_stiffness(thresholds)))
-    often = lasts / (float(np.minimum(holds, lasts).mean()) + contacts.waiting_time) if lasts > 0.0 else 0.0
+    often = (
+        lasts / (float(np.minimum(holds, lasts).mean()) + contacts.waiting_time)
+        if lasts > 0.0
+        else 0.0
+    )
     if often > _MOST:
         raise InputError(
             f"thermal: at this temperature and attempt frequency each contact breaks about {often:.0e} times on the "

@@ -6,19 +6,21 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, bits_of, double_of, inlined, single_of
-from eq_model.streams import LANES, ROW, fine_word
+from eq_model.streams import LANES, ROW, fine_word, words_at
 from eq_model.tables import CELL_BITS, FAR, OCTAVES, SIDE
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 _LOW31, _EXPONENT = np.uint32(0x7FFFFFFF), np.int64(0x3FF << 52)
 _FIRST = np.int64(((1023 + 31 - OCTAVES) << CELL_BITS) - 1)
 _SHIFT = np.int64(52 - CELL_BITS)
-_HALF_WAY = 62  # halvings that take a double to its last bit
+_AGAIN = 8  # of purposes: beside the words of a row and those that continue them
+_CLOSE = np.int64(1 << 26)  # in the last bits of a double: 1.5e-8 of it, below what tables tell
 
 
 class Scratch(NamedTuple):
     """Rows that the stages of `values` hand on to one another."""
 
+    known: npt.NDArray[np.float64]  # (1 + parts,): a stretch, and how much of each part lies above
     part: npt.NDArray[np.uint32]
     local: npt.NDArray[np.uint32]
     cell: npt.NDArray[np.uint32]
@@ -29,6 +31,7 @@ class Scratch(NamedTuple):
 def scratch() -> Scratch:
     """Room for LANES lanes."""
     return Scratch(
+        np.full(9, -1.0),
         np.zeros(LANES, np.uint32),
         np.zeros(LANES, np.uint32),
         np.zeros(LANES, np.uint32),
@@ -113,6 +116,21 @@ def draw_values(n, row, turn, stream, purpose, words, table, rows, out):  # type
 
 
 @bare
+def draw_inside(n, row, turn, stream, purpose, words, table, top, rows, out):  # type: ignore[no-untyped-def]
+    """As draw_values, of stretches below `top`: where no threshold lies beyond they are drawn again."""
+    draw_values(n, row, turn, stream, purpose, words, table, rows, out)
+    most = _I(0)
+    for i in range(_U(n)):
+        most = max(most, abs(out[i]))
+    for i in range(_U(n) if most >= top else _U(0)):
+        attempt = 0
+        while abs(out[i]) >= top:
+            attempt += 1
+            word, fine, _, _ = words_at(i, turn + (attempt << 48), stream, purpose + _AGAIN + row)
+            out[i] = quantile(word, fine, table)
+
+
+@bare
 def quantile(word, fine, table):  # type: ignore[no-untyped-def]
     """The whole quantile of a word and its continuation."""
     part = _I(0)
@@ -153,9 +171,7 @@ def survival(part, x, table):  # type: ignore[no-untyped-def]
     above = value_at(part, True, 0.5, table) < x
     # smallest v of which the tree knows, in bits, which rise as v does
     low, high = bits_of(1e-300), bits_of(0.5)
-    for _ in range(_HALF_WAY):
-        if high - low <= 1:
-            break
+    while high - low > _CLOSE:
         middle = low + ((high - low) >> 1)
         y = value_at(part, above, double_of(middle), table)
         if (y > x) == above:
@@ -169,18 +185,21 @@ def survival(part, x, table):  # type: ignore[no-untyped-def]
 
 
 @bare
-def beyond(x, first, second, table):  # type: ignore[no-untyped-def]
+def beyond(x, first, second, table, rows):  # type: ignore[no-untyped-def]
     """A whole threshold above x (whole), from two numbers between 0 and 1: P_c conditional on x_s > x."""
-    y, total, part = _F(x), 0.0, 0
-    for k in range(table.begins.size):
-        total += table.weights[k] * survival(k, y, table)
+    known, many = rows.known, table.begins.size
+    if known[0] != _F(x):
+        known[0] = _F(x)
+        for k in range(many):
+            known[k + 1] = survival(_I(k), _F(x), table)
+    total, part = 0.0, _I(0)
+    for k in range(many):
+        total += table.weights[k] * known[k + 1]
     first *= total
-    share = survival(0, y, table)
-    while part + 1 < table.begins.size and first >= table.weights[part] * share:
-        first -= table.weights[part] * share
+    while part + 1 < many and first >= table.weights[part] * known[part + 1]:
+        first -= table.weights[part] * known[part + 1]
         part += 1
-        share = survival(part, y, table)
-    v = share * second
+    v = known[part + 1] * second
     if v <= 0.5:
         found = value_at(part, True, max(v, 1e-300), table)
     else:

@@ -5,18 +5,22 @@ have been. At T = 0 its expected value is known there: so early, breaks are firs
 begin or come to an end, one contact might have broken that has not, or not have broken that has.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.lattice import Lattice, order_of
 from origins import Contacts
 from origins.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
+Places = npt.NDArray[np.intp]
 
 _SEEN = 100  # breaks from which their own variance is good enough
 _SOME = 10  # breaks from which their size is
-_SELDOM = 0.1  # part of the contacts up to which breaks are first breaks, and do not depend on the start
+_SELDOM = (
+    0.1  # part of the contacts up to which breaks are first breaks, and do not depend on the start
+)
 _NEVER = 1e-9  # breaks that need not be thought of
 _PANELS = 24
 _LOOKS = 300
@@ -44,14 +48,26 @@ def unseen_variance(contacts: Contacts, path: Array, n: int) -> tuple[Array, int
     return variance, last
 
 
+@dataclass(frozen=True)
+class Seen:
+    """What broke in each bin, in the order of the clock.
+
+    points : shape (bins,), clock at the bins' ends. breaks : their number in each bin; squares : the sum of the squared
+    forces that they took.
+    """
+
+    points: Array
+    breaks: Array
+    squares: Array
+
+
 def unseen_break(
-    lattice: Lattice, breaks: Array, squares: Array, n: int, present: Array, reached: Array, thermal: bool
+    seen: Seen, place: Places, n: int, present: Array, reached: Array, thermal: bool
 ) -> Array:
     """Variance of the force between n contacts from one break more or less than there were, at each path point.
 
-    breaks, squares : shape (bins,), in each bin the breaks and the sum of the squared forces that they took; present :
-    the mean square of the force of a contact, at each path point; reached : the largest there may be. Squares are in
-    the unit of `present`.
+    place : the bin of each path point. present : the mean square of the force of a contact, at each path point;
+    reached : the largest there may be. Squares are in the unit of `present`.
 
     The break takes all that a contact may bear while there were fewer than 10. Later on a contact that holds longer
     than the others bears what the larger breaks so far took, and one that breaks before the others what contacts bear
@@ -59,30 +75,31 @@ def unseen_break(
     `thermal` breaks do not come to an end.
     """
     if n == 1:
-        return np.full(lattice.path.size, np.inf)
-    order, last = order_of(lattice)
-    last = last[lattice.place]
-    ends = np.minimum(((lattice.bin_cell + 1) << lattice.shift) - 1 - lattice.offset, lattice.end)[order]
-    ahead = np.minimum(lattice.bin_point, lattice.points.size - 1)[order]
-    edges = np.concatenate([[0], np.maximum.accumulate(np.minimum(ends, lattice.points[ahead]))]).astype(float)
+        return np.full(place.size, np.inf)
+    edges = np.concatenate([[0.0], seen.points])
     # breaks count by their squares: most are of contacts that bear little
-    top = squares.max() if (squares > 0.0).any() else 1.0
-    share = squares / top
-    fourth = share**2 / np.maximum(breaks, 1.0)
-    many, taken, weighed = (np.concatenate([[0.0], np.cumsum(each[order])]) for each in (breaks, share, fourth))
-    seen, at = many[last], edges[last]
-    large = top * np.divide(weighed[last], taken[last], out=np.zeros(last.size), where=taken[last] > 0.0)
+    top = seen.squares.max() if (seen.squares > 0.0).any() else 1.0
+    share = seen.squares / top
+    fourth = share**2 / np.maximum(seen.breaks, 1.0)
+    many, taken, weighed = (
+        np.concatenate([[0.0], np.cumsum(each)]) for each in (seen.breaks, share, fourth)
+    )
+    last = place + 1
+    so_far, at = many[last], edges[last]
+    large = top * np.divide(
+        weighed[last], taken[last], out=np.zeros(last.size), where=taken[last] > 0.0
+    )
     # from the hundredth of the last breaks to the last one, from the next one to the hundredth after
-    latest = edges[np.searchsorted(many, seen)]
-    back = latest - edges[np.maximum(np.searchsorted(many, seen - _SEEN, side="right") - 1, 0)]
-    following = edges[np.searchsorted(many, seen, side="right") - 1]
-    far = np.searchsorted(many, seen + _SEEN)
+    latest = edges[np.searchsorted(many, so_far)]
+    back = latest - edges[np.maximum(np.searchsorted(many, so_far - _SEEN, side="right") - 1, 0)]
+    following = edges[np.searchsorted(many, so_far, side="right") - 1]
+    far = np.searchsorted(many, so_far + _SEEN)
     forth = np.where(far < many.size, edges[np.minimum(far, many.size - 1)] - following, np.inf)
     late, early = large, present
     if not thermal:
         late = np.exp(-(at - latest) / np.maximum(back, 1.0)) * large
         early = np.exp(-(following - at) / np.maximum(forth, 1.0)) * present
-    return np.where(seen < _SOME, reached**2, np.maximum(late, early)) / n
+    return np.where(so_far < _SOME, reached**2, np.maximum(late, early)) / n
 
 
 def _start(contacts: Contacts) -> tuple[Array, Array]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from eq_model import layout
-from eq_model.tally import Counts, Tally
+from eq_model.engine import Found
+from eq_model.histogram import Counts, no_counts
 from origins.errors import InputError
 
 
@@ -16,36 +17,46 @@ from origins.errors import InputError
 class State:
     """What the contacts of some blocks did: whole numbers, so that states may be joined in any order.
 
-    sums : shape (2, m), of the engine; counts : of the histograms; breaks, steps : of these contacts; done : the
-    contacts; run_time : s.
+    sums : shape (2, m), of the engine; counts : of the histograms; contacts, breaks, steps : their numbers; done : the
+    blocks; run_time : s.
     """
 
     sums: npt.NDArray[np.int64]
-    counts: Tally
+    counts: Counts
+    contacts: int
     breaks: int
     steps: int
     done: list[range]
     run_time: float
 
-    def after(self, block: range, sums: npt.NDArray[np.int64], counts: Counts, breaks: int, steps: int) -> State:
-        """With one block more; how long it took is for the caller to add."""
-        done, added = layout.joined(self.done, block), self.counts.plus(counts)
-        return State(self.sums + sums, added, self.breaks + breaks, self.steps + steps, done, self.run_time)
+    def after(self, block: int, contacts: int, found: Found, seconds: float) -> State:
+        """With one block more, of so many contacts, which took so long."""
+        return State(
+            self.sums + found.sums,
+            self.counts + found.counts,
+            self.contacts + contacts,
+            self.breaks + found.breaks,
+            self.steps + found.steps,
+            layout.joined(self.done, range(block, block + 1)),
+            self.run_time + seconds,
+        )
 
     def joined(self, other: State) -> State:
         """Of both."""
-        if self.sums.shape != other.sums.shape:
-            raise InputError("earlier: was found on another path, or for other contacts; start anew")
-        run_time, steps = max(self.run_time, other.run_time), self.steps + other.steps
-        sums, counts, breaks = self.sums + other.sums, self.counts.joined(other.counts), self.breaks + other.breaks
-        return State(sums, counts, breaks, steps, self.done + other.done, run_time)
-
-    @property
-    def contacts(self) -> int:
-        """How many."""
-        return sum(map(len, self.done))
+        if self.sums.shape != other.sums.shape or self.counts.shape != other.counts.shape:
+            raise InputError(
+                "earlier: was found on another path, or for other contacts; start anew"
+            )
+        return State(
+            self.sums + other.sums,
+            self.counts + other.counts,
+            self.contacts + other.contacts,
+            self.breaks + other.breaks,
+            self.steps + other.steps,
+            self.done + other.done,
+            max(self.run_time, other.run_time),
+        )
 
     def without_sums(self) -> State:
         """The rest alone."""
-        sums, counts = np.zeros((2, 0), np.int64), Tally.zeros(0, 0)
-        return State(sums, counts, self.breaks, self.steps, self.done, self.run_time)
+        return replace(self, sums=np.zeros((2, 0), np.int64), counts=no_counts(0, 0))

@@ -13,12 +13,13 @@ import numpy.typing as npt
 from eq_model.compiling import bare, inlined
 from origins.errors import refuse, whole
 
-LANES = 512  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
+LANES = 256  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
 ROW = LANES + 24  # a word a lane; rows of one array then do not share a cache set
 ROUNDS = 7
 
-# what words are for; `fine` ones continue the four words of a round where 32 bits are too few
-THRESHOLDS, STARTS, EXPOSURES, REFORMING, BEYOND, STEPS = range(0, 96, 16)
+# what words are for; `fine` ones continue the four words of a round where 32 bits are too few. Of a
+# type of numpy's: for each number of Python's own numba compiles a function anew.
+THRESHOLDS, STARTS, EXPOSURES, REFORMING, BEYOND, STEPS = np.arange(0, 96, 16)
 _FINE = 4
 
 _U = np.uint64

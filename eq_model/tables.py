@@ -10,15 +10,12 @@ own, so that gaps and steps between components cost nothing.
 
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 
-from origins import Contacts
 from origins.errors import InputError
 from origins.mixture import Mixture
-from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -28,6 +25,7 @@ CELLS = 1 << CELL_BITS
 SIDE = OCTAVES * CELLS + 1  # cells of one side; the first is its tail, v < 2^-12
 FAR = 1 << 58  # whole lengths beyond every path; quick cells give more where the tree must be asked
 TOLERANCE = 1e-6  # of |cdf - u|, relative to min(u, 1 - u)
+LEVEL_UNIT = 2.0**-40  # logarithms of what contacts bear are drawn in whole numbers of this
 DEEPEST = 2.0**-64  # a word and the one that continues it tell no smaller v
 
 _MOST_PARTS = 8  # components drawn first; of more of them the sum is tabled as one law
@@ -38,7 +36,6 @@ _THINNEST = 2.0**-50  # of v: what cannot be halved further holds that little we
 _MOST_LEFT = 1e-11  # weight of such cells in all
 _MOST_CELLS = 200_000
 _SMALLEST = 1e-300  # of a typical value: where numbers end
-_FAINTEST, _LEAST = 1e-290, 1e-300  # survival that contacts may begin at, and that a table reaches
 _DEEP = 1e-9
 # a foreign law may know one tail as 1 less the other only, to the round-off of 1
 _GRAINY, _GRAIN = np.array([3e-15, 1e-14, 3e-14]), 4e-16
@@ -101,45 +98,6 @@ class Cells:
     def largest(self) -> float:
         """The largest length that may be drawn."""
         return float(np.abs(self.cells[:, 2:4]).max())
-
-
-# many seeds ask the same
-_KNOWN: WeakKeyDictionary[Contacts, dict[str, Cells]] = WeakKeyDictionary()
-
-
-def cells_of(contacts: Contacts) -> dict[str, Cells]:
-    """Cells of "thresholds" and, unless these are single values, "start" and "reforming"; made once.
-
-    Raises InputError where they cannot be certified, and where stretches reach so far beyond the
-    thresholds that their survival is below 1e-290.
-    """
-    if contacts not in _KNOWN:
-        laws: dict[str, Start] = {"start": contacts.start}
-        if contacts.reforming is not None:
-            laws["reforming"] = contacts.reforming.law
-        rare = min(_survival(name, law, contacts) for name, law in laws.items())
-        found = {"thresholds": make_cells(contacts.thresholds, max(DEEPEST * rare, _LEAST))}
-        spread = ((name, law) for name, law in laws.items() if not law.is_single)
-        _KNOWN[contacts] = found | {name: make_cells(law, name=name) for name, law in spread}
-    return _KNOWN[contacts]
-
-
-def _survival(name: str, law: Start, contacts: Contacts) -> float:
-    """Survival of the thresholds where the stretches of `law` reach furthest."""
-    thresholds, furthest = contacts.thresholds, max(abs(law.span[0]), abs(law.span[1]))
-    upper = thresholds.support()[1]
-    if furthest < upper:
-        survival = float(thresholds.sf(furthest))
-    else:
-        # what lies beyond is cut off, but what is left comes close to the last of the thresholds
-        survival = max(float(thresholds.sf(np.nextafter(upper, 0.0))), _FAINTEST)
-    if survival < _FAINTEST:
-        deepest = float(thresholds.isf(_FAINTEST))
-        raise InputError(
-            f"{name}: reaches |x| = {furthest:g}, where the survival of the thresholds is below 1e-290; "
-            f"use stretches that contacts can have reached, below {deepest:.6g}"
-        )
-    return survival
 
 
 def make_cells(law: Law, deepest: float = DEEPEST, name: str = "thresholds") -> Cells:

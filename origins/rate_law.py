@@ -28,6 +28,8 @@ class RateLaw(Protocol):
 
     A law of one's own defines `name`, `scale`, `log_rate`, `log_passed` and `reached`; where it
     names RateLaw as its base, it inherits the rest. Give it to origins.Contacts as `thermal`.
+    For the ensemble it may bring `compiled()`, which returns an origins.laws.compiled.CompiledRates:
+    without it each break takes some microseconds.
     """
 
     @property

@@ -124,6 +124,8 @@ def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
         assert total == 7 * 500 and 0 < done <= total
         if done >= 3 * 500:
             break
+    threaded = eq_model.simulate(CONTACTS["narrow"], path, **arguments, threads=3)
+    assert (threaded.forces == whole.forces).all()
     state = type(first.state).of_arrays(first.state.arrays())
     assert state.done == [range(3)] and state.contacts == 1500
     rest = eq_model.CoupledEnsemble(CONTACTS["narrow"], path, **arguments, earlier=[state])

@@ -14,16 +14,10 @@ from scipy.special import ndtr
 
 import eq_model
 import origins
-from eq_model import compiling, kernel, layout, simulate, twin
-from eq_model.beginning import redraw, tables
+from eq_model import compiling, simulate
 from eq_model.closest import closest, draw_start
-from eq_model.compiled_table import kernel_table
 from eq_model.ensemble import Ensemble
-from eq_model.lattice import joined, make_lattice
 from eq_model.rare import unseen_variance
-from eq_model.thermal_tables import steady_for_kernel
-from origins import streams
-from origins.quantile import quantile_table
 
 GAUSSIAN = origins.gaussian(mean=1.0, std=0.05)
 GAP = origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.3, 0.7])
@@ -38,98 +32,6 @@ def _chi_square(samples: np.ndarray, exact: np.ndarray) -> float:
     off = samples.mean(axis=0) - exact
     square = seeds * off @ np.linalg.solve(np.cov(samples.T), off)
     return float(stats.f.sf(square * (seeds - points) / (points * (seeds - 1)), points, seeds - points))
-
-
-# -- the streams and the kernel's draws -------------------------------------------------------------------
-
-
-def test_compiled_philox_equals_the_published_one() -> None:
-    from numba import njit
-
-    @njit
-    def one(a, b, c, d, k0, k1):  # type: ignore[no-untyped-def]
-        return kernel.philox(a, b, c, d, k0, k1)
-
-    counters = np.random.default_rng(1).integers(0, 2**32, (4, 200), dtype=np.uint64)
-    key = (0xA4093822, 0x299F31D0)
-    expected = streams.philox(counters, key)
-    for counter, words in zip(counters.T, expected.T, strict=True):
-        assert [int(w) for w in one(*counter, np.uint64(key[0]), np.uint64(key[1]))] == words.tolist()
-    # a contact that breaks or ages more than 2^32 times goes on drawing, from counters of 64 bits
-    rest = [np.uint64(word) for word in (1, 2, 3, *key)]
-    far = [one(np.uint64(high * 2**32 + low), *rest) for high in range(4) for low in range(200)]
-    assert len(set(far)) == 800 and max(map(max, far)) < 2**32
-
-
-PEAKS = origins.mixture([origins.gaussian(m, 0.1) for m in (1.0, 2.5, 4.0)], [0.2, 0.3, 0.5])
-
-
-@pytest.mark.parametrize(
-    "law", [GAUSSIAN, GAP, PEAKS, ATOM, origins.gw_elastic(1.0)], ids=["gaussian", "gap", "peaks", "atom", "gw"]
-)
-@pytest.mark.parametrize("path", [np.linspace(0.0, 7.0, 36), IRREGULAR], ids=["even", "irregular"])
-def test_kernel_equals_its_plain_twin_bit_by_bit(law: Any, path: np.ndarray) -> None:
-    table, start = quantile_table(law), quantile_table(GAUSSIAN_START)
-    lattice = make_lattice(path, 0.0, table.scale, 8.0, exact=False)
-    key, n_contacts, first, n = streams.key_of(7), 700, 500, 1500
-    compiled, begun = kernel_table(table, lattice.unit), kernel_table(start, lattice.unit)
-    words = tuple(np.uint64(word) for word in key)
-    begins, firsts = np.empty(n, np.int64), np.empty(n, np.int64)
-    kernel.begin(first, n_contacts, words, compiled, begun, False, begins, firsts)
-    expected = twin.begin(first, n_contacts, key, table, start, lattice.unit, n)
-    assert (begins == expected[0]).all() and (firsts == expected[1]).all()
-    none = np.empty(0, np.int64)
-    for births, thresholds in ((begins, np.maximum(firsts, np.abs(begins))), (none, none)):
-        sums = np.zeros(2 * lattice.bin_cell.size + 2, np.int64)
-        steady = steady_for_kernel(None, 1.0, lattice.unit)
-        breaks = kernel.run(
-            first, n, n_contacts, words, compiled, steady, births, thresholds, lattice.for_kernel, True, sums
-        )
-        expected_breaks, expected_sums = twin.run(first, n, n_contacts, key, table, births, thresholds, lattice)
-        assert breaks == expected_breaks > 0
-        assert (sums[:-2].reshape(-1, 2) == expected_sums).all()
-
-
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-@pytest.mark.parametrize(("temperature", "velocity"), [(0.05, 1.0), (1e-3, 1e-8), (30.0, 0.3)])
-def test_kernel_with_temperature_against_its_plain_twin(law: Any, temperature: float, velocity: float) -> None:
-    table, path, thermal = quantile_table(GAP), np.linspace(0.0, 4.0, 36), origins.Thermal(law, temperature)
-    lattice = make_lattice(path, 0.0, table.scale, 4.0, exact=False)
-    key, n_contacts, first, n = streams.key_of(7), 700, 500, 3000
-    steady = steady_for_kernel(thermal, velocity, lattice.unit)
-    none, sums = np.empty(0, np.int64), np.zeros(2 * lattice.bin_cell.size + 2, np.int64)
-    words, compiled = tuple(np.uint64(word) for word in key), kernel_table(table, lattice.unit)
-    breaks = kernel.run(first, n, n_contacts, words, compiled, steady, none, none, lattice.for_kernel, True, sums)
-    expected_breaks, expected = twin.run(first, n, n_contacts, key, table, none, none, lattice, thermal, velocity)
-    assert breaks == expected_breaks > 0
-    moved = (sums[:-2:2] - expected[:, 0]) * lattice.unit
-    # each of some breaks of a bin is off by at most 1e-8
-    assert np.abs(moved).max() < 1e-8 * n and abs(moved.sum()) < 1e-9 * breaks
-
-
-def test_many_draws_follow_the_law_into_its_tails() -> None:
-    n = 5_000_000
-    table = quantile_table(GAUSSIAN)
-    unit = 2.0**-44
-    firsts = np.empty(n, np.int64)
-    words = tuple(np.uint64(word) for word in streams.key_of(3))
-    kernel.begin(0, n, words, kernel_table(table, unit), kernel_table(table, unit), True, np.zeros(n, np.int64), firsts)
-    x = np.sort(firsts * unit)
-    assert stats.kstest(x, GAUSSIAN.cdf).pvalue > 1e-3
-    for share in (2.0**-10, 2.0**-12, 2.0**-13, 1e-5, 3e-6):
-        for count in ((x > GAUSSIAN.isf(share)).sum(), (x < GAUSSIAN.ppf(share)).sum()):
-            assert stats.binomtest(int(count), n, share).pvalue > 1e-4
-
-
-def test_draws_beyond_the_first_word_are_continued() -> None:
-    # words that are all zero but for the side: the rest comes from the next word, down to 2^-65
-    table = quantile_table(GAUSSIAN)
-    words = np.array([0, 0, 1 << 31, 1 << 31], dtype=np.uint32)
-    more = np.array([0, 1 << 20, 0, 1 << 20], dtype=np.uint32)
-    x = twin.values(table, 2.0**-44, words, more) * 2.0**-44
-    v = np.maximum((more + 0.5) * 2.0**-64, 2.0**-54)
-    tail = np.where([True, True, False, False], GAUSSIAN.cdf(x), GAUSSIAN.sf(x))
-    assert np.abs(tail / v - 1.0).max() < 1e-3
 
 
 # -- exact results ----------------------------------------------------------------------------------------
@@ -208,27 +110,19 @@ def test_a_start_among_the_thresholds_is_conditional(value: float) -> None:
     assert abs(run.breaks - 40_000 * (1.0 - held)) < 5.0 * np.sqrt(40_000 * 0.25)
 
 
-def test_redrawn_first_thresholds_follow_the_conditional_law() -> None:
-    contacts = origins.Contacts(GAUSSIAN, start=origins.gaussian_start(mean=1.3, std=0.02))
-    table, start_table = tables(contacts)
-    n = 100_000
-    replica, contact = twin.address(0, n, n)
-    stretches = start_table.value(0.5 * np.random.default_rng(0).random(n), True)  # type: ignore[union-attr]
-    x, thresholds = redraw(stretches, replica, contact, (5, 0), contacts, table, start_table)
-    u = GAUSSIAN.sf(thresholds) / GAUSSIAN.sf(np.abs(x))
-    assert (thresholds >= np.abs(x)).all()
-    assert stats.kstest(u, "uniform").pvalue > 1e-3
-
-
-def test_start_beyond_every_threshold_is_cut_off() -> None:
+def test_starts_beyond_every_threshold_are_cut_off() -> None:
     law, start = origins.rectangular(0.5, 1.5), origins.gaussian_start(mean=1.0, std=0.105)
-    contacts = origins.Contacts(law, start=start)
+    contacts, n = origins.Contacts(law, start=start), 2_000_000
     assert 0.0 < contacts.cut_weight < 1e-5
-    table, start_table = tables(contacts)
-    stretches = np.array([1.51, 1.6, 1.499])
-    replica, contact = twin.address(0, 3, 3)
-    x, thresholds = redraw(stretches, replica, contact, (5, 0), contacts, table, start_table)
-    assert (np.abs(x) < 1.5).all() and x[2] == 1.499 and (thresholds > x).all() and (thresholds <= 1.5).all()
+    for path in (0.0, [0.0, -0.1]):
+        run = eq_model.simulate(contacts, path, n_contacts=n, histograms=[0])
+        (found,) = run.histograms
+        edges, counts = found.stretch_edges, found.stretches * np.diff(found.stretch_edges) * n
+        # some of so many starts lie beyond, and are drawn again
+        assert counts[edges[:-1] > 1.5].sum() == 0 and counts[edges[1:] > 1.45].sum() > 10
+        below = np.cumsum(counts) / n
+        exact = stats.norm.cdf((edges[1:] - 1.0) / 0.105)
+        assert np.abs(below - exact).max() < 1.95 / np.sqrt(n) + contacts.cut_weight
 
 
 # -- the paper's algorithm --------------------------------------------------------------------------------
@@ -258,16 +152,46 @@ def _bits(run: eq_model.EnsembleResult) -> dict[str, Any]:
     return {name: kept[name] for name in ("force", "force_standard_error", "breaks")}
 
 
-def test_the_result_does_not_depend_on_the_cutting() -> None:
+def test_the_result_does_not_depend_on_threads_and_histograms() -> None:
     contacts = origins.Contacts(GAP, start=GAUSSIAN_START)
-    arguments: dict[str, Any] = {"n_contacts": 3000, "n_replicas": 3, "seed": 11}
+    arguments: dict[str, Any] = {"n_contacts": 30_000, "n_replicas": 3, "seed": 11}
     whole = eq_model.simulate(contacts, IRREGULAR, **arguments)
-    pieces = Ensemble(contacts, IRREGULAR, **arguments)
-    for first in range(0, 9000, 1234):
-        block = range(first, min(first + 1234, 9000))
-        pieces._state = pieces.state.after(block, *pieces._engine.follow(block))
-    for name, value in _bits(pieces.result()).items():
-        assert np.array_equal(value, _bits(whole)[name])
+    for more in ({"threads": 3}, {"histograms": [3, -1]}):
+        found = eq_model.simulate(contacts, IRREGULAR, **arguments, **more)
+        for name, value in _bits(found).items():
+            assert np.array_equal(value, _bits(whole)[name])
+
+
+@pytest.mark.parametrize("path", [np.linspace(0.05, 7.0, 36), IRREGULAR], ids=["even", "irregular"])
+@pytest.mark.parametrize("start", [None, -0.3, GAUSSIAN_START], ids=["relaxed", "single", "gaussian"])
+def test_the_quick_way_forward_and_the_one_life_by_life_agree(start: Any, path: np.ndarray) -> None:
+    """A path that turns in the end is followed by the loop for all laws."""
+    contacts = origins.Contacts(GAP, start)
+    one = eq_model.simulate(contacts, path, n_contacts=200_000, seed=1)
+    other = eq_model.simulate(contacts, np.append(path, path[-1] - 0.1), n_contacts=200_000, seed=2)
+    for name in ("force", "holding"):
+        error = np.hypot(one.force_standard_error, other.force_standard_error[:-1])
+        assert (np.abs(getattr(one, name) - getattr(other, name)[:-1]) <= 5.0 * error + 1e-15).all()
+    late = one.force_standard_error > 1e-4
+    ratio = one.force_standard_error[late] / other.force_standard_error[:-1][late]
+    assert late.sum() > 20 and np.abs(ratio - 1.0).max() < 0.03
+
+
+def test_histograms_of_the_quick_way_are_those_of_the_other() -> None:
+    contacts, path = origins.Contacts(GAP, GAUSSIAN_START), np.linspace(0.0, 3.0, 7)
+    asked: dict[str, Any] = {"n_contacts": 300_000, "histograms": [0, 2, 6]}
+    one = eq_model.simulate(contacts, path, **asked, seed=1)
+    other = eq_model.simulate(contacts, np.append(path, 2.9), **asked, seed=2)
+    for first, second in zip(one.histograms, other.histograms, strict=True):
+        assert first.count == second.count == 300_000
+        for name in ("stretch", "threshold"):
+            many = [getattr(h, {"stretch": "stretches", "threshold": "thresholds"}[name]) for h in (first, second)]
+            edges = [getattr(h, f"{name}_edges") for h in (first, second)]
+            below = [np.cumsum(h * np.diff(e)) for h, e in zip(many, edges, strict=True)]
+            apart = np.abs(below[0] - np.interp(edges[0][1:], edges[1][1:], below[1])).max()
+            assert apart < 2.2 * np.sqrt(2.0 / 300_000)
+        mean = (first.stretches * np.diff(first.stretch_edges) * first.stretch_edges[1:]).sum()
+        assert abs(mean - one.force[first.point]) < 3e-3
 
 
 def test_path_points_may_be_any_and_need_no_order_of_size() -> None:
@@ -276,21 +200,25 @@ def test_path_points_may_be_any_and_need_no_order_of_size() -> None:
     reference = eq_model.simulate(contacts, fine, n_contacts=5000)
     chosen = np.concatenate([[0, 0, 1, 950, 951, 951, 952], [1000, 1010, 1500, 2040, 3999, 4000]])
     run = eq_model.simulate(contacts, fine[chosen], n_contacts=5000)
-    # positions are rounded to other units, so a break may change sides of a point, rarely
-    assert np.abs(run.force - reference.force[chosen]).max() < 3e-4
-    assert np.abs(run.force_standard_error - reference.force_standard_error[chosen]).max() < 1e-5
+    error = reference.force_standard_error[chosen]
+    # rounded to other units a break may change sides of the end, and the lane's next contact draws others
+    assert (np.abs(run.force - reference.force[chosen]) <= 4.5 * error).all()
+    assert np.abs(run.force - reference.force[chosen]).mean() < 0.5 * error.mean()
+    assert np.abs(run.force_standard_error - error).max() < 0.1 * error.max()
     single = eq_model.simulate(contacts, 2.04, n_contacts=5000)
-    assert single.force.shape == (1,) and abs(single.force[0] - reference.force[2040]) < 3e-4
+    assert single.force.shape == (1,)
+    assert abs(single.force[0] - reference.force[2040]) < 5.0 * reference.force_standard_error[2040]
 
 
 def test_error_from_the_variance_between_contacts() -> None:
-    # two contacts whose stretches are known: the error is half their difference
+    # two contacts whose stretches are known, by what is left once one, or the other, has broken
     contacts = origins.Contacts(GAUSSIAN, start=origins.gaussian_start(mean=0.0, std=0.1))
-    pair = eq_model.simulate(contacts, 0.0, n_contacts=2, seed=4)
-    births, _ = twin.begin(0, 2, streams.key_of(4), *(t for t in tables(contacts) if t), 2.0**-44, 2)
-    x = -births * 2.0**-44
-    assert abs(pair.force[0] - x.mean()) < 1e-12
-    assert abs(pair.force_standard_error[0] - abs(x[0] - x[1]) / 2.0) < 1e-6
+    pair = eq_model.simulate(contacts, 0.0, n_contacts=2, seed=4, histograms=[0])
+    (found,) = pair.histograms
+    low, high = (0.5 * (found.stretch_edges[1:] + found.stretch_edges[:-1]))[found.stretches > 0.0]
+    width = float(np.diff(found.stretch_edges)[1])
+    assert abs(pair.force[0] - 0.5 * (low + high)) < width
+    assert abs(pair.force_standard_error[0] - (high - low) / 2.0) < width
     assert eq_model.simulate(contacts, 0.0, n_contacts=1).force_standard_error[0] == np.inf
 
 
@@ -373,23 +301,18 @@ def test_work_arrives_in_blocks_and_compilation_is_apart() -> None:
 def test_compilation_is_not_in_the_run_time() -> None:
     code = """
 import eq_model, origins
-from eq_model import ensemble, kernel
-from numba.core.dispatcher import Dispatcher
-
-kernels = {name: made for name, made in vars(kernel).items() if isinstance(made, Dispatcher)}
+from eq_model import ensemble, forward
 # a clock that stands still but while something is compiled, or read back as it was compiled before
-ensemble.Ensemble.clock = staticmethod(lambda: sum(len(made.signatures) for made in kernels.values()))
+ensemble.Ensemble.clock = staticmethod(lambda: float(len(forward.forward.signatures)))
 contacts = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.9, 0.05))
 ready = ensemble.Ensemble(contacts, 1.0, n_contacts=100)
-before = {name: len(made.signatures) for name, made in kernels.items()}
+before = len(forward.forward.signatures)
 run = [*ready] and ready.result()
-after = {name: len(made.signatures) for name, made in kernels.items()}
-kept = sum(sum(made.stats.cache_hits.values()) + sum(made.stats.cache_misses.values()) for made in kernels.values())
-print(run.breaks > 0, before == after, kept > 0, run.compile_time == sum(after.values()) > 0, run.run_time == 0)
+print(run.breaks > 0, before == len(forward.forward.signatures) == 1, run.compile_time == 1.0, run.run_time == 0)
 """
     # in a process of its own, where nothing is compiled yet: nothing is once the ensemble is made
     done = subprocess.run([sys.executable, "-c", code], env=clean_environment(), capture_output=True, text=True)
-    assert done.stdout.split() == ["True"] * 5, (done.stdout, done.stderr)
+    assert done.stdout.split() == ["True"] * 4, (done.stdout, done.stderr)
 
 
 def half(x: float) -> float:
@@ -438,51 +361,14 @@ def test_bad_input_is_refused_by_name(change: dict[str, Any], complaint: str) ->
         eq_model.simulate(arguments.pop("contacts"), arguments.pop("path"), **arguments)
 
 
-def test_limbs_are_exact_beyond_one_word() -> None:
-    from eq_model.lattice import carried, split
-
-    parts = np.array([2**62 - 1, -(2**61), 3, 2**62], dtype=np.int64)
-    total = sum(int(p) for p in parts) * 50
-    limbs = sum((split(parts) for _ in range(50)), np.zeros((2, 4), np.int64)).sum(axis=1)
-    high, low = (int(limb) for limb in carried(limbs))
-    assert high * 2**32 + low == total and abs(joined(limbs) / total - 1.0) < 1e-15
-
-
-def test_draws_that_the_hot_cells_do_not_hold_four_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A contact all of whose draws of a round are left to the fine cells keeps its place: nothing overflows."""
-    monkeypatch.setattr("origins.hot_cells._BITS", (3,))
-    law = origins.mixture([origins.rectangular(0.2, 0.5), origins.gaussian(1.0, 0.05)], [0.3, 0.7])
-    path = np.linspace(0.0, 60.0, 41)
-    found = eq_model.simulate(origins.Contacts(law), path, n_contacts=3000, seed=5)
-    kinetic = law.moment(2) / (2.0 * law.mean())
-    assert abs(found.force[-1] - kinetic) < 5.0 * found.force_standard_error[-1]
-
-
-@pytest.mark.parametrize("total", [1, 70_000, 1 << 18, (1 << 18) + 5, 1 << 19, (1 << 19) + 70_000, 3_000_000])
-@pytest.mark.parametrize("size", [1, 3])
-def test_blocks_are_measured_whole_and_counted_once(total: int, size: int) -> None:
-    covered, measured = 0, 0
-    for rank in range(size):
-        shares = layout.share([range(total)], rank, size)
-        while shares:
-            block, rest = layout.cut(shares[0], layout.block_size(100.0))
-            shares = [rest, *shares[1:]] if len(rest) else shares[1:]
-            assert block.start == covered
-            covered = block.stop
-            kinds = {layout.is_measured(contact) for contact in (block.start, block.stop - 1)}
-            assert len(kinds) == 1
-            measured += len(block) if kinds.pop() else 0
-    assert covered == total and measured == layout.measured([range(total)])
-
-
 @pytest.mark.parametrize("start", [None, GAUSSIAN_START], ids=["relaxed", "gaussian"])
 def test_the_part_that_is_measured_speaks_for_all(start: Any) -> None:
     contacts, path = origins.Contacts(origins.gw_elastic(1.0), start=start), np.linspace(0.0, 2.0, 9)[1:]
-    few = simulate(contacts, path, n_contacts=1 << 18, seed=5)
-    many = simulate(contacts, path, n_contacts=3 << 19, seed=5)
-    # the variances are those of 2^18 and of 3 * 2^17 contacts, the first part the same
+    few = simulate(contacts, path, n_contacts=1 << 17, seed=5)
+    many = simulate(contacts, path, n_contacts=3 << 18, seed=5)
+    # the variances are those of 8 and of 13 blocks of 2^14 contacts, the first ones the same
     ratio = many.force_standard_error / few.force_standard_error * np.sqrt(6.0)
     kurtosis = 9.0
-    assert np.abs(ratio - 1.0).max() < 5.0 * np.sqrt((kurtosis - 1.0) / 4.0 * (1.0 - 2.0 / 3.0) / 2.0**18)
+    assert np.abs(ratio - 1.0).max() < 5.0 * np.sqrt((kurtosis - 1.0) / 4.0 * (1.0 - 8.0 / 13.0) / 2.0**17)
     # the mean is that of all
     assert (np.abs(many.force - few.force) > 0.0).all()

@@ -35,14 +35,10 @@ def bits(run):
     rows += [row for one in run.histograms for row in (one.stretches, one.thresholds)]
     return [[float(x).hex() for x in row if x] for row in rows]
 """
-# counts of histograms in files, part by part; alone they are held
 PROGRAM = (
     SCENES
     + """
-from eq_model import tally
 from mpi4py import MPI
-
-tally._ASIDE, tally.PART = 0, 30_000
 
 every = MPI.COMM_WORLD.gather(
     [[bits(run), run.breaks, run.breaks_per_rank, run.run_time] for run in runs(MPI.COMM_WORLD)]

@@ -10,6 +10,7 @@ import pytest
 import eq_model
 import origins
 from eq_model import layout
+from eq_model.state import State
 from origins import Contacts, Delay
 
 GAUSSIAN = origins.gaussian(1.0, 0.1)
@@ -45,32 +46,40 @@ def test_gone_on_with_twice_it_is_the_uninterrupted_one(contacts: Contacts) -> N
     same(followed(last), whole)
 
 
-def test_blocks_that_take_long_become_smaller_and_quick_ones_larger_again() -> None:
-    whole = followed(eq_model.Ensemble(WAITING, PATH, n_contacts=200_000))
-    ensemble, now = eq_model.Ensemble(WAITING, PATH, n_contacts=200_000), 0.0
-
-    def clock() -> float:
-        """A machine that is slow at first, and then does as it should, and is fast in the end."""
-        nonlocal now
-        contacts = ensemble.state.contacts
-        now += 0.6 if contacts < 100_000 else 0.2 if contacts < 150_000 else 0.0
-        return now
-
-    ensemble.clock = clock
-    sizes = np.diff([0, *(done for done, _ in ensemble)])
-    # none reaches across a multiple of 2^16
-    assert sizes.tolist() == [1 << 16, 1 << 15, 1 << 14, *[1 << 13] * 6, 1 << 14, 1 << 14, 200_000 - 3 * (1 << 16)]
-    same(ensemble.result(), whole)
-
-
 def test_states_of_several_ranks_are_joined_and_gaps_filled() -> None:
-    whole = followed(eq_model.Ensemble(PLAIN, PATH, n_contacts=200_000))
-    ensemble = eq_model.Ensemble(PLAIN, PATH, n_contacts=200_000)
-    states = []
-    for block in (range(10, 5000), range(70_000, 100_001), range(5000, 5001)):
-        nothing = dataclasses.replace(ensemble.state, sums=0 * ensemble.state.sums, done=[])
-        states.append(nothing.after(block, *ensemble._engine.follow(block)))
-    same(followed(eq_model.Ensemble(PLAIN, PATH, n_contacts=200_000, earlier=states)), whole)
+    asked: dict[str, Any] = {"n_contacts": 100_000, "n_replicas": 2}
+    whole = followed(eq_model.Ensemble(PLAIN, PATH, **asked))
+    first, second = (eq_model.Ensemble(PLAIN, PATH, **asked) for _ in range(2))
+    list(islice(first, 2))
+    # as another rank's share: all that follows the first five blocks
+    second = eq_model.Ensemble(PLAIN, PATH, **asked, earlier=[some_of(PLAIN, asked, 5)])
+    list(islice(second, 3))
+    rest = dataclasses.replace(
+        second.state,
+        sums=second.state.sums - some_of(PLAIN, asked, 5).sums,
+        done=[range(5, 8)],
+        contacts=second.state.contacts - some_of(PLAIN, asked, 5).contacts,
+        breaks=second.state.breaks - some_of(PLAIN, asked, 5).breaks,
+    )
+    same(followed(eq_model.Ensemble(PLAIN, PATH, **asked, earlier=[first.state, rest])), whole)
+
+
+def some_of(contacts: Contacts, asked: dict[str, Any], blocks: int) -> State:
+    """What the first blocks found."""
+    ensemble = eq_model.Ensemble(contacts, PATH, **asked)
+    assert len(list(islice(ensemble, blocks))) == blocks
+    return ensemble.state
+
+
+@pytest.mark.parametrize("contacts", [PLAIN, WAITING], ids=["plain", "waiting"])
+def test_threads_share_the_blocks_and_change_nothing(contacts: Contacts) -> None:
+    asked: dict[str, Any] = {"n_contacts": 200_000, "seed": 8, "n_replicas": 2}
+    whole = eq_model.simulate(contacts, PATH, **asked)
+    for threads in (2, 3):
+        same(eq_model.simulate(contacts, PATH, **asked, threads=threads), whole)
+    part = eq_model.Ensemble(contacts, PATH, **asked, threads=3)
+    list(islice(part, 4))
+    same(followed(eq_model.Ensemble(contacts, PATH, **asked, earlier=[part.state])), whole)
 
 
 def test_it_stops_where_the_tolerance_is_reached() -> None:
@@ -79,8 +88,11 @@ def test_it_stops_where_the_tolerance_is_reached() -> None:
     largest = run.force_standard_error.max() / PLAIN.mean_threshold
     assert 1e-3 / 2.0 < largest <= 1e-3 and run.contacts < 2_000_000
     # the contacts are the first ones of all
-    first = eq_model.simulate(PLAIN, PATH, n_contacts=run.contacts)
-    same(dataclasses.replace(run, message=""), dataclasses.replace(first, message=""))
+    first = eq_model.Ensemble(PLAIN, PATH, n_contacts=2_000_000)
+    for _ in first:
+        if first.state.contacts == run.contacts:
+            break
+    same(dataclasses.replace(run, message="", success=False), dataclasses.replace(first.result(), message=""))
 
 
 def test_a_round_that_was_not_enough_is_not_judged_again() -> None:
@@ -103,14 +115,14 @@ def test_a_tolerance_out_of_reach_is_said() -> None:
 def test_no_block_begins_after_the_wall_time() -> None:
     ensemble = eq_model.Ensemble(WAITING, PATH, n_contacts=10_000_000, wall_time=2.5)
     # two seconds and a half are over once the third block is done
-    ensemble.clock = lambda: ensemble.state.contacts / (1 << 16)
+    ensemble.clock = lambda: float(len(ensemble.state.done) and ensemble.state.done[0].stop)
     run = followed(ensemble)
-    assert not run.success and run.contacts == 3 << 16
+    assert not run.success and run.contacts == ensemble.blocks.before(3)
     # no block at all would be no result
     shortest: dict[str, Any] = {"n_contacts": 10_000_000, "wall_time": 1e-9}
-    assert eq_model.simulate(WAITING, PATH, **shortest).contacts == 1 << 16
+    assert eq_model.simulate(WAITING, PATH, **shortest).contacts == ensemble.blocks.size(0)
     alone = eq_model.simulate(WAITING, PATH, **shortest, tolerance=0.1)
-    assert alone.success and alone.contacts < 1 << 16
+    assert alone.success and alone.contacts == ensemble.blocks.size(0)
 
 
 def test_another_ensembles_state_is_refused() -> None:
@@ -123,11 +135,27 @@ def test_another_ensembles_state_is_refused() -> None:
 
 def test_rounds_double_and_cover_all() -> None:
     for total in (1, 16_384, 16_385, 1_000_003):
-        rounds = layout.rounds(total, True)
+        blocks = layout.make_blocks(total, 2)
+        rounds = blocks.rounds(True)
         assert [i for part in rounds for i in (part.start, part.stop)][1:-1:2] == [part.start for part in rounds[1:]]
-        assert rounds[0].start == 0 and rounds[-1].stop == total and len(rounds[0]) <= 16_384
+        assert rounds[0] == range(1) and rounds[-1].stop == blocks.total
         assert all(abs(len(later) - later.start) <= 1 for later in rounds[1:])
-    assert layout.rounds(10**9, False) == [range(10**9)]
+        assert blocks.rounds(False) == [range(blocks.total)]
+
+
+@pytest.mark.parametrize("total", [1, 16_384, 16_385, 300_001])
+@pytest.mark.parametrize("replicas", [1, 3])
+@pytest.mark.parametrize("seconds", [0.0, 1e-4, 1.0])
+def test_blocks_cover_all_contacts_of_each_replica(total: int, replicas: int, seconds: float) -> None:
+    blocks = layout.make_blocks(total, replicas, seconds)
+    sizes = [blocks.size(block) for block in range(min(blocks.total, 5000))]
+    assert max(sizes) - min(sizes) <= 1 and max(sizes) <= layout.BLOCK and min(sizes) >= 1
+    assert [blocks.before(block) for block in range(len(sizes))] == np.cumsum([0, *sizes])[:-1].tolist()
+    assert blocks.before(blocks.total) == total * replicas == blocks.contacts([range(blocks.total)])
+    assert blocks.before(blocks.each) == total
+    for ranks in (1, 2, 7):
+        shares = [layout.share([range(blocks.total)], rank, ranks) for rank in range(ranks)]
+        assert sum(blocks.contacts(part) for part in shares) == total * replicas
 
 
 @pytest.mark.parametrize(

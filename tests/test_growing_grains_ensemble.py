@@ -5,11 +5,10 @@ import pytest
 import scipy.stats
 
 import eq_model
-from eq_model import grain_kernel
-from eq_model.course import make_course
-from eq_model.thermal_tables import law_for_kernel
+from eq_model import growing
 from origins import Contacts, Drive, Thermal, growing_grains
 from origins.errors import InputError
+from tests.lane_contacts import Lane
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
 FIRST = GRAINS.growth.first_pinning_time
@@ -20,31 +19,29 @@ def test_hazard_and_quantile_of_the_compiled_kernel() -> None:
     for u in (1e-9, 1e-3, 0.3, 0.9, 1.0 - 1e-9):
         stretch = GRAINS.quantile(u, FIRST * (1.0 + since))
         goal = -np.log1p(-u)
-        found = [grain_kernel.quantile(goal, age, root) for age in since]
+        found = [growing.quantile(goal, age, root) for age in since]
         np.testing.assert_allclose(found, stretch, rtol=1e-9)
         # a threshold near the largest has lost what tells its hazard
-        told = [grain_kernel.hazard(x, age, root) for x, age in zip(stretch, since, strict=True)]
+        told = [growing.hazard(x, age, root) for x, age in zip(stretch, since, strict=True)]
         np.testing.assert_allclose(told, GRAINS.hazard(stretch, FIRST * (1.0 + since)), rtol=1e-6)
 
 
 def test_a_contact_followed_breaks_where_its_hazard_is_met() -> None:
     """Pulled steadily from the first, after a rest, and turning round after it was pulled faster than it now is."""
     path, time = np.array([0.0, 0.5, 0.5, 6.0]), np.array([2.0, 2.1, 2.3, 13.3])
-    course = make_course(Drive(path, time=time), 1.0, 8.0, exact=False)
-    unit, generator = course.lattice.unit, np.random.default_rng(4)
-    grains = 1, FIRST, unit, 4.0 / FIRST - 1.0
+    lane, generator = Lane(Contacts(GRAINS), Drive(path, time=time)), np.random.default_rng(4)
     broken = 0
     for _ in range(50):
-        x, goal = generator.uniform(-0.4, 0.4), generator.exponential()
-        age, goal = grains[3], goal + float(GRAINS.hazard(abs(x), 4.0))
-        then, there, leg = grain_kernel.hold(0, 0, round(x / unit), age, goal, course.for_kernel, grains)
-        clock = np.append(0.0, np.cumsum(course.paces * np.diff(course.begins)))
-        at = 13.3 if then > course.begins[-1] else clock[leg] + (then - course.begins[leg]) * course.paces[leg]
-        sample = np.linspace(0.0, at, 4001)[:-1]
+        x, u = generator.uniform(-0.4, 0.4), generator.random()
+        first = float(GRAINS.hazard(abs(x), 4.0))
+        threshold = float(GRAINS.quantile(-np.expm1(-first + np.log(u)), 4.0))
+        goal = float(GRAINS.hazard(threshold, 4.0))
+        then, there = lane.follow(x, threshold, 1.0, fresh=False)
+        sample = np.linspace(0.0, min(then, 13.3), 4001)[:-1]
         stretch = np.abs(x + np.interp(sample, np.append(0.0, time), np.append(0.0, path)))
         assert (GRAINS.hazard(stretch, 4.0 + sample) < goal * (1.0 + 1e-9)).all()
-        if then <= course.begins[-1]:
-            assert GRAINS.hazard(abs(there) * unit, 4.0 + at) == pytest.approx(goal, rel=1e-8)
+        if then < np.inf:
+            assert GRAINS.hazard(abs(there), 4.0 + then) == pytest.approx(goal, rel=1e-8)
             broken += 1
     assert broken > 20
 
@@ -53,22 +50,12 @@ def test_a_contact_followed_breaks_where_its_hazard_is_met() -> None:
 def test_breaks_at_a_temperature_follow_the_rate_at_the_present_threshold(thermal: Thermal) -> None:
     """One contact, from pinning on, pulled, at rest and pulled back: the times of its breaks in many lives."""
     path, time = np.array([0.3, 0.3, -0.6]), np.array([0.4, 1.0, 2.2])
-    course = make_course(Drive(path, time=time), 1.0, 8.0, exact=False)
-    unit, goal = course.lattice.unit, 1.3
-    grains, law = (1, FIRST, unit, 0.0), law_for_kernel(thermal, unit)
-    clock = np.append(0.0, np.cumsum(course.paces * np.diff(course.begins)))
-    until, _, _ = grain_kernel.hold(0, 0, 0, 0.0, goal, course.for_kernel, grains)
-    until = min(until, course.begins[-1])
-    generator, found = np.random.default_rng(6), []
-    for contact in range(4000):
-        stream = np.uint64(1), np.uint64(2), np.uint64(0), np.uint64(contact)
-        bears = generator.exponential()
-        then, leg, _ = grain_kernel.shaken(
-            0, 0, 0, 0.0, goal, until, bears, law, law[1], course.for_kernel, grains, 0, stream
-        )
-        if then <= until:
-            found.append(clock[leg] + (then - course.begins[leg]) * course.paces[leg])
-    t = np.linspace(0.0, np.interp(until, course.begins, clock), 200_001)
+    goal, drive = 1.3, Drive(path, time=time)
+    cold, lane = (Lane(Contacts(GRAINS, thermal=law), drive) for law in (None, thermal))
+    until = min(cold.follow(0.0, 0.0, goal)[0], 2.2)
+    found = [lane.follow(0.0, 0.0, goal, block=block)[0] for block in range(4000)]
+    found = [at for at in found if at < until * (1.0 - 1e-12)]
+    t = np.linspace(0.0, until, 200_001)
     middle = 0.5 * (t[1:] + t[:-1])
     stretch = np.abs(np.interp(middle, np.append(0.0, time), np.append(0.0, path)))
     threshold = GRAINS.quantile(-np.expm1(-goal), FIRST + middle)

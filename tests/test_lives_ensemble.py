@@ -10,13 +10,11 @@ import scipy.stats
 import eq_model
 import master
 import origins
-from eq_model import life_kernel, lives, thermal_kernel
-from eq_model.course import make_course
-from eq_model.life_twin import life
-from eq_model.lives import STEP, physics
-from eq_model.thermal_tables import growth_tables
+from eq_model.physics import STEP, STEP_ELSE
+from eq_model.plain import life
 from origins import Ageing, Contacts, Delay, Drive, Thermal
-from origins.dawson import inverse_log_growth, log_growth
+from tests.lane_contacts import Lane
+from tests.rate_laws import Tilted
 
 GAUSSIAN = origins.gaussian(1.0, 0.2)
 TURNING = np.concatenate([np.linspace(0.0, 1.3, 5), np.linspace(-0.9, 0.7, 4), [0.7]])
@@ -29,63 +27,44 @@ WHEN = np.array([0.0, 1.0, 40.0, 40.5, 43.0, 60.0])
 
 @pytest.mark.parametrize("law", ["soft", "stiff"])
 @pytest.mark.parametrize("temperature", [2e-3, 0.05, 20.0])
-def test_rate_its_integral_and_inverse_are_those_of_origins(law: Any, temperature: float) -> None:
-    thermal, tables = Thermal(law, temperature, 3.0), growth_tables()
-    kernel_law = (1 if law == "soft" else 2, 1.0 / np.sqrt(2.0 * temperature), 3.0)
+@pytest.mark.parametrize("stiffness", [1.0, 1.7])
+def test_rate_its_integral_and_inverse_are_those_of_origins(law: Any, temperature: float, stiffness: float) -> None:
+    from numba import njit
+
+    thermal = Thermal(law, temperature, 3.0)
+    own = thermal.rates.compiled()
+    rate, passed, reached, most = (njit(one) for one in (own.rate, own.passed, own.reached, own.most))
     generator = np.random.default_rng(5)
     for _ in range(200):
         limit = generator.uniform(0.3, 1.7)
         near, far = np.sort(generator.uniform(0.0, limit, 2))
-        spent = thermal_kernel.between(near, far, limit, kernel_law, kernel_law[1], tables)
-        expected = float(thermal.cumulative(far, limit, near))
-        assert spent == pytest.approx(expected, rel=1e-9, abs=1e-300)
-        assert thermal_kernel.rate(near, limit, kernel_law, kernel_law[1]) == pytest.approx(
-            float(thermal.rate(near, limit)), rel=1e-9, abs=1e-300
-        )
+        expected = float(thermal.cumulative(far, limit, near, stiffness))
+        assert passed(own.law, near, far, limit, stiffness) == pytest.approx(expected, rel=1e-9, abs=1e-300)
+        there = float(thermal.rate(near, limit, stiffness))
+        assert rate(own.law, near, limit, stiffness) == pytest.approx(there, rel=1e-9, abs=1e-300)
+        assert there <= most(own.law, 0.5 * near, near, limit, 1.5 * limit, stiffness) * (1.0 + 1e-12) + 1e-300
         amount = expected * generator.uniform(0.05, 0.95)
         if amount > 1e-280:
-            out = thermal_kernel.outward(np.log(amount), near, limit, kernel_law, kernel_law[1], tables)
-            assert out == pytest.approx(float(thermal.inverse(amount, limit, near)), abs=1e-8 * limit)
-            whole = float(thermal.cumulative(far, limit))
-            back = thermal_kernel.inward(0.3 * whole, far, limit, kernel_law, kernel_law[1], tables)
-            assert float(thermal.cumulative(far, limit, back)) == pytest.approx(0.3 * whole, rel=1e-6)
+            out = reached(own.law, np.log(amount), near, limit, stiffness)
+            assert out == pytest.approx(float(thermal.inverse(amount, limit, near, stiffness)), abs=1e-8 * limit)
 
 
-def test_growth_is_tabulated_to_1e_8() -> None:
-    level = np.concatenate([np.linspace(-60.0, 60.0, 2001), 10.0 ** np.arange(2.0, 7.0)])
-    found = np.array([thermal_kernel._inverse_log_growth(z, growth_tables()) for z in level])
-    assert np.abs(found / inverse_log_growth(level) - 1.0).max() < 1e-8
-    y = np.linspace(1e-6, 20.0, 3001)
-    dawson = np.array([thermal_kernel._dawson(z, growth_tables()) for z in y])
-    assert np.abs(np.log(dawson) + y * y - log_growth(y)).max() < 1e-8
-
-
-@pytest.mark.parametrize("thermal", [None, Thermal("soft", 0.05, 0.4), Thermal("stiff", 0.05, 0.4)])
+@pytest.mark.parametrize("thermal", [None, Thermal("soft", 0.05, 0.4), Thermal("stiff", 0.05, 0.4), Tilted(0.1, 0.4)])
 @pytest.mark.parametrize(("path", "time"), [(TURNING, None), (HOLDING, WHEN)], ids=["turning", "holding"])
 @pytest.mark.parametrize("stiffness", ["independent", "linked"])
 def test_a_life_is_that_of_the_plain_twin(thermal: Any, path: Any, time: Any, stiffness: Any) -> None:
+    """Also of a law that brings nothing compiled."""
     contacts, drive = Contacts(GAUSSIAN, thermal=thermal, stiffness=stiffness), Drive(path, time=time)
-    course = make_course(drive, 1.0, 4.0, exact=False)
-    unit = course.lattice.unit
-    law, tables = physics(contacts, unit)[:2]
-    generator = np.random.default_rng(8)
-    clock_of = np.append(0.0, np.cumsum(course.paces * np.diff(course.begins)))
+    lane, generator = Lane(contacts, drive), np.random.default_rng(8)
+    end = lane.times[-1]
     for _ in range(60):
-        born = generator.uniform(0.0, 0.7) * clock_of[-1]
+        born = generator.uniform(0.0, 0.7) * end
         x, threshold, bears = generator.uniform(-0.3, 0.3), generator.uniform(0.4, 1.4), generator.exponential()
-        leg = int(np.searchsorted(clock_of, born, side="right")) - 1
-        begin = int(course.begins[leg] + (born - clock_of[leg]) / course.paces[leg])
-        a = law[1] * np.sqrt(contacts.relative_stiffness(threshold))
-        then, there, last = life_kernel.live(
-            begin, leg, round(x / unit), threshold / unit, bears, law, a, tables, course.for_kernel
-        )
+        then, there = lane.follow(x, threshold, bears, born=born)
         when, stretch = life(contacts, drive, born, x, threshold, bears)
-        if np.isinf(when):
-            assert then > course.begins[-1]
-            continue
-        assert there * unit == pytest.approx(stretch, abs=1e-8)
-        found = clock_of[last] + (then - course.begins[last]) * course.paces[last]
-        assert found == pytest.approx(when, abs=1e-7 * clock_of[-1])
+        assert np.isinf(then) == np.isinf(when)
+        if not np.isinf(when):
+            assert there == pytest.approx(stretch, abs=1e-8) and then == pytest.approx(when, abs=1e-7 * end)
 
 
 @pytest.mark.parametrize("value", [0.3, 0.7, np.pi])
@@ -111,8 +90,7 @@ def test_what_reaches_its_threshold_has_broken_whatever_comes_later(value: float
 # -- many ---------------------------------------------------------------------------------------------------
 
 
-def test_two_engines_agree_where_both_can() -> None:
-    """Contacts that hold all the time, at a temperature: by draws side by side, and life by life."""
+def test_one_speed_by_itself_and_by_the_times_of_its_points() -> None:
     contacts = Contacts(GAUSSIAN, origins.gaussian_start(-0.1, 0.2), thermal=Thermal("soft", 0.05))
     path = np.linspace(0.2, 4.0, 12)
     one = eq_model.simulate(contacts, path, n_contacts=60_000, seed=1)
@@ -125,7 +103,8 @@ def test_two_engines_agree_where_both_can() -> None:
 @pytest.mark.parametrize("law", ["soft", "stiff"])
 def test_cold_contacts_break_at_their_thresholds(law: Any) -> None:
     """Steadily forward as on a path in time, where barriers are beyond all that breaks by themselves."""
-    path, thresholds = np.linspace(0.1, 3.0, 12), origins.lubricated(1.0)
+    # a path that turns in the end, so that both go the same way through the same draws
+    path, thresholds = np.append(np.linspace(0.1, 3.0, 12), 2.9), origins.lubricated(1.0)
     cold = eq_model.simulate(Contacts(thresholds), path, n_contacts=4000)
     for temperature in (1e-5, 1e-7, 1e-12, 1e-19):
         found = eq_model.simulate(Contacts(thresholds, thermal=Thermal(law, temperature)), path, n_contacts=4000)
@@ -134,7 +113,7 @@ def test_cold_contacts_break_at_their_thresholds(law: Any) -> None:
         Contacts(thresholds, thermal=Thermal(law, 1e-21))
 
 
-def test_sums_do_not_depend_on_the_cutting() -> None:
+def test_the_result_does_not_depend_on_threads() -> None:
     contacts = Contacts(
         GAUSSIAN,
         origins.gaussian_start(0.0, 0.2),
@@ -143,19 +122,18 @@ def test_sums_do_not_depend_on_the_cutting() -> None:
         reforming=origins.gaussian_start(0.0, 0.3),
         stiffness="linked",
     )
-    arguments: dict[str, Any] = {"n_contacts": 700, "n_replicas": 3, "seed": 3, "histograms": [2, -1]}
+    arguments: dict[str, Any] = {"n_contacts": 20_700, "n_replicas": 3, "seed": 3, "histograms": [2, -1]}
     whole = eq_model.simulate(contacts, TURNING, **arguments)
-    pieces = eq_model.Ensemble(contacts, TURNING, **arguments)
-    for first in range(0, 2100, 333):
-        block = range(first, min(first + 333, 2100))
-        pieces._state = pieces.state.after(block, *pieces._engine.follow(block))
-    found = pieces.result()
+    found = eq_model.simulate(contacts, TURNING, **arguments, threads=3)
     for name in ("force", "force_standard_error", "holding"):
         assert np.array_equal(getattr(found, name), getattr(whole, name))
     assert found.breaks == whole.breaks > 0
     for one, other in zip(found.histograms, whole.histograms, strict=True):
         assert np.array_equal(one.stretches, other.stretches) and np.array_equal(one.thresholds, other.thresholds)
-        assert one.count == round(found.holding[one.point] * 2100)
+        assert one.count == round(found.holding[one.point] * 62_100)
+    # to ask for histograms changes no draw
+    without = eq_model.simulate(contacts, TURNING, **arguments | {"histograms": ()})
+    assert np.array_equal(without.force, whole.force)
 
 
 def test_reported_errors_are_the_scatter_over_seeds() -> None:
@@ -220,7 +198,7 @@ def test_the_steady_state_holds_length_biased_thresholds() -> None:
 
 def test_histograms_of_wide_laws_tell_where_contacts_are() -> None:
     """Bins are fine where most contacts are, and what lies beyond is in the last ones: all edges are told."""
-    law, n = scipy.stats.lomax(3.0), 40_000
+    law, n = scipy.stats.lomax(3.0), 400_000
     run = eq_model.simulate(Contacts(law), [1e-9, 5.0], n_contacts=n, histograms=[0, 1])
     for found in run.histograms:
         assert found.stretch_edges[[0, -1]] == pytest.approx([-5.05, 5.05]) and found.threshold_edges[-1] > 1e5
@@ -236,24 +214,20 @@ def test_histograms_of_wide_laws_tell_where_contacts_are() -> None:
     assert (worn.stretches > 0.0).sum() > 1500
 
 
-def test_steps_of_ageing_may_be_halved() -> None:
+def test_steps_of_ageing_may_be_halved(monkeypatch: pytest.MonkeyPatch) -> None:
     fresh, final = origins.gaussian(0.5, 0.1), origins.gaussian(0.8, 0.04)
     contacts = Contacts(fresh, ageing=Ageing(final, 0.05))
-    ensemble = eq_model.Ensemble(contacts, [0.5, 1.0, 2.0], velocity=2.0, n_contacts=20_000)
-    for _ in ensemble:
-        pass
-    coarse = ensemble.result()
-    other = eq_model.Ensemble(contacts, [0.5, 1.0, 2.0], velocity=2.0, n_contacts=20_000, seed=1)
-    settings, (longest, _) = other._engine._physics[5:7]  # type: ignore[union-attr]
-    assert longest == pytest.approx(STEP / settings[3])
-    physics = other._engine._physics  # type: ignore[union-attr]
-    other._engine._physics = (*physics[:6], (0.25 * longest, 0.7), *physics[7:])  # type: ignore[union-attr]
-    for _ in other:
-        pass
-    fine = other.result()
+    runs, steps = [], []
+    for seed, times in enumerate((1.0, 0.25)):
+        monkeypatch.setattr("eq_model.physics.STEP", times * STEP)
+        ensemble = eq_model.Ensemble(contacts, [0.5, 1.0, 2.0], velocity=2.0, n_contacts=20_000, seed=seed)
+        assert [*ensemble]
+        runs.append(ensemble.result())
+        steps.append(ensemble.state.steps)
+    coarse, fine = runs
     error = np.hypot(coarse.force_standard_error, fine.force_standard_error)
     assert (np.abs(coarse.force - fine.force) < 4.5 * error).all()
-    assert other.state.steps > 1.5 * ensemble.state.steps > 0
+    assert steps[1] > 1.5 * steps[0] > 0
 
 
 @pytest.mark.parametrize("final", [origins.gaussian(1.0, 0.1), origins.lubricated(0.8)])
@@ -261,24 +235,20 @@ def test_the_error_of_the_steps_of_ageing_is_told(final: origins.Thresholds, mon
     contacts, path = Contacts(origins.gaussian(0.5, 0.1), ageing=Ageing(final, 0.01)), np.linspace(0.25, 3.0, 12)
     exact = master.solve(contacts, path, tolerance=1e-5).force
     for longer in (1.0, 8.0):
-        monkeypatch.setattr("eq_model.lives.STEP", longer * STEP)
-        monkeypatch.setattr("eq_model.lives.STEP_ELSE", longer * lives.STEP_ELSE)
+        monkeypatch.setattr("eq_model.physics.STEP", longer * STEP)
+        monkeypatch.setattr("eq_model.physics.STEP_ELSE", longer * STEP_ELSE)
         found = eq_model.simulate(contacts, path, n_contacts=40_000, seed=5)
         off = np.abs(found.force - exact)
         assert (off < found.step_error + 4.5 * found.force_standard_error).all()
         assert (found.step_error < longer * found.force_standard_error.max()).all()
 
 
-def test_coarser_steps_do_not_depend_on_the_cutting() -> None:
+def test_coarser_steps_do_not_depend_on_threads() -> None:
     contacts = Contacts(GAUSSIAN, 0.1, ageing=Ageing(origins.gaussian(0.9, 0.1), 0.02))
-    arguments: dict[str, Any] = {"n_contacts": 4500, "n_replicas": 1, "seed": 3, "histograms": [-1]}
+    arguments: dict[str, Any] = {"n_contacts": 4500, "n_replicas": 2, "seed": 3, "histograms": [-1]}
     whole = eq_model.simulate(contacts, TURNING, **arguments)
-    pieces = eq_model.Ensemble(contacts, TURNING, **arguments)
-    for first in range(0, 4500, 700):
-        block = range(first, min(first + 700, 4500))
-        pieces._state = pieces.state.after(block, *pieces._engine.follow(block))
-    found = pieces.result()
-    assert np.array_equal(found.step_error, whole.step_error) and (whole.step_error > 0.0).all()
+    found = eq_model.simulate(contacts, TURNING, **arguments, threads=2)
+    assert np.array_equal(found.step_error, whole.step_error) and (whole.step_error > 0.0)[2:].all()
     assert np.array_equal(found.force, whole.force)
 
 

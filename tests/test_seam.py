@@ -10,7 +10,6 @@ import pytest
 from rate_laws import Careless, Endless, Even, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
 from scipy import stats
 
-import eq_model
 import master
 import origins
 from eq_model.closest import closest
@@ -206,7 +205,6 @@ SOLVERS = {
     "master.propensity": master.propensity,
     "master.decoherence_spectrum": master.decoherence_spectrum,
     "master.paper.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
-    "eq_model.simulate": lambda contacts: eq_model.simulate(contacts, PATH, n_contacts=10),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }
 

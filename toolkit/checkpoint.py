@@ -1,7 +1,7 @@
 """A run's checkpoint in its output folder: what each rank's finished blocks found, and of which run.
 
 A rank writes a file of its own, beside the old one, and then in its place. A run that goes on from it, on whatever
-number of ranks, writes files of a higher turn: rank 0's holds all that was found before. Files say which contacts they
+number of ranks, writes files of a higher turn: rank 0's holds all that was found before. Files say which blocks they
 hold, so that whatever was cut short in between, none counts twice.
 """
 
@@ -29,7 +29,7 @@ from origins.errors import InputError, positive
 from origins.thresholds import Thresholds
 from toolkit.ranks import on_root
 from toolkit.scene import Scene, read_table
-from toolkit.state_file import read_state, write_state
+from toolkit.state_file import BLOCKS, read_state, write_state
 
 if TYPE_CHECKING:
     from eq_model.coupled.result import CoupledState
@@ -166,7 +166,7 @@ def identity(scene: Scene) -> dict[str, str]:
     told["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
     if scene.contacts.ageing is not None:
         told["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
-    return {**told, "version": toolkit.__version__}
+    return {**told, BLOCKS: "philox-7, 2^14", "version": toolkit.__version__}
 
 
 def say(line: str) -> None:
@@ -200,7 +200,7 @@ def _files(home: Path) -> list[Path]:
 
 
 def _take(done: list[range], taken: list[range]) -> bool:
-    """Add `done` to `taken`, which is in order, unless one of these contacts is there already."""
+    """Add `done` to `taken`, which is in order, unless one of these blocks is there already."""
     for part in done:
         at = bisect_left(taken, part.start, key=lambda other: other.start)
         before, after = taken[max(at - 1, 0) : at], taken[at : at + 1]

@@ -3,7 +3,6 @@
 import math
 import signal
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from eq_model import layout
-from eq_model.tally import sizes
+from eq_model.histogram import no_counts
 from origins.errors import InputError
 from toolkit.blocks import follow
 from toolkit.running import make_ensemble, solve_master
@@ -65,8 +64,8 @@ class Forecast:
 
     ranks : at work. contacts : to be followed, of `most`, `done` of them by an earlier run; breaks : of all of them.
     run_time : s, as of EnsembleResult, of those that are left.
-    memory : MB of a rank at its peak. temporary, kept : MB of a rank's histograms, in a temporary file and in its
-    checkpoint. error : largest standard error of the force in mean thresholds; tolerance : that was asked for.
+    memory : MB of a rank at its peak. kept : MB of a rank's histograms, in its checkpoint.
+    error : largest standard error of the force in mean thresholds; tolerance : that was asked for.
     pilot_contacts, pilot_time : of what tells this, s, compilation not counted.
     """
 
@@ -77,7 +76,6 @@ class Forecast:
     breaks: Estimate
     run_time: Estimate
     memory: Estimate
-    temporary: float
     kept: float
     error: Estimate
     tolerance: float | None
@@ -109,16 +107,17 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | N
         found, aside = few.result, few.number * each_block
         largest = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
         long_enough = few.blocks - aside > max(_LONG_ENOUGH, aside)
-        if long_enough or _GROWTH * n > _followed(asked.tolerance, n, largest, most):
+        if long_enough or _GROWTH * n > _followed(asked.tolerance, n, largest, few.whole):
             break
         n *= _GROWTH
     # before many have broken it is those few that differ
     off = min(_SIGMAS * math.sqrt(_TAILS / min(n, max(found.breaks, 1))), 0.9)
     of_n = Estimate(largest, largest * (1.0 - off), largest * (1.0 + off))
-    contacts = Estimate(*(_followed(asked.tolerance, n, error, most) for error in (of_n.value, of_n.low, of_n.high)))
-    cost = max(few.blocks - aside, 0.0) / n + each_block / (ranks * layout.BLOCK)
+    errors = of_n.value, of_n.low, of_n.high
+    contacts = Estimate(*(_followed(asked.tolerance, n, error, few.whole) for error in errors))
+    cost = max(few.blocks - aside, 0.0) / n + each_block * few.whole.total / (ranks * most)
     each = Estimate(cost, cost / _SPEED, cost * _SPEED)
-    counts, file = sizes(scene.histogram_points().size, most)
+    counts = no_counts(scene.histogram_points().size, most).nbytes
     memory = _largest(comm, _peak())
     return Forecast(
         ranks=ranks,
@@ -128,7 +127,6 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | N
         breaks=contacts.times(_each(scene, found.breaks / n, n)),
         run_time=contacts.less(done).times(each).after(ready + each_block + few.once),
         memory=Estimate(memory + 0.5 * _AFTERWARDS, _COMPILED * memory, memory + _AFTERWARDS),
-        temporary=file / 1e6,
         kept=counts / 1e6,
         error=Estimate(
             of_n.value * math.sqrt(n / contacts.value),
@@ -144,10 +142,11 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | N
 
 @dataclass(frozen=True)
 class _Few:
-    """What a few contacts tell: `result`; `number` of this rank's blocks; seconds of the slowest rank for its `blocks`,
-    the tables before (`ready`), and the result (`once`)."""
+    """What a few contacts tell: `result`; the blocks of the `whole` run; `number` of this rank's blocks; seconds of the
+    slowest rank for its `blocks`, the tables before (`ready`), and the result (`once`)."""
 
     result: "EnsembleResult"
+    whole: layout.Blocks
     number: int
     blocks: float
     ready: float
@@ -159,15 +158,16 @@ class _Few:
 
 
 def _follow_few(scene: Scene, asked: EqTable, comm: Any, n: int, seconds: Seconds | None) -> _Few:
-    ensemble = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
+    ensemble: Any = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
     ready = ensemble.state.run_time
-    finished = set[int]()
+    finished, whole = set[int](), layout.make_blocks(asked.contacts, asked.replicas, ensemble.seconds)
     result: Any = follow(ensemble, lambda done, expected: finished.add(done))
     if seconds is not None:
-        return _Few(result, len(finished), _largest(comm, seconds(result, len(finished))), ready=0.0, once=0.0)
+        told = _largest(comm, seconds(result, len(finished)))
+        return _Few(result, whole, len(finished), told, ready=0.0, once=0.0)
     taken = ensemble.state.run_time
     blocks, ready, taken = (_largest(comm, measured) for measured in (taken - ready, ready, taken))
-    return _Few(result, len(finished), blocks, ready, result.run_time - taken)
+    return _Few(result, whole, len(finished), blocks, ready, result.run_time - taken)
 
 
 @dataclass(frozen=True)
@@ -273,8 +273,7 @@ def _on_disk(told: Forecast) -> list[str]:
     """Room for histograms, where there are any."""
     if not told.kept:
         return []
-    temporary = f"{told.temporary:.0f} MB in {tempfile.gettempdir()} and " if told.temporary else ""
-    return [f"on disk         {temporary}{told.kept:.2g} MB in its checkpoint, of the histograms of each rank"]
+    return [f"on disk         {told.kept:.2g} MB in its checkpoint, of the histograms of each rank"]
 
 
 def _range(number: Estimate, form: str) -> str:
@@ -282,13 +281,15 @@ def _range(number: Estimate, form: str) -> str:
     return value if low == high else f"{value} ({low} to {high})"
 
 
-def _followed(tolerance: float | None, n: int, error: float, most: int) -> int:
+def _followed(tolerance: float | None, n: int, error: float, whole: layout.Blocks) -> int:
     """Contacts until the tolerance is reached, if n have this error: whole rounds of the ensemble."""
+    most = whole.before(whole.total)
     if tolerance is None:
         return most
     ratio = error / tolerance
     wanted = n * ratio * ratio  # not as a power, which may overflow
-    return next((part.stop for part in layout.rounds(most, True) if part.stop >= wanted), most)
+    ends = (whole.before(part.stop) for part in whole.rounds(True))
+    return next((end for end in ends if end >= wanted), most)
 
 
 def _each(scene: Scene, breaks: float, n: int) -> Estimate:

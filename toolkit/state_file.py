@@ -1,13 +1,13 @@
 """A state of an ensemble in a file of its own, and its way back.
 
-The file is numpy's .npz. Counts of histograms are written and read part by part: all at once might not fit.
+The file is numpy's .npz.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
@@ -24,10 +24,9 @@ from origins.errors import InputError
 if TYPE_CHECKING:
     from eq_model.coupled.result import CoupledState
     from eq_model.state import State
-    from eq_model.tally import Tally
 
 _COUPLED = "coupled_"  # begins the names of arrays of replicas on soft sliders
-_HISTOGRAMS = "histograms.npy"
+BLOCKS = "eq.blocks"  # in a checkpoint's identity: how contacts are divided
 # what zipfile and numpy say of bytes that are not what was written
 _SPOILED = (OSError, EOFError, KeyError, ValueError, TypeError, RuntimeError, BadZipFile, TokenError, ZlibError)
 
@@ -55,7 +54,7 @@ def write_state(file: Path, state: State | CoupledState, told: dict[str, str]) -
 def read_state(file: Path) -> tuple[State | CoupledState, dict[str, str]] | None:
     """State, and of which run it is; None for a file that a failing disk spoiled.
 
-    Raises InputError where there is no room for what the histograms counted.
+    Raises InputError for a file of an older version.
     """
     from eq_model.coupled.result import CoupledState
     from eq_model.state import State
@@ -66,10 +65,16 @@ def read_state(file: Path) -> tuple[State | CoupledState, dict[str, str]] | None
             if coupled := [name for name in names if name.startswith(_COUPLED)]:
                 arrays = {name.removeprefix(_COUPLED): _read(members, name) for name in coupled}
                 return CoupledState.of_arrays(arrays), json.loads(str(_read(members, "identity")))
-            breaks, steps = (int(count) for count in _read(members, "counts"))
-            done = [range(int(start), int(stop)) for start, stop in _read(members, "done")]
             told, run_time = json.loads(str(_read(members, "identity"))), float(_read(members, "run_time"))
-            return State(_read(members, "sums"), _read_counts(members), breaks, steps, done, run_time), told
+            if BLOCKS not in told:
+                raise InputError(
+                    f"{file}: is a checkpoint of an older version, which divided contacts otherwise; remove "
+                    f"{file.parent}, or choose another folder"
+                )
+            contacts, breaks, steps = (int(count) for count in _read(members, "counts"))
+            done = [range(int(start), int(stop)) for start, stop in _read(members, "done")]
+            sums, counts = _read(members, "sums"), _read(members, "histograms")
+            return State(sums, counts, contacts, breaks, steps, done, run_time), told
     except InputError:
         raise
     except _SPOILED:
@@ -78,56 +83,29 @@ def read_state(file: Path) -> tuple[State | CoupledState, dict[str, str]] | None
 
 def _write(stream: IO[bytes], state: State | CoupledState, told: dict[str, str]) -> None:
     from eq_model.coupled.result import CoupledState
-    from eq_model.histogram import BINS
 
     if isinstance(state, CoupledState):
-        with ZipFile(stream, "w") as members:
-            own = {f"{_COUPLED}{name}": array for name, array in state.arrays().items()}
-            _write_arrays(members, own | {"identity": json.dumps(told)})
+        own = {f"{_COUPLED}{name}": array for name, array in state.arrays().items()}
+        _write_arrays(stream, own | {"identity": json.dumps(told)})
         return
     arrays: dict[str, npt.ArrayLike] = {
         "sums": state.sums,
-        "counts": np.array([state.breaks, state.steps], np.int64),
+        "counts": np.array([state.contacts, state.breaks, state.steps], np.int64),
         "done": np.array([(part.start, part.stop) for part in state.done], np.int64).reshape(-1, 2),
         "run_time": state.run_time,
         "identity": json.dumps(told),
+        "histograms": state.counts,
     }
-    counts = state.counts
-    header = {"descr": counts.dtype.str, "fortran_order": False, "shape": (counts.points, 2, BINS)}
+    _write_arrays(stream, arrays)
+
+
+def _write_arrays(stream: IO[bytes], arrays: Mapping[str, npt.ArrayLike]) -> None:
     with ZipFile(stream, "w") as members:
-        _write_arrays(members, arrays)
-        with members.open(_HISTOGRAMS, "w", force_zip64=True) as member:
-            np.lib.format.write_array_header_1_0(member, header)
-            for part in counts.parts():
-                member.write(part.data)
-
-
-def _write_arrays(members: ZipFile, arrays: Mapping[str, npt.ArrayLike]) -> None:
-    for name, array in arrays.items():
-        with members.open(f"{name}.npy", "w", force_zip64=True) as member:
-            np.lib.format.write_array(member, np.asarray(array))
+        for name, array in arrays.items():
+            with members.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asarray(array))
 
 
 def _read(members: ZipFile, name: str) -> npt.NDArray[Any]:
     """One array. Its member is read to the end: only there is its checksum looked at, which covers the header too."""
     return np.asarray(np.lib.format.read_array(BytesIO(members.read(f"{name}.npy")), allow_pickle=False))
-
-
-def _read_counts(members: ZipFile) -> Tally:
-    from eq_model.histogram import BINS
-    from eq_model.tally import PART, Tally
-
-    with members.open(_HISTOGRAMS) as member:
-        np.lib.format.read_magic(member)
-        shape, _, dtype = np.lib.format.read_array_header_1_0(member)
-        size = members.getinfo(_HISTOGRAMS).file_size - member.tell()
-        if shape[1:] != (2, BINS) or size != shape[0] * 2 * BINS * dtype.itemsize:
-            raise ValueError("the header is spoiled")
-
-        def parts() -> Iterator[npt.NDArray[Any]]:
-            for begin in range(0, size, PART):
-                yield np.frombuffer(member.read(min(PART, size - begin)), dtype)
-            if member.read(1):
-                raise ValueError("is longer than its header says")
-
-        return Tally.of(shape[0], dtype, parts())

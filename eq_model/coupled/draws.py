@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, inlined
+from eq_model.drawn import cells_of
 from eq_model.quantiles import Scratch, beyond, draw_values, scratch
 from eq_model.streams import (
     BEYOND,
@@ -26,7 +27,7 @@ from eq_model.streams import (
     words_at,
     words_of_round,
 )
-from eq_model.tables import Table, cells_of
+from eq_model.tables import Table
 from origins import Contacts
 
 UNIT_BITS, LARGEST_BITS = 28, 40
@@ -83,9 +84,11 @@ class Draws:
         again = None if law is None else law.law
         start = self._contacts.start
         return Supplies(
-            thresholds=self._supply("thresholds", THRESHOLDS, replica, 0.0),
-            starts=self._supply("start", STARTS, replica, start.mean()),
-            again=self._supply("reforming", REFORMING, replica, again.mean() if again else 0.0),
+            thresholds=self._supply("thresholds", int(THRESHOLDS), replica, 0.0),
+            starts=self._supply("start", int(STARTS), replica, start.mean()),
+            again=self._supply(
+                "reforming", int(REFORMING), replica, again.mean() if again else 0.0
+            ),
             stretched=start.span != (0.0, 0.0),
             again_stretched=again is not None,
             top=np.int64(self._largest / self.unit) + 1,
@@ -137,7 +140,7 @@ def stretched_contact(thresholds, stretches, top):  # type: ignore[no-untyped-de
     x = take(thresholds)
     if x <= abs(r):
         a, b, c, d = words_at(_FIRST, thresholds.at[3], thresholds.stream, _FREE)
-        x = beyond(abs(r), uniform(a, b), uniform(c, d), thresholds.table)
+        x = beyond(abs(r), uniform(a, b), uniform(c, d), thresholds.table, thresholds.rows)
         thresholds.at[3] += 1
     return max(x, np.int64(1)), r
 

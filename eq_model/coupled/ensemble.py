@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from functools import reduce
 from time import perf_counter
 from typing import Any
@@ -11,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model import layout
-from eq_model.coupled.replica import Follower
+from eq_model.coupled.replica import Followed, Follower
 from eq_model.coupled.result import CoupledResult, CoupledState, result_of
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
@@ -62,6 +65,7 @@ class CoupledEnsemble:
         wall_time: float | None = None,
         earlier: Iterable[CoupledState] = (),
         comm: Any = None,
+        threads: int = 1,
     ) -> None:
         self.drive = Drive(path, velocity, time, spring, slip)
         check_coupled(contacts, self.drive)
@@ -83,6 +87,7 @@ class CoupledEnsemble:
             refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
         self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
         self.total = self.expected = self.n_contacts * self.n_replicas
+        self._threads = whole("threads", threads, 1)
         self._stopped, started = False, self.clock()
         self._follower = Follower(contacts, self.drive, self.n_contacts, seed, self.slip_fraction)
         ready, started = self.clock() - started, self.clock()
@@ -98,37 +103,43 @@ class CoupledEnsemble:
     def __iter__(self) -> Iterator[tuple[int, int]]:
         """Follow this rank's share of the replicas, once; now and then (contacts done, contacts in the share).
 
-        A replica under way counts as far as its drive has come. All ranks must go on to the end.
+        A replica under way counts as far as its drive has come, unless several are. All ranks must go on to the end.
         """
         rank, ranks = layout.rank_and_size(self.comm)
         mine = [r for r in range(self.n_replicas) if r not in self._before][rank::ranks]
-        begun, total = self.clock(), len(mine) * self.n_contacts
-        for number, replica in enumerate(mine):
-            if self._late(begun):
-                break
-            started, steps = self.clock(), self._follower.follow(replica)
-            while True:
-                try:
-                    share = next(steps)
-                except StopIteration as end:
-                    seconds = self.clock() - started
+        total, number, begun = len(mine) * self.n_contacts, 0, self.clock()
+        started = begun
+        with ThreadPoolExecutor(self._threads) if self._threads > 1 else nullcontext() as pool:
+            for replica, told in self._work(mine, pool):
+                share = 0.0
+                if isinstance(told, Followed):
+                    started, before = self.clock(), started
                     # whatever interrupts, the state is that of whole replicas
-                    self._state.run_time += seconds
-                    self._state.found[replica] = end.value
-                    break
-                if self._stopped:
-                    break
+                    self._state.run_time += started - before
+                    self._state.found[replica] = told
+                    number += 1
+                else:
+                    share = told
                 yield int((number + share) * self.n_contacts), total
-            if self._stopped:
-                break
-            yield (number + 1) * self.n_contacts, total
+                past = self._wall_time is not None and self.clock() - begun > self._wall_time
+                if self._stopped or (past and not share):
+                    break
+            if pool is not None:
+                pool.shutdown(cancel_futures=True)
         for _ in layout.meeting(self.comm):
             yield total, total
 
-    def _late(self, begun: float) -> bool:
-        return self._stopped or (
-            self._wall_time is not None and self.clock() - begun > self._wall_time
-        )
+    def _work(
+        self, mine: list[int], pool: ThreadPoolExecutor | None
+    ) -> Iterator[tuple[int, float | Followed]]:
+        """What is told of each replica in turn, at last what it did."""
+        if pool is None:
+            for replica in mine:
+                for told in self._follower.follow(replica):
+                    yield replica, told
+        else:
+            whole = pool.map(lambda replica: deque(self._follower.follow(replica), 1).pop(), mine)
+            yield from zip(mine, whole, strict=True)
 
     def stop(self) -> None:
         """Follow this rank's share no further: the result will be that of the finished replicas."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -94,8 +94,8 @@ class Follower:
             delayed=delay is not None,
         )
 
-    def follow(self, replica: int) -> Generator[float, None, Followed]:
-        """Yields now and then the share of the drive's path that is done.
+    def follow(self, replica: int) -> Iterator[float | Followed]:
+        """Now and then the share of the drive's path that is done, and at last what the replica did.
 
         Raises InputError where contacts would break while the drive moves back to its first point.
         """
@@ -126,7 +126,7 @@ class Follower:
                 kernel.form_all(slider, queue, draws, pull, n, False)
             slips.append([float(s[name]) for name in _OF_A_SLIP])
         unit, each = self._unit, self._unit / n
-        return Followed(
+        yield Followed(
             position=told.position * unit,
             force=told.force * each,
             holding=told.held / n,

@@ -11,6 +11,7 @@ from scipy.special import dawsn
 
 from origins.dawson import inverse_log_growth, log_growth
 from origins.errors import TEMPERATURE, positive
+from origins.laws.compiled import CompiledRates
 from origins.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
 from origins.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
 
@@ -90,6 +91,12 @@ class SoftRates(RateLaw):
         if np.any(near):
             level = np.logaddexp(level, log_growth(root * near))
         return np.minimum(np.maximum(inverse_log_growth(level) / root, near), threshold)
+
+    def compiled(self) -> CompiledRates:
+        """The same for compiled loops."""
+        from origins.laws.soft_compiled import soft_compiled
+
+        return soft_compiled(self.temperature, self.attempt_frequency)
 
     def _spring(self, stiffness: Numbers) -> Array:
         """b = k_i/2k_BT, per length squared."""

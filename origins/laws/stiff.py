@@ -13,6 +13,7 @@ import numpy.typing as npt
 from scipy.special import exprel
 
 from origins.errors import TEMPERATURE, positive
+from origins.laws.compiled import CompiledRates
 from origins.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
 
 Array = npt.NDArray[np.float64]
@@ -100,6 +101,12 @@ class StiffRates(RateLaw):
         left = np.where(log_part + start > 0.0, -np.logaddexp(log_part, -start), start - gone)
         gone = _fall(np.zeros_like(near), near, threshold) + gone / c
         return np.clip(_stretch(np.maximum(left, 0.0) / c, gone, threshold), near, threshold)
+
+    def compiled(self) -> CompiledRates:
+        """The same for compiled loops."""
+        from origins.laws.stiff_compiled import stiff_compiled
+
+        return stiff_compiled(self.temperature, self.attempt_frequency)
 
     def _spring(self, stiffness: Numbers) -> Array:
         """k_i/2k_BT, per length squared."""

@@ -1,4 +1,4 @@
-"""One life of a contact in plain Python, by what origins says of its laws: slow, and simple enough to be read."""
+"""The plain twin of the lanes: one life of a contact by what origins says of its laws, slow and simple to read."""
 
 from itertools import pairwise
 
@@ -16,7 +16,11 @@ def life(
     """Time and stretch (a length) at which a contact breaks that is born at the time `born` and at a stretch, and bears
     the integral of its rate up to `bears`; infinite where it holds to the end of the drive."""
     path = np.append(0.0, drive.path)
-    lasts = np.abs(np.diff(path)) / drive.velocity if drive.time is None else np.diff(drive.time, prepend=0.0)
+    lasts = (
+        np.abs(np.diff(path)) / drive.velocity
+        if drive.time is None
+        else np.diff(drive.time, prepend=0.0)
+    )
     times = np.append(0.0, np.cumsum(lasts))
     place = float(np.interp(born, times, path)) - stretch
     stiffness = float(contacts.relative_stiffness(threshold))
@@ -29,13 +33,17 @@ def life(
         share = 1.0
         if abs(y) >= threshold:
             share = (np.copysign(threshold, y) - x) / (y - x)
-        spent = _spent(contacts.thermal, x, x + share * (y - x), share * (end - first), threshold, stiffness)
+        spent = _spent(
+            contacts.thermal, x, x + share * (y - x), share * (end - first), threshold, stiffness
+        )
         if spent >= bears > 0.0:
             low, high = 0.0, share
             for _ in range(_HALVINGS):
                 middle = 0.5 * (low + high)
                 so_far = x + middle * (y - x)
-                part = _spent(contacts.thermal, x, so_far, middle * (end - first), threshold, stiffness)
+                part = _spent(
+                    contacts.thermal, x, so_far, middle * (end - first), threshold, stiffness
+                )
                 low, high = (middle, high) if part < bears else (low, middle)
             return first + low * (end - first), x + low * (y - x)
         if share < 1.0 or abs(y) >= threshold:
@@ -45,7 +53,12 @@ def life(
 
 
 def _spent(
-    thermal: BreakingRate | None, x: float, y: float, lasts: float, threshold: float, stiffness: float
+    thermal: BreakingRate | None,
+    x: float,
+    y: float,
+    lasts: float,
+    threshold: float,
+    stiffness: float,
 ) -> float:
     """Integral of the rate over the time that the way from x to y takes."""
     if thermal is None or lasts == 0.0:

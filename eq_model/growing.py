@@ -1,0 +1,266 @@
+"""A contact whose threshold grows with its age: it keeps its quantile as a hazard and breaks where that of
+its law, at its stretch and age, exceeds it.
+
+Lengths are in units of the lattice, but for those of rates; ages count from when the contact pinned, in
+units of tau_m. origins/grain_contact.py and lifshitz_slyozov.py are the same in plain numpy.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from eq_model.breaking import most, rate
+from eq_model.compiling import bare
+from eq_model.contact import LIVES, LOOKS, Break
+from eq_model.streams import STEPS, uniform, words_at
+from eq_model.watch import look_at
+
+_I, _F = np.int64, np.float64
+_SMALL = 0.4  # grain sizes, of the largest, below which psi is integrated: its closed form cancels
+_NODES = tuple((0.5 + 0.5 * np.polynomial.legendre.leggauss(10)[0]).tolist())
+_WEIGHTS = tuple((0.5 * np.polynomial.legendre.leggauss(10)[1]).tolist())
+_STEPS, _MISS = 60, 1e-5  # Halley's step leaves the cube of what is missing
+_SPLITS = 200
+_RISE, _LITTLE = (
+    3.0,
+    0.05,
+)  # of a bound above the rate; of what is borne, where the bound may be any
+
+
+class Growing(NamedTuple):
+    """How thresholds grow."""
+
+    first: float  # tau_m
+    root: float  # B^(1/2), per unit
+    age: float  # since pinning, of the contacts at X = 0
+    warm: bool  # whether contacts break at rates besides
+    rates: Any
+    unit: float  # a length
+
+
+@bare
+def _beyond(q, first, free):  # type: ignore[no-untyped-def]
+    """psi(y) - psi(first) of Lifshitz and Slyozov's law, q = 1/(1 - y) - 1/(1 - first), free = 1 - first."""
+    gap = free * (q * free / (1.0 + q * free))
+    if first + gap < _SMALL:
+        total = 0.0
+        for k in range(len(_NODES)):
+            y = first + gap * _NODES[k]
+            total += _WEIGHTS[k] * 3.0 * y * y / ((2.0 + y) * (1.0 - y) ** 2)
+        return gap * total
+    return q - 5.0 / 3.0 * np.log1p(q * free) + 4.0 / 3.0 * np.log1p(gap / (2.0 + first))
+
+
+@bare
+def hazard(stretch, age, root):  # type: ignore[no-untyped-def]
+    """-ln of the fraction of contacts that pinned together and whose thresholds exceed the stretch >= 0 at an age.
+
+    root : B^(1/2), per unit of length.
+    """
+    s = root * stretch
+    over = s * (s / (1.0 + np.hypot(1.0, s)))
+    if over == 0.0:
+        return 0.0
+    excess = np.expm1(np.log1p(age) / 3.0)
+    left = excess - over
+    if left <= 0.0:
+        return np.inf
+    largest = 1.0 + excess
+    return _beyond(over / excess * (largest / left), 1.0 / largest, excess / largest)
+
+
+@bare
+def quantile(goal, age, root):  # type: ignore[no-untyped-def]
+    """Threshold at an age of the contact whose hazard is `goal`."""
+    excess = np.expm1(np.log1p(age) / 3.0)
+    if excess <= 0.0 or goal <= 0.0:
+        return 0.0
+    largest = 1.0 + excess
+    first, free = 1.0 / largest, excess / largest
+    q = np.cbrt(2.0 * goal) + goal + 5.0 / 3.0 * np.log1p(goal)
+    q = min(q, goal * (2.0 + first) / (3.0 * first * first))
+    for _ in range(_STEPS):
+        left = free / (1.0 + q * free)
+        y = first + q * free * left
+        step = (_beyond(q, first, free) - goal) * (2.0 + y) / (3.0 * y * y)
+        step /= 1.0 - 0.5 * step * left * left * (4.0 + y) / (y * (2.0 + y))
+        last, q = q, max(q - step, 0.125 * q)
+        if abs(step) <= _MISS * last:
+            break
+    gap = excess * (q * excess / (largest + q * excess))
+    return np.sqrt(gap * (gap + 2.0)) / root
+
+
+@bare
+def _past(ticks, near, pace, age, goal, root):  # type: ignore[no-untyped-def]
+    """Logarithm of the hazard after so many ticks, over what the contact bears."""
+    now = hazard(near + ticks, age + ticks * pace, root)
+    return min(max(np.log(now / goal), -700.0), 700.0)
+
+
+@bare
+def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
+    """Ticks after which a contact is stretched to its threshold that it has met after `room`, not yet at 0.
+
+    As a contact is stretched steadily the hazard falls or not, and then rises, so that it passes the goal once.
+    Chandrupatla's way between bisection and inverse quadratic interpolation.
+    """
+    a, b = room, 0.0
+    at_a, at_b = _past(a, near, pace, age, goal, root), _past(b, near, pace, age, goal, root)
+    c, at_c, share = a, at_a, 0.5
+    for _ in range(_SPLITS):
+        x = a + share * (b - a)
+        at_x = _past(x, near, pace, age, goal, root)
+        if (at_x > 0.0) == (at_a > 0.0):
+            c, at_c = a, at_a
+        else:
+            c, b, at_c, at_b = b, a, at_b, at_a
+        a, at_a = x, at_x
+        width = abs(b - a)
+        if width <= 0.25 or at_a == 0.0:
+            return a
+        xi, phi = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)
+        share = 0.5
+        if phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
+            share = at_a / (at_b - at_a) * at_c / (at_b - at_c)
+            share += (c - a) / (b - a) * at_a / (at_c - at_a) * at_b / (at_c - at_b)
+        least = 0.125 / width
+        share = min(max(share, least), 1.0 - least)
+    return a
+
+
+@bare
+def _never_holds(goal, contact, course, law):  # type: ignore[no-untyped-def]
+    """Whether a contact that pins now is stretched faster than its threshold grows: (9/2) B (v tau_m)² of hazard."""
+    leg = contact.leg
+    while leg + 1 < course.directions.size and contact.clock >= course.begins[leg + 1]:
+        leg += 1
+    if course.directions[leg] == 0:
+        return False
+    return goal <= 4.5 * (law.root * law.first / course.paces[leg]) ** 2
+
+
+@bare
+def _hold(clock, leg, x, age, goal, course, law):  # type: ignore[no-untyped-def]
+    """Clock and leg where a contact that keeps the hazard `goal` meets its threshold."""
+    legs = course.directions.size
+    while leg < legs:
+        d, pace = course.directions[leg], course.paces[leg] / law.first
+        room = course.begins[leg + 1] - clock
+        back = room if d == 0 else min(max(-d * x, 0), room)
+        age += back * pace
+        x += d * back
+        clock += back
+        room -= back
+        if room > 0:
+            near = _F(d * x)
+            if hazard(near + room, age + room * pace, law.root) >= goal:
+                moved = _I(0)
+                if hazard(near, age, law.root) < goal:
+                    moved = min(_I(_meeting(near, pace, _F(room), age, goal, law.root) + 0.5), room)
+                return clock + moved, leg
+            age += room * pace
+            x += d * room
+        leg += 1
+        if leg < legs:
+            clock = course.begins[leg]
+    return course.begins[legs] + 1, leg
+
+
+@bare
+def _age_at(moment, clock, leg, age, course, law):  # type: ignore[no-untyped-def]
+    """Age at a later moment of the clock."""
+    while leg + 1 < course.paces.size and course.begins[leg + 1] <= moment:
+        age += (course.begins[leg + 1] - clock) * (course.paces[leg] / law.first)
+        leg += 1
+        clock = course.begins[leg]
+    return age + (moment - clock) * (course.paces[leg] / law.first)
+
+
+@bare
+def _rate(x, y, law):  # type: ignore[no-untyped-def]
+    # without a threshold a contact is as good as at it
+    y = max(y, 1e-9)
+    return rate(law.rates, min(x, y) * law.unit, y * law.unit, 1.0)
+
+
+@bare
+def _shaken(contact, age, goal, until, course, law):  # type: ignore[no-untyped-def]
+    """The break at a temperature, if before the moment `until`.
+
+    Breaks are proposed at a rate above that of the contact, and taken in the share that this has of
+    it: exact, however the steps are cut (Lewis and Shedler, 1979).
+    """
+    clock, leg, x, root, unit = contact.clock, contact.leg, contact.stretch, law.root, law.unit
+    draws, step, end = contact.drawn, 1.0, course.begins[course.directions.size]
+    words = words_at(contact.lane, draws, contact.stream, STEPS)
+    draws += 1
+    bears = -np.log(uniform(words[0], words[1]))
+    y = quantile(goal, age, root)
+    while leg < course.directions.size and clock < until:
+        d, pace = course.directions[leg], course.paces[leg] / law.first
+        passed, room = 0.0, _F(min(course.begins[leg + 1], until) - clock)
+        while passed < room and pace > 0.0:
+            ticks = min(step / pace, room - passed)
+            lasts = ticks * pace
+            here, there = _F(x) + d * passed, _F(x) + d * (passed + ticks)
+            later = quantile(goal, age + lasts, root)
+            least = 0.0 if here * there < 0.0 else min(abs(here), abs(there))
+            largest = max(abs(here), abs(there))
+            bound = most(law.rates, least * unit, largest * unit, y * unit, later * unit, 1.0)
+            spent = bound * lasts * law.first
+            if spent > _LITTLE and bound > _RISE * _rate(abs(here), y, law):
+                step = 0.5 * lasts
+                continue
+            if spent < bears:
+                bears -= spent
+                passed += ticks
+                age += lasts
+                y = later
+                step = 2.0 * lasts
+                continue
+            share = bears / spent
+            passed += share * ticks
+            age += share * lasts
+            y = quantile(goal, age, root)
+            words = words_at(contact.lane, draws, contact.stream, STEPS)
+            draws += 1
+            stretch = abs(_F(x) + d * passed)
+            if uniform(words[0], words[1]) * bound < _rate(stretch, y, law):
+                return Break(clock + min(_I(passed + 0.5), _I(room)), leg, draws, True)
+            bears = -np.log(uniform(words[2], words[3]))
+        x += d * _I(room)
+        clock += _I(room)
+        leg += 1
+    return Break(end + 1, leg, draws, True)
+
+
+def keep_hazard(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
+    """The break of a contact whose quantile is a hazard: e^exposure, or that of its threshold at X = 0."""
+    age, goal = 0.0, np.exp(contact.exposure)
+    if not contact.fresh:
+        age, goal = law.age, hazard(_F(contact.threshold), law.age, law.root)
+    elif _never_holds(goal, contact, course, law):
+        return Break(contact.clock, contact.leg, contact.drawn, False)
+    then, leg = _hold(contact.clock, contact.leg, contact.stretch, age, goal, course, law)
+    found = Break(then, leg, contact.drawn, True)
+    if law.warm:
+        until = min(then, course.begins[-1])
+        sooner = _shaken(contact, age, goal, until, course, law)
+        if sooner.clock <= until:
+            return sooner
+        return Break(then, leg, sooner.drawn, True)
+    return found
+
+
+def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
+    age, goal = 0.0, np.exp(contact.exposure)
+    if not contact.fresh:
+        age, goal = law.age, hazard(_F(contact.threshold), law.age, law.root)
+    for k in range(watch.before[born], watch.before[broken]):
+        older = _age_at(watch.moments[k], contact.clock, contact.leg, age, course, law)
+        look_at(k, birth, quantile(goal, older, law.root), watch, counts)
+
+
+LIVES[Growing] = keep_hazard
+LOOKS[Growing] = _look

@@ -1,0 +1,119 @@
+"""The law by which a contact breaks, as the lane loop takes it: of a type that says which it is."""
+
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from eq_model.lattice import Lattice
+from origins import Contacts, RateLaw
+from origins.laws.compiled import CompiledRates, called
+
+# of the time in which old thresholds forget: the bridge within a step is that of free diffusion
+STEP = 0.02
+STEP_ELSE = 0.5  # squares of the standard deviation that a law's table allows
+
+
+_CALLED: WeakKeyDictionary[object, CompiledRates] = WeakKeyDictionary()
+
+
+def _compiled(rates: RateLaw) -> CompiledRates:
+    """What a law brings for compiled loops; of one that brings nothing, made once, calls of its methods."""
+    own = getattr(rates, "compiled", None)
+    if own is not None:
+        return own()
+    if rates not in _CALLED:
+        _CALLED[rates] = called(rates)
+    return _CALLED[rates]
+
+
+def rates_of(contacts: Contacts) -> Any:
+    """The settings of the rates at which these contacts break, known to the compiler by their type."""
+    from eq_model import breaking
+
+    if contacts.thermal is None:
+        return breaking.NoRates()
+    found = _compiled(contacts.thermal.rates)
+    breaking.RATES.setdefault(type(found.law), found)
+    return found.law
+
+
+def law_of(contacts: Contacts, lattice: Lattice, tie: int) -> Any:
+    """The settings of these contacts' law in whole units; `tie` as of breaking.Cold."""
+    from eq_model import breaking
+
+    unit, rates = lattice.unit, rates_of(contacts)
+    if contacts.ageing is not None:
+        return _diffusing(contacts, unit, rates)
+    if contacts.grains is not None and contacts.grains.age is not None:
+        return _growing(contacts, unit, rates)
+    if contacts.thermal is None:
+        return breaking.Cold(np.int64(tie))
+    # of a stand any number
+    log_slow = np.log(np.maximum(lattice.course.paces / unit, 1e-300))
+    return breaking.Warm(rates, unit, log_slow)
+
+
+def _growing(contacts: Contacts, unit: float, rates: Any) -> Any:
+    from eq_model.growing import Growing
+
+    grains = contacts.grains
+    assert grains is not None and grains.age is not None
+    first = grains.growth.first_pinning_time
+    root = float(np.sqrt(grains.growth.B)) * unit
+    age = (grains.age - first) / first
+    return Growing(first, root, age, contacts.thermal is not None, rates, unit)
+
+
+def _diffusing(contacts: Contacts, unit: float, rates: Any) -> Any:
+    from eq_model.ageing_tables import drift_table
+    from eq_model.diffusing import Ageing
+
+    ageing, nothing, warm = contacts.ageing, np.zeros(2), contacts.thermal is not None
+    assert ageing is not None
+    diffusion, normal = ageing.rate / unit**2, ageing.normal
+    if normal is not None:
+        return Ageing(
+            normal=True,
+            mean=normal.mean / unit,
+            width=normal.std / unit,
+            relaxing=normal.rate,
+            diffusion=diffusion,
+            first=0.0,
+            step=1.0,
+            values=nothing,
+            slopes=nothing,
+            shares=nothing,
+            low=0.0,
+            high=np.inf,
+            near=0.0,
+            far=np.inf,
+            longest=STEP / normal.rate,
+            coarse=1.0,
+            warm=warm,
+            rates=rates,
+            unit=unit,
+        )
+    table = drift_table(ageing.final, contacts.thresholds)
+    low, high, near, far = (end / unit for end in (*table.ends, *table.reach))
+    return Ageing(
+        normal=False,
+        mean=0.0,
+        width=0.0,
+        relaxing=0.0,
+        diffusion=diffusion,
+        first=table.first - (0.0 if np.isfinite(table.ends[1]) else np.log(unit)),
+        step=table.step,
+        values=table.values,
+        slopes=table.slopes,
+        shares=(table.spreads / table.typical) ** 2,
+        low=low,
+        high=high,
+        near=near,
+        far=far,
+        longest=STEP_ELSE * table.typical**2 / ageing.rate,
+        coarse=1.0,
+        warm=warm,
+        rates=rates,
+        unit=unit,
+    )

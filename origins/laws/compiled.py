@@ -1,0 +1,72 @@
+"""What a RateLaw may bring for compiled loops: its rate, integral and inverse, of one contact at a time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class CompiledRates:
+    """Plain functions of numbers that numba can compile; those that they call must be compiled already.
+
+    Their arguments have the names told here.
+
+    law : a NamedTuple of numbers and arrays, of a class that no other law has; it is the first
+        argument of all functions, lengths and times in it those of the RateLaw.
+    rate(law, x, threshold, stiffness) : h at 0 <= x <= threshold, not of its logarithm.
+    passed(law, near, far, threshold, stiffness) : the integral of h over the stretches from near to
+        far; 0 where it underflows.
+    reached(law, log_amount, near, threshold, stiffness) : as RateLaw.reached.
+    most(law, least_x, largest_x, least_y, largest_y, stiffness) : a number that h does not exceed for
+        stretches and thresholds between these, the closer the faster.
+    """
+
+    law: Any
+    rate: Callable[..., float]
+    passed: Callable[..., float]
+    reached: Callable[..., float]
+    most: Callable[..., float]
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """`function` compiled as a part of those that call it, for use in the functions of CompiledRates."""
+    from numba import njit
+
+    jit: Any = njit  # its type hints do not know all of its options
+    return jit(nogil=True, error_model="numpy", _nrt=False, forceinline=True)(function)
+
+
+def called(rates: Any) -> CompiledRates:
+    """Of a RateLaw without functions of its own: calls of its methods, of some microseconds each.
+
+    A bound of its rate is its scale.
+    """
+    from ctypes import CFUNCTYPE, c_double
+    from typing import NamedTuple
+
+    def number(count: int, function: Callable[..., Any]) -> Any:
+        return CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(function(*given)))
+
+    # of a class of its own, so that no two laws share what is compiled
+    class Called(NamedTuple):
+        scale: float
+
+    rate_of = number(3, rates.rate)
+    log_passed_of, reached_of = number(4, rates.log_passed), number(4, rates.reached)
+
+    def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return rate_of(x, threshold, stiffness)
+
+    def passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return math.exp(log_passed_of(near, far, threshold, stiffness)) if far > near else 0.0
+
+    def reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return reached_of(log_amount, near, threshold, stiffness)
+
+    def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
+        return law.scale
+
+    return CompiledRates(Called(float(rates.scale)), rate, passed, reached, most)

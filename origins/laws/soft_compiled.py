@@ -1,0 +1,131 @@
+"""The rate of soft contacts for compiled loops; soft.py is the same for arrays."""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import dawsn
+
+from origins.dawson import inverse_log_growth
+from origins.laws.compiled import CompiledRates, inlined
+
+Array = npt.NDArray[np.float64]
+
+_STEP = 1.0 / 128.0  # of the tables: cubics are then exact to 1e-12
+_SERIES, _LAST = 0.02, 12.0  # below and above which Dawson's integral is a series
+_LOW, _HIGH = -4.0, 36.0  # levels between which the inverse is tabled
+_NODES = tuple((0.5 + 0.5 * np.polynomial.legendre.leggauss(8)[0]).tolist())
+_WEIGHTS = tuple((0.5 * np.polynomial.legendre.leggauss(8)[1]).tolist())
+
+
+class SoftLaw(NamedTuple):
+    """b = k/2k_BT of mean stiffness, per length squared; ω; D(y) and the y at which y² + ln D(y) is a level."""
+
+    spring: float
+    root: float  # b^(1/2)
+    log_share: float  # ln (b^(1/2)/ω)
+    omega: float
+    dawson: Array
+    dawson_slopes: Array
+    inverse: Array
+    inverse_slopes: Array
+
+
+@cache
+def _tables() -> tuple[Array, Array, Array, Array]:
+    y = _STEP * np.arange(int(_LAST / _STEP) + 1)
+    inverse = inverse_log_growth(_LOW + _STEP * np.arange(int((_HIGH - _LOW) / _STEP) + 1))
+    return dawsn(y), _STEP * (1.0 - 2.0 * y * dawsn(y)), inverse, _STEP * dawsn(inverse)
+
+
+def soft_compiled(temperature: float, omega: float) -> CompiledRates:
+    """Of SoftRates."""
+    root = float(np.sqrt(0.5 / temperature))
+    law = SoftLaw(0.5 / temperature, root, float(np.log(root / omega)), omega, *_tables())
+    return CompiledRates(law, _rate, _passed, _reached, _most)
+
+
+@inlined
+def _hermite(place, values, slopes):  # type: ignore[no-untyped-def]
+    k = min(max(int(place), 0), values.size - 2)
+    t = place - k
+    rise = values[k + 1] - values[k]
+    p, q = slopes[k] - rise, slopes[k + 1] - rise
+    return values[k] + t * (rise + (1.0 - t) * (p - t * (p + q)))
+
+
+@inlined
+def _dawson(y, law):  # type: ignore[no-untyped-def]
+    """Dawson's integral for y >= 0."""
+    if y < _SERIES:
+        return y * (1.0 - y * y * (2.0 / 3.0 - y * y * (4.0 / 15.0)))
+    if y < _LAST:
+        return _hermite(y / _STEP, law.dawson, law.dawson_slopes)
+    s = 0.5 / (y * y)
+    series = 15.0 + s * (105.0 + s * (945.0 + s * 10395.0))
+    return (1.0 + s * (1.0 + s * (3.0 + s * series))) / (2.0 * y)
+
+
+@inlined
+def _inverse_log_growth(level, law):  # type: ignore[no-untyped-def]
+    """The y at which y² + ln D(y) = level."""
+    if level < _LOW:
+        y = np.exp(level)
+        return y * (1.0 - y * y * (1.0 / 3.0 - y * y * (7.0 / 30.0)))
+    if level < _HIGH:
+        return _hermite((level - _LOW) / _STEP, law.inverse, law.inverse_slopes)
+    square = level + 0.5 * np.log(4.0 * level)
+    for _ in range(5):
+        s = 0.5 / square
+        growth = np.log1p(s * (1.0 + s * (3.0 + s * (15.0 + s * 105.0))))
+        square = level + 0.5 * np.log(4.0 * square) - growth
+    return np.sqrt(square)
+
+
+@inlined
+def _log_sum(a, b):  # type: ignore[no-untyped-def]
+    high, low = max(a, b), min(a, b)
+    return high if low == -np.inf else high + np.log1p(np.exp(low - high))
+
+
+def _rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
+    return law.omega * np.exp(-law.spring * stiffness * (threshold - x) * (threshold + x))
+
+
+def _passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
+    if far <= near:
+        return 0.0
+    spring = law.spring * stiffness
+    rise = spring * (far - near) * (far + near)
+    largest = law.omega * np.exp(-spring * (threshold - far) * (threshold + far))
+    if rise < 1.0 and near > 0.0:
+        # the difference of two integrals would cancel; Gauss nodes, placed from `far` back, do not
+        across, total = far - near, 0.0
+        for k in range(8):
+            back = across * _NODES[k]
+            total += _WEIGHTS[k] * np.exp(-spring * back * (2.0 * far - back))
+        return largest * across * total
+    root = np.sqrt(spring)
+    length = _dawson(root * far, law)
+    if near > 0.0:
+        length -= np.exp(-rise) * _dawson(root * near, law)
+    return largest * length / root
+
+
+def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
+    spring, root, level = law.spring, law.root, log_amount + law.log_share
+    if stiffness != 1.0:
+        spring *= stiffness
+        root *= np.sqrt(stiffness)
+        level += 0.5 * np.log(stiffness)
+    level += spring * threshold * threshold
+    y = root * near
+    if y > 0.0:
+        level = _log_sum(level, y * y + np.log(_dawson(y, law)))
+    return min(max(_inverse_log_growth(level, law) / root, near), threshold)
+
+
+def _most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
+    apart = (least_y - largest_x) * (least_y + largest_x)
+    return law.omega * np.exp(min(-law.spring * stiffness * apart, 0.0))
