@@ -23,8 +23,8 @@ ROOT = Path(__file__).resolve().parents[1]
 ROOM, REPLACED = "master", "_old"
 LINES, FILES, CONSTANTS, ALL_LINES = 300, 20, 200, 7500
 # What passes a limit today: files with the lines that they may have, and the number of constants.
-ALLOWED = {"master/renewal/march.py": 385}
-CONSTANTS_TODAY = 312
+ALLOWED: dict[str, int] = {}
+CONSTANTS_TODAY = 464
 
 Graph = dict[str, set[str]]
 
