@@ -27,7 +27,7 @@ class EnsembleResult:
         one contact in all of them later on is in no ensemble and not in its error: one contact's stretch
         divided by their number.
     step_error : what the inner steps of ageing may add to the force, shape (n,), a length; 0 without ageing, whose
-        contacts need none. An eighth of the contacts is followed in 16 times longer steps besides to tell.
+        contacts need none. An eighth of the contacts is followed in 8 times longer steps besides to tell.
     holding : fraction of contacts that hold, shape (n,).
     holding_standard_error : of that, shape (n,); where contacts may wait, at least that of one contact.
     histograms : of stretches and thresholds, at the points asked for, each read when it is asked for.

@@ -139,6 +139,20 @@ def _early(n, x, e, at, least, plain):  # type: ignore[no-untyped-def]
         x[i] = min(_I(np.floor(min(own * per, _F(FAR)) + 0.5)), x[i])
 
 
+@bare
+def _look(n, since, found, before, birth, threshold, watch, rows, counts):  # type: ignore[no-untyped-def]
+    """Count contacts at watched points from the bin `since` to before the bin `found`, which is the next `since`."""
+    top = watch.before.size - 2
+    for i in range(_U(n)):
+        seen = watch.before[_U(found[i])] - watch.before[_U(since[i])]
+        rows.got[i] = seen if before[i] > _I(0) else _I(0)
+    for i in range(_U(n)):
+        if rows.got[i] > 0:
+            look(since[i], found[i], birth[i], _F(threshold[i]), watch, counts)
+    for i in range(_U(n)):
+        since[i] = 0 if found[i] == top else found[i]
+
+
 @compiled
 def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):  # type: ignore[no-untyped-def]
     """Follow one block of contacts to the path's end; how many breaks.
@@ -202,10 +216,7 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
                 for i in range(_U(n)):
                     squares[_U(found[i]), _U(0)] += _I(rows.place[i])
             if counts.shape[0]:
-                for i in range(n):
-                    if before[i] > 0:
-                        look(since[i], found[i], used[i], _F(own[i]), watch, counts)
-                    since[i] = 0 if found[i] == top else found[i]
+                _look(n, since, found, before, used, own, watch, rows, counts)
             if plain.drawn:
                 draw_inside(
                     n, row, turn, stream, STARTS, others, plain.starts, plain.top, rows, start

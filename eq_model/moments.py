@@ -17,7 +17,7 @@ STIFFNESS_UNIT = 2.0**36  # stiffnesses are summed in parts of this, squares of 
 _LIMB = 32  # bits of the low one of the two numbers that hold a sum of all blocks
 # one in EACH contacts of a block is followed once more in steps COARSER times longer, whose force tells
 # the error of the steps
-COARSER, EACH = 16, 8
+COARSER, EACH = 8, 8
 
 
 @dataclass(frozen=True)
