@@ -88,7 +88,7 @@ def _second_moments(n, x, at, bins, found, out):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _restart(n, start, at, left, before, least, plain):  # type: ignore[no-untyped-def]
+def _restart(n, start, at, left, before, least, plain, measured):  # type: ignore[no-untyped-def]
     """Let lanes whose contact is over begin the next one at stretches `start`.
 
     The sums of their distances from `begun`, and of the squares.
@@ -96,12 +96,13 @@ def _restart(n, start, at, left, before, least, plain):  # type: ignore[no-untyp
     total, square = _I(0), _I(0)
     for i in range(_U(n)):
         over = left[i] < before[i]
-        used = over & (left[i] > _I(0))
-        apart = start[i] - plain.begun
-        total += apart if used else _I(0)
-        square += _I(np.floor(0.5 + _F(apart) * _F(apart) * plain.square)) if used else _I(0)
+        total += start[i] - plain.begun if over & (left[i] > _I(0)) else _I(0)
         at[i] = -start[i] if over else at[i]
         least[i] = max(abs(start[i]), _I(1)) if over else _I(0)
+    for i in range(_U(n) if measured else _U(0)):
+        used = (left[i] < before[i]) & (left[i] > _I(0))
+        apart = _F(start[i] - plain.begun)
+        square += _I(np.floor(0.5 + apart * apart * plain.square)) if used else _I(0)
     return total, square
 
 
@@ -187,7 +188,7 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
             n, _NONE, _FIRST_STARTS, stream, STARTS, words, plain.starts, plain.top, rows, start
         )
         before[:] = left + 1
-        apart, squared = _restart(n, start, at, left, before, least, plain)
+        apart, squared = _restart(n, start, at, left, before, least, plain, measured)
     begins_stretched = plain.drawn or plain.begun != 0
     breaks, turn = _I(0), _I(0)
     while n > 0:
@@ -221,7 +222,7 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
                 draw_inside(
                     n, row, turn, stream, STARTS, others, plain.starts, plain.top, rows, start
                 )
-                begun = _restart(n, start, at, left, before, least, plain)
+                begun = _restart(n, start, at, left, before, least, plain, measured)
                 apart += begun[0]
                 squared += begun[1]
             elif begins_stretched:
