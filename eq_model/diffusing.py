@@ -18,6 +18,7 @@ _THERMAL = 0.1  # of what a contact bears, spent in one step
 _CHANGE = 0.6  # of the logarithm of a rate in a step
 _UNFELT = 1e-4  # of what a contact bears: so little needs no care
 _FORGOTTEN = 0.5  # of the time in which old thresholds forget: the longest step where rates count
+_NEVER = 23.0  # no number of 32 bits is below e^-23
 _NUDGE = 1e-3  # of the stretch, and of the logarithm of the rate that it changes
 
 
@@ -83,6 +84,7 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
     )
     bears, diffusion = np.exp(contact.exposure), ageing.diffusion
     seen, moments = np.int64(0), watch.moments
+    known, lost, width = -1.0, 0.0, 0.0
     while counts.shape[0] and seen < moments.size and moments[seen] < clock:
         seen += 1
     many = moments.size if counts.shape[0] else 0
@@ -121,12 +123,20 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
                 more = words_at(lane, place, stream, STEPS)
                 place += 1
                 reflected = (_F(more[3]) + 0.5) * 2.0**-32
-            later = moved(y, time, normal(words[0], words[1], words[2]), reflected, walled, ageing)
+            bell = normal(words[0], words[1], words[2])
+            if ageing.normal:
+                if time != known:  # most steps are as long as the last one
+                    known, lost = time, -np.expm1(-ageing.relaxing * time)
+                    width = ageing.width * np.sqrt(lost * (2.0 - lost))
+                later = y + (ageing.mean - y) * lost + width * bell
+            else:
+                later = moved(y, time, bell, reflected, walled, ageing)
             # the stretch is rounded where a leg ends
             above, below = max(y - here, 0.0), later - then
             part, broken = 1.0, below <= 0.0 and not walled
             if not broken and not walled:
-                broken = chance < np.exp(-above * below / (diffusion * time))
+                far = above * below / (diffusion * time)
+                broken = far < _NEVER and chance < np.exp(-far)
             if broken:
                 words = words_at(lane, place, stream, STEPS)
                 place += 1

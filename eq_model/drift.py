@@ -98,16 +98,12 @@ def local_step(y, here, speed, ageing):  # type: ignore[no-untyped-def]
 
 @bare
 def moved(y, time, normal, uniform, walled, ageing):  # type: ignore[no-untyped-def]
-    """A threshold a time later: in an exact step towards a normal law, else by Heun's, of second order in the mean.
+    """A threshold a time later, towards a law that is not normal: by Heun's step, of second order in the mean.
 
     A step that comes to the final law's upper end, or to its lower one where that is above the stretch (walled), is
     reflected by how far it went beyond, exact but for the change of the drift; how far a Brownian bridge tells.
     """
     diffusion, low, high = ageing.diffusion, ageing.low, ageing.high
-    if ageing.normal:
-        lost = -np.expm1(-ageing.relaxing * time)
-        spread = ageing.width * np.sqrt(lost * (2.0 - lost))
-        return y + (ageing.mean - y) * lost + spread * normal
     spread = np.sqrt(2.0 * diffusion * time)
     # closer to an end than this no drift is felt through a step
     least, most = low + _FELT * spread, high - _FELT * spread

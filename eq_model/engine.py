@@ -230,9 +230,9 @@ class Engine:
         out[:, :first] = split(sums.all.ravel())
         if measured:
             out[:, first : first + second] = split(np.hstack([sums.all, sums.some]).ravel())
-        if self._parts[2] and (block < 0 or block % EACH == 0):
+        if self._parts[2]:
             coarse = Sums(np.zeros_like(every), np.zeros_like(some), True)
-            self._kernel(stream, count, coarse, counts[:0], self._law.coarser(COARSER))
+            self._kernel(stream, -(-count // EACH), coarse, counts[:0], self._law.coarser(COARSER))
             out[:, first + second :] = split(np.hstack([coarse.all, coarse.some]).ravel())
         return Found(out, counts, breaks, steps)
 

@@ -21,13 +21,13 @@ class EnsembleResult:
     path : the path asked for, shape (n,), lengths.
     force : mean force over all contacts and replicas at each X, shape (n,), a length (force per N_c <k>).
     force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for
-        one contact. Of large ensembles it is that of the first 8 blocks of contacts, and of every eighth of
+        one contact. Of large ensembles it is that of the first 4 blocks of contacts, and of every eighth of
         the others. Where breaks are too rare to be seen, before the first ones and where many come to an end
         or begin together, it is at least what one break more or less would make. What happens to less than
         one contact in all of them later on is in no ensemble and not in its error: one contact's stretch
         divided by their number.
     step_error : what the inner steps of ageing may add to the force, shape (n,), a length; 0 without ageing, whose
-        contacts need none. The first block in eight is followed in 16 times longer steps besides to tell.
+        contacts need none. An eighth of the contacts is followed in 8 times longer steps besides to tell.
     holding : fraction of contacts that hold, shape (n,).
     holding_standard_error : of that, shape (n,); where contacts may wait, at least that of one contact.
     histograms : of stretches and thresholds, at the points asked for, each read when it is asked for.

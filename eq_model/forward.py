@@ -88,7 +88,7 @@ def _second_moments(n, x, at, bins, found, out):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _restart(n, start, at, left, before, least, plain):  # type: ignore[no-untyped-def]
+def _restart(n, start, at, left, before, least, plain, measured):  # type: ignore[no-untyped-def]
     """Let lanes whose contact is over begin the next one at stretches `start`.
 
     The sums of their distances from `begun`, and of the squares.
@@ -96,12 +96,13 @@ def _restart(n, start, at, left, before, least, plain):  # type: ignore[no-untyp
     total, square = _I(0), _I(0)
     for i in range(_U(n)):
         over = left[i] < before[i]
-        used = over & (left[i] > _I(0))
-        apart = start[i] - plain.begun
-        total += apart if used else _I(0)
-        square += _I(np.floor(0.5 + _F(apart) * _F(apart) * plain.square)) if used else _I(0)
+        total += start[i] - plain.begun if over & (left[i] > _I(0)) else _I(0)
         at[i] = -start[i] if over else at[i]
         least[i] = max(abs(start[i]), _I(1)) if over else _I(0)
+    for i in range(_U(n) if measured else _U(0)):
+        used = (left[i] < before[i]) & (left[i] > _I(0))
+        apart = _F(start[i] - plain.begun)
+        square += _I(np.floor(0.5 + apart * apart * plain.square)) if used else _I(0)
     return total, square
 
 
@@ -139,6 +140,20 @@ def _early(n, x, e, at, least, plain):  # type: ignore[no-untyped-def]
         x[i] = min(_I(np.floor(min(own * per, _F(FAR)) + 0.5)), x[i])
 
 
+@bare
+def _look(n, since, found, before, birth, threshold, watch, rows, counts):  # type: ignore[no-untyped-def]
+    """Count contacts at watched points from the bin `since` to before the bin `found`, which is the next `since`."""
+    top = watch.before.size - 2
+    for i in range(_U(n)):
+        seen = watch.before[_U(found[i])] - watch.before[_U(since[i])]
+        rows.got[i] = seen if before[i] > _I(0) else _I(0)
+    for i in range(_U(n)):
+        if rows.got[i] > 0:
+            look(since[i], found[i], birth[i], _F(threshold[i]), watch, counts)
+    for i in range(_U(n)):
+        since[i] = 0 if found[i] == top else found[i]
+
+
 @compiled
 def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):  # type: ignore[no-untyped-def]
     """Follow one block of contacts to the path's end; how many breaks.
@@ -173,7 +188,7 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
             n, _NONE, _FIRST_STARTS, stream, STARTS, words, plain.starts, plain.top, rows, start
         )
         before[:] = left + 1
-        apart, squared = _restart(n, start, at, left, before, least, plain)
+        apart, squared = _restart(n, start, at, left, before, least, plain, measured)
     begins_stretched = plain.drawn or plain.begun != 0
     breaks, turn = _I(0), _I(0)
     while n > 0:
@@ -202,15 +217,12 @@ def forward(stream, count, plain, bins, watch, measured, sums, squares, counts):
                 for i in range(_U(n)):
                     squares[_U(found[i]), _U(0)] += _I(rows.place[i])
             if counts.shape[0]:
-                for i in range(n):
-                    if before[i] > 0:
-                        look(since[i], found[i], used[i], _F(own[i]), watch, counts)
-                    since[i] = 0 if found[i] == top else found[i]
+                _look(n, since, found, before, used, own, watch, rows, counts)
             if plain.drawn:
                 draw_inside(
                     n, row, turn, stream, STARTS, others, plain.starts, plain.top, rows, start
                 )
-                begun = _restart(n, start, at, left, before, least, plain)
+                begun = _restart(n, start, at, left, before, least, plain, measured)
                 apart += begun[0]
                 squared += begun[1]
             elif begins_stretched:

@@ -15,9 +15,9 @@ Whole = npt.NDArray[np.int64]
 
 STIFFNESS_UNIT = 2.0**36  # stiffnesses are summed in parts of this, squares of them too
 _LIMB = 32  # bits of the low one of the two numbers that hold a sum of all blocks
-# contacts of every EACH-th block are followed once more in steps COARSER times longer, whose force
-# tells the error of the steps
-COARSER, EACH = 16, 8
+# one in EACH contacts of a block is followed once more in steps COARSER times longer, whose force tells
+# the error of the steps
+COARSER, EACH = 8, 8
 
 
 @dataclass(frozen=True)
@@ -165,8 +165,8 @@ class Readout:
         first, second, third = self.parts
         if not third:
             return np.zeros(self.lattice.path.size)
-        coarse = [range(block, block + 1) for part in done for block in part if block % EACH == 0]
-        n, some = blocks.measured(done), blocks.contacts(coarse)
+        n = blocks.measured(done)
+        some = sum(-(-blocks.size(block) // EACH) for part in done for block in part)
         if not some or not n:
             return np.full(self.lattice.path.size, np.inf)
         fine = self._moments(n, sums[:, first : first + second])

@@ -10,7 +10,7 @@ from origins import Contacts, RateLaw
 from origins.laws.compiled import CompiledRates, called
 
 # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
-STEP = 0.02
+STEP = 0.04
 STEP_ELSE = 0.5  # squares of the standard deviation that a law's table allows
 
 
