@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.age.path import AgeingPath
+from master.lives.grains import GrainLife
 from master.motion.motion import Motion
 from master.renewal import reading
 from master.renewal.march import March
@@ -101,6 +102,10 @@ class Solution:
         if isinstance(self._march.life, AgeingPath):
             raise InputError(
                 "contacts.ageing: Q(x;X) is not known along paths in time yet where contacts age"
+            )
+        if isinstance(self._march.life, GrainLife) and not self._march.motion.one_leg:
+            raise InputError(
+                "contacts.grains: Q(x;X) is not known along paths in time yet where thresholds grow"
             )
         time = self._point(where) if self._by_index else self._passing(where, leg)
         found = reading.deltas(self._march, time)

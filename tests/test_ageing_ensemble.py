@@ -123,7 +123,8 @@ def test_temperature_breaks_contacts_that_age(law: str) -> None:
         master.solve(Contacts(FRESH, None, thermal, slow), path, 1e-6, velocity=2.0)
         for slow in (None, Ageing(ageing.final, 1e-9))
     )
-    assert barely.success and np.abs(alone.force - barely.force).max() < 1e-7
+    claims = alone.force_error + barely.force_error
+    assert barely.success and np.abs(alone.force - barely.force).max() <= claims * contacts.mean_threshold
 
 
 def test_births_at_many_stretches_are_births_at_each_of_them() -> None:
@@ -142,7 +143,7 @@ def test_other_targets_against_an_ensemble(final) -> None:  # type: ignore[no-un
     """Not Gaussian: by the diffusion equation. On the way, and at its end."""
     contacts = Contacts(FRESH, ageing=Ageing(final, 0.1))
     steady = master.steady_state(contacts, velocity=2.0)
-    assert 0.0 < steady.force_error < 1e-7
+    assert 0.0 < steady.force_error < 1e-6
     path = 0.05 * np.arange(1, 25)
     solution = master.solve(contacts, path, 1e-6, velocity=2.0)
     assert solution.success

@@ -185,7 +185,6 @@ def test_labels_of_many_holds_leave_room_for_each_other(hold: float) -> None:
         ({"points": 11, "to": 1.0, "spring": 0.0}, {}, "drive.spring = 0.0: must be above zero"),
         ({"points": 11, "to": 1.0, "velocity": -1.0}, {}, "drive.velocity = -1.0: must be above zero"),
         ({"points": 11, "to": 1.0, "slip": "none"}, {}, "slip"),
-        ({"points": 11, "to": 1.0, "spring": 1.0}, {"eq": {}}, "drive.spring = 1.0: the ensemble [eq] takes a rigid"),
     ],
 )
 def test_drives_that_cannot_be_are_refused(drive: dict[str, Any], tables: dict[str, Any], says: str) -> None:

@@ -122,8 +122,9 @@ def test_a_force_that_is_nearly_infinite_keeps_its_far_tail(power: float, temper
     second = 1.0 / ((power - 1.0) * (power - 2.0)) - mass @ (lost * x).sum(axis=1)
     law = scipy.stats.lomax(power)
     state = master.steady_state(Contacts(law, thermal=Thermal("soft", temperature, attempts)), velocity=velocity)
-    assert state.success and abs(state.force / (second / first) - 1.0) < 2e-9
-    assert abs(state.force - second / first) < 10.0 * state.force_error * law.mean()
+    # the tail beyond the table is missed, and all in the claim
+    assert not state.success
+    assert abs(state.force - second / first) <= state.force_error * law.mean()
 
 
 def test_a_spread_start_far_beyond_where_new_contacts_break_in_heat() -> None:

@@ -43,6 +43,8 @@ ROUGH = 10.0
 RATIO, TOGETHER = 4.0, 6
 # A length over the life's reach: contacts that break within shorter ways break at once.
 NEAREST = 1e-150
+# Tails of the force kernel that fall nearly as slowly as 1/x are taken to fall as x^-(1 + this).
+LEAST_FALL = 1e-2
 # A length over the life's reach beyond which not even the heaviest tail is followed.
 FURTHEST = 1e120
 # Shares of contacts: of those that hold at once, so few broken count as none; few, of which what is
@@ -141,11 +143,22 @@ class Travel:
         weights = np.minimum(self.table(self.table.begin)[0] / FEW, 1.0) * self.table.widths
         self.longest = float(ways[-1])
         self.far = self.longest + born.span[0]
-        beyond = self._scaled(ways[-1:, None])[:, 0, 0] * ways[-1]
+        beyond = self._beyond(ways[-2:])
         length_off += life.error * weights.sum() + abs(beyond[0])
         area_off += life.error * float(weights @ self.table.end) / self.scale + abs(beyond[1])
         self.length, self.length_error = float(length), float(length_off)
         self.area, self.area_error = float(area) * self.scale, float(area_off) * self.scale
+
+    def _beyond(self, ways: Array) -> Array:
+        """Integrals of E and K beyond the last way, where both go on as powers; shape (2,).
+
+        ways : array of shape (2,), the last two of the ladder
+        """
+        before, last = np.abs(self._scaled(ways[:, None])[:, :, 0]).T
+        fall = np.full(2, 2.0)
+        held = last > 0.0
+        fall[held] = np.log(before[held] / last[held]) / np.log(ways[1] / ways[0])
+        return np.asarray(last * ways[1] / np.clip(fall - 1.0, LEAST_FALL, 1.0))
 
     def _steep(self) -> Array:
         """Ways at which contacts born at one stretch come to where many of them break together."""

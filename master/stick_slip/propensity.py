@@ -92,6 +92,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     found, unit = extremes(contacts, life, travel, velocity, tolerance), unit_of(contacts, travel)
     length, length_error = _decoherence(contacts, velocity)
     ratio = max(found.static / kinetic, 1.0)
+    if not found.spring > 0.0:
+        ratio = 1.0  # F(X) falls nowhere, so that F_k is its largest value
     sure_spring, spring_message = judged("K*", found.spring_error / (1.0 + found.spring), tolerance)
     sure_static, static_message = judged("F_s", found.static_error / unit, tolerance)
     return Propensity(

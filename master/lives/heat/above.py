@@ -48,7 +48,7 @@ _APART = 12.0
 # in units of the accuracy, and where that is rounding
 _SLIGHT, _LEAST_SLIGHT = 1e3, 1e-8
 # lengths in units of the threshold: narrower panels hold no weight that could be told from rounding
-_NARROW = 1e-15
+_NARROW = 1e-14
 _DEAD = 7.0  # ln A: e^-A is 0
 _AT_ONCE = 512  # panels summed together: their nodes stay in the processor's cache
 
