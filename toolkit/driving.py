@@ -49,7 +49,7 @@ class Speed:
 
 def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
     """That at which a scene slides: of its first leg that is no hold; without a drive the first of `swept`; else 1."""
-    from master._old.timeline import pieces
+    from master.soft.in_time.track import pieces
 
     if drive is None:
         if swept is None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from master.lives.age.forward import ForwardAgeing
 from master.lives.age.path import AgeingPath
 from master.lives.cold import ColdLife
@@ -11,8 +13,10 @@ from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.stretches import RESOLVED
 from master.lives.heat.thermal import ThermalLife
 from master.lives.life import Life
+from master.lives.warm_grains import WarmGrainLife
 from master.motion.motion import Motion
-from origins import Contacts, InputError
+from origins import Contacts, GrainContact, InputError
+from origins.errors import refuse
 
 # Error of what is left of contacts, in units of the tolerance: a sum over births weighs many.
 _ACCURACY = 1e-3
@@ -23,25 +27,27 @@ _RESOLVED, LEAST_RESOLVED, MOST_RESOLVED = 1e-2, 1e-12, 1e-6
 _AGED, _FINEST = 0.2, 1e-10
 # The same in steady motion, where strands are followed: finer ones take long.
 _STEPPED = 1e-7
+# Hazard of growing grains as they pin at which the fraction that holds, e^-300, is a number.
+_MOST_LOST = 300.0
+# The change of the share that holds of growing grains with heat at which no finer nodes are tried,
+# in units of the tolerance, and its least and most.
+_WARM, _WARM_ENDS = 0.02, (1e-11, 1e-6)
 
 
-def life_of(
-    contacts: Contacts, tolerance: float = 0.0, motion: Motion | None = None
-) -> Life | None:
-    """The life of these contacts; None where only the old solvers know what is left of them.
+def life_of(contacts: Contacts, tolerance: float = 0.0, motion: Motion | None = None) -> Life:
+    """The life of these contacts.
 
     tolerance : of the force, in mean thresholds; 0: what is left is known as well as can be
     motion : of the slider; contacts that age have no life that does not ask it
     """
     if contacts.grains is not None:
-        if motion is None:
-            return None
+        assert motion is not None
         if contacts.thermal is None:
             return GrainLife(contacts, float(motion.times[-1]))
-        return None  # warm ones, master.lives.warm_grains, take ten times as long there still
+        accuracy = float(np.clip(_WARM * tolerance, *_WARM_ENDS))
+        return WarmGrainLife(contacts, float(motion.times[-1]), accuracy)
     if contacts.ageing is not None:
-        if motion is None:
-            return None
+        assert motion is not None
         check_ageing(contacts)
         accuracy = max(_AGED * tolerance, _FINEST)
         if not motion.one_leg:
@@ -58,23 +64,33 @@ def life_of(
     return ThermalLife(contacts, max(_ACCURACY * tolerance, ACCURACY), resolved)
 
 
-def steady_life(contacts: Contacts, velocity: float) -> Life | None:
+def steady_life(contacts: Contacts, velocity: float) -> Life:
     """The life of contacts on a slider that moves forward at one speed v > 0, for any time.
-
-    None where only the old solvers know it.
 
     Raises InputError where contacts have no law each by itself, and where none holds that pins.
     """
     if contacts.grains is not None:
-        contacts.grains.breaking(velocity)
-        # so fast that next to none holds, what does is lost beside those that do not
-        cold = contacts.thermal is None and contacts.grains.holds_at(velocity)
-        return GrainLife(contacts, _outlived(contacts, velocity)) if cold else None
+        _check_some_hold(contacts.grains, velocity)
+        longest = _outlived(contacts, velocity)
+        if contacts.thermal is None:
+            return GrainLife(contacts, longest)
+        return WarmGrainLife(contacts, longest, _WARM_ENDS[0])
     if contacts.ageing is not None:
         check_ageing(contacts)
         closed = contacts.ageing.normal is not None and contacts.thermal is None
         return ForwardAgeing(contacts, velocity, _FINEST if closed else _STEPPED)
     return life_of(contacts)
+
+
+def _check_some_hold(grains: GrainContact, velocity: float) -> None:
+    """Refuse speeds at which so few of the contacts that pin hold that their lives are no numbers."""
+    grains.breaking(velocity)  # speeds beyond floating point
+    lost = grains.lost_hazard(velocity)
+    if lost > _MOST_LOST:
+        few = f"none holds but a fraction exp(-{lost:.4g})"
+        why = "they are stretched before their grains have grown"
+        rule = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"
+        refuse("velocity", velocity, rule)
 
 
 def _outlived(contacts: Contacts, velocity: float) -> float:

@@ -15,23 +15,18 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import RectBivariateSpline
 
 from master.lives.grains import GONE, GrainLife
+from master.lives.growing_thresholds import GrowingThresholds
 from master.lives.stretch_rule import finite_density, stretch_panels
 from master.motion.motion import History, Legs
-from origins import Contacts, GrainContact
-from origins.lifshitz_slyozov import invert_beyond
+from origins import Contacts
 from origins.quadrature import gauss
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Range of the table of thresholds, in the logarithms of the hazard and of the time since pinning
-# over tau_m: below, thresholds are powers of both; and its spacing, at which quintic splines are
-# good to 1e-8.
-LEAST_HAZARD, LEAST_TIME, SPACING = -20.0, -16.0, 0.2
 # Panels of the sums over quantiles. They share out evenly what changes in the integrand: 1 - e^-y,
 # y being the root of the hazard above the worst one, and ln A between these two values, from where
 # e^-A is next to nothing to where it is next to 1.
@@ -53,12 +48,12 @@ class Fineness(NamedTuple):
     moments: int
 
 
-# Tried one after the other, until the next one changes the share by less than ACCURACY: colder
+# Tried one after the other, until the next one changes the share by no more than asked: colder
 # contacts break within ever shorter parts of a leg.
 FINENESSES = (Fineness(9, 51), Fineness(11, 101), Fineness(13, 201), Fineness(16, 401))
 ACCURACY = 1e-7
 # Of the change that is seen, as not all ages are looked at; and what the table leaves.
-MARGIN, TABLE_ERROR = 4.0, 5e-9
+MARGIN, TABLE_ERROR = 4.0, 3e-11
 
 
 class Pieces(NamedTuple):
@@ -78,6 +73,15 @@ class Pieces(NamedTuple):
 class WarmGrainLife(GrainLife):
     """Life (see master.lives.life) of contacts with growing grains and heat.
 
+    Parameters
+    ----------
+    contacts : Contacts
+        With `grains` and `thermal`.
+    longest : float
+        See GrainLife.
+    accuracy : float
+        Change of the share that holds at which no finer nodes are tried.
+
     Attributes
     ----------
     error : float
@@ -86,9 +90,10 @@ class WarmGrainLife(GrainLife):
 
     pair_work = 1000
 
-    def __init__(self, contacts: Contacts, longest: float) -> None:
+    def __init__(self, contacts: Contacts, longest: float, accuracy: float = ACCURACY) -> None:
         super().__init__(contacts, longest)
         assert contacts.thermal is not None
+        self._accuracy = accuracy
         self.thermal, self._fineness = contacts.thermal, 0
         self.error = TABLE_ERROR
         self.thresholds = GrowingThresholds(self.grains, self.start_since + longest)
@@ -104,7 +109,7 @@ class WarmGrainLife(GrainLife):
         while True:
             fine = self._told(born, some, FINENESSES[self._fineness + 1])
             off = float(np.abs(fine[0] - coarse[0]).max(initial=0.0))
-            if off <= ACCURACY or self._fineness + 2 == len(FINENESSES):
+            if off <= self._accuracy or self._fineness + 2 == len(FINENESSES):
                 break
             self._fineness, coarse = self._fineness + 1, fine
         self.error = max(self.error, MARGIN * off)
@@ -188,53 +193,19 @@ class WarmGrainLife(GrainLife):
 
     def _spent(self, pieces: Pieces, worst: Array, roots: Array, moments: int) -> Array:
         """A of quantiles of the hazards worst + roots², shape of `roots` (n, m)."""
+        out = np.zeros(roots.shape)
+        if not pieces.owner.size:
+            return out
         place, weight = _towards_ends(moments)
         at = pieces.since[:, None] + pieces.duration[:, None] * place
         stretch = pieces.begin[:, None] + (pieces.end - pieces.begin)[:, None] * place
         hazard = (worst[:, None] + roots * roots)[pieces.owner]
-        limit = self.thresholds.at(hazard[:, :, None], at[:, None, :])
-        rate = self.thermal.plain_rate(np.minimum(np.abs(stretch)[:, None, :], limit), limit)
-        spent = (rate @ weight) * pieces.duration[:, None]
-        out = np.zeros(roots.shape)
-        if spent.size:
-            first = np.flatnonzero(np.diff(pieces.owner, prepend=-1))
-            out[pieces.owner[first]] = np.add.reduceat(spent, first, axis=0)
+        limit = self.thresholds.each(hazard, at)
+        rate = self.thermal.plain_rate(np.minimum(np.abs(stretch)[:, :, None], limit), limit)
+        spent = (weight @ rate) * pieces.duration[:, None]
+        first = np.flatnonzero(np.diff(pieces.owner, prepend=-1))
+        out[pieces.owner[first]] = np.add.reduceat(spent, first, axis=0)
         return np.minimum(out, SPENT)
-
-
-class GrowingThresholds:
-    """Table of the thresholds x_s(η; time since pinning) of growing grains.
-
-    Parameters
-    ----------
-    grains : GrainContact
-    longest : float
-        Largest time since pinning.
-    """
-
-    def __init__(self, grains: GrainContact, longest: float) -> None:
-        growth = grains.growth
-        self._pinning_time, self._root_b = growth.first_pinning_time, float(np.sqrt(growth.B))
-        latest = max(np.log(longest / self._pinning_time), 0.0) + SPACING
-        hazard = np.arange(LEAST_HAZARD, np.log(2.0 * GONE) + SPACING, SPACING)
-        time = np.arange(LEAST_TIME, latest + SPACING, SPACING)
-        excess = np.expm1(np.log1p(np.exp(time)) / 3.0)
-        largest = 1.0 + excess
-        hazards = np.broadcast_to(np.exp(hazard)[:, None], (hazard.size, time.size))
-        q = invert_beyond(hazards, 1.0 / largest, excess / largest)
-        gap = excess * (q * excess / (largest + q * excess))
-        logs = 0.5 * np.log(gap * (gap + 2.0)) - 0.5 * hazard[:, None] - time
-        self._ends = (hazard[0], hazard[-1]), (time[0], time[-1])
-        self._table = RectBivariateSpline(hazard, time, logs, kx=5, ky=5)
-
-    def at(self, hazard: Array, since: Array) -> Array:
-        """x_s (lengths) at hazards and times since pinning > 0 that broadcast."""
-        time = np.maximum(since / self._pinning_time, 1e-300)
-        hazard = np.maximum(hazard, 1e-300)
-        a, b = np.broadcast_arrays(np.log(hazard), np.log(time))
-        ends = self._ends
-        logs = self._table.ev(np.clip(a, *ends[0]), np.clip(b, *ends[1]))
-        return np.asarray(np.sqrt(hazard) * time * np.exp(logs) / self._root_b)
 
 
 class Rule(NamedTuple):

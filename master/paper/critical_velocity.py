@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from master._old.solve import solve
+from master.solve import solve
 from master.stick_slip.propensity import propensity
 from origins import Contacts, InputError
 from origins.contacts import check_contacts

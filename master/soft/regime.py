@@ -8,11 +8,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.make import life_of
+from master.lives.make import steady_life
 from master.soft.slips import Slips
 from master.steady.forward import births_table
 from master.stick_slip.extremes import extremes
-from master.stick_slip.propensity import propensity
 from origins import Contacts
 from origins.drive import Drive
 
@@ -133,10 +132,7 @@ def regime(
 
 def _critical(contacts: Contacts, tolerance: float, speed: float) -> Critical:
     """K* of a rigid slider that moves forward at a speed, as master.propensity tells it."""
-    life = life_of(contacts)
-    if life is None:
-        told = propensity(contacts, tolerance, velocity=speed)
-        return Critical(told.critical_spring, told.critical_spring_error)
+    life = steady_life(contacts, speed)
     travel = births_table(contacts, life, speed, tolerance)
     found = extremes(contacts, life, travel, speed, tolerance)
     return Critical(found.spring, found.spring_error)

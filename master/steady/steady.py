@@ -20,7 +20,6 @@ from origins.quadrature import gauss
 from origins.start import SingleStart, Start
 
 if TYPE_CHECKING:
-    from master._old.steady import SteadyState as OldSteadyState
     from master.paper.q15_steady import AgeingSteadyState
 
 Array = npt.NDArray[np.float64]
@@ -128,9 +127,7 @@ class SteadyState:
         return np.asarray(self._life.left(born, history)[0])
 
 
-def steady_state(
-    contacts: Contacts, *, velocity: float = 1.0
-) -> SteadyState | OldSteadyState | AgeingSteadyState:
+def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | AgeingSteadyState:
     """Kinetic force and stretches in steady sliding (paper, Eqs. Q10, Q11c and Q11d).
 
     Parameters
@@ -152,11 +149,6 @@ def steady_state(
         return paper_steady_state(contacts.thresholds, contacts.ageing, velocity)
     check_finite(contacts)
     life = steady_life(contacts, velocity)
-    if life is None:
-        # growing grains with heat
-        from master._old.steady import steady_state as old_steady_state
-
-        return old_steady_state(contacts, velocity=velocity)
     cycle = cycle_of(contacts, Travel(life, births_of(contacts), velocity))
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     force, off = cycle.force(wait)

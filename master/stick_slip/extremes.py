@@ -107,8 +107,12 @@ def extremes(
 
 
 def unit_of(contacts: Contacts, travel: Travel) -> float:
-    """The length in which F_s is asked for: the mean threshold, or way to a break by a rate."""
-    return contacts.mean_threshold if contacts.thermal is None else travel.length
+    """The length in which F_s is asked for: the mean threshold, or way to a break by a rate.
+
+    Contacts of the start whose grains grow are older and live far longer than those born later.
+    """
+    plain = contacts.thermal is None or contacts.grains is not None
+    return contacts.mean_threshold if plain else travel.length
 
 
 def _of(march: March, typical: float) -> Extremes:

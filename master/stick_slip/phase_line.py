@@ -111,11 +111,5 @@ def phase_line(
 def _critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
     """K* and its error at one point."""
     life = steady_life(contacts, velocity)
-    if life is None:
-        # growing grains with heat
-        from master._old.cycle import Cycle
-        from master._old.propensity import extremes as old_extremes
-
-        return old_extremes(contacts, Cycle(contacts, velocity), tolerance)[:2]
     travel = births_table(contacts, life, velocity, tolerance)
     return extremes(contacts, life, travel, velocity, tolerance)[:2]

@@ -76,12 +76,6 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     check_finite(contacts)
     velocity = positive("velocity", velocity)
     life = steady_life(contacts, velocity)
-    if life is None:
-        # growing grains with heat
-        from master._old.propensity import propensity as old_propensity
-
-        old = old_propensity(contacts, tolerance, velocity=velocity)
-        return Propensity(**vars(old))
     travel = births_table(contacts, life, velocity, tolerance)
     kinetic, off = cycle_of(contacts, travel).force(velocity * contacts.waiting_time)
     if not kinetic > 0.0:

@@ -25,6 +25,10 @@ MARGIN = 4.0
 # Averages over stretches are looked at so many times less often: their sums are looked at as well.
 _DEARER = 4
 
+# Share of contacts that sums over thresholds may round away, and the decades over which their tail
+# is summed.
+LOST, DECADES = 3e-14, 60.0
+
 
 class ReplayedLife:
     """A Life that looks at all legs since the birth; what differs between closures is `_of`.
@@ -60,6 +64,18 @@ class ReplayedLife:
         many = lost.sum() > 0.0
         self.grain = float(np.diff(edges) @ lost / lost.sum()) if many else self.reach
         self.error = 0.0
+
+    def rounded_away(self) -> Array:
+        """At most what E and K, integrated, miss where few contacts are left; shape (2,).
+
+        Sums over thresholds round away the last contacts. Without heat, which only breaks contacts
+        earlier, they would add the integrals of S and x S.
+        """
+        begin = min(self.reach, float(self._law.isf(LOST)))
+        steps = np.linspace(0.0, DECADES * np.log(10.0), 2001)
+        x = begin * np.exp(steps)
+        held = np.asarray(self._law.sf(x), dtype=float) * x
+        return np.trapezoid(np.stack([held, held * x]), steps, axis=1)
 
     def marks(self, width: float) -> Array:
         """See Life."""

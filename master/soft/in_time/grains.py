@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from master.lives.age.grid import narrowest
 from master.lives.grains import GrainLife, pinned_hazard
-from master.lives.warm_grains import GrowingThresholds
+from master.lives.growing_thresholds import GrowingThresholds
 from master.soft.in_time.cohorts import Steps
 from master.soft.in_time.memory import Left, Leg, width_of
 from origins import Contacts

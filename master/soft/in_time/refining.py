@@ -14,6 +14,7 @@ from master.soft.in_time.carried import Allowed, TooLongError
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.make import Maker
 from master.soft.in_time.pulled import Pulled, Task
+from master.soft.in_time.rigid import Given
 from master.soft.in_time.track import Piece, Read, Track, pieces
 from origins import Contacts, Drive
 from origins.errors import refuse
@@ -96,7 +97,8 @@ def refined(
             return maker.fresh(level)
 
         task = Task(course, spring, drive.slip, contacts.waiting_time, unit, again, close)
-        pulled = Pulled(cohorts, task, level, plan, Allowed(*most, until))
+        kind = Pulled if spring else Given
+        pulled = kind(cohorts, task, level, plan, Allowed(*most, until))
         here = pulled.contacts
         try:
             pulled.run()
@@ -157,7 +159,7 @@ class Levels:
     def alike(self) -> int:
         return len(self._slips)
 
-    def add(self, pulled: Pulled, asked: Array, beside: float) -> Refined:
+    def add(self, pulled: Pulled | Given, asked: Array, beside: float) -> Refined:
         """The best of all levels so far; `beside` is what steps do not tell of the error."""
         unit, spring, here = self._unit, self._spring, pulled.contacts
         slips = np.array(pulled.slips).reshape(-1, 5).T
