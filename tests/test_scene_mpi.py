@@ -80,6 +80,7 @@ for word in ("compare", "thresholds"):
 """
 
 
+@pytest.mark.slow  # K* of each of 20 resampled laws takes seconds
 def test_commands_share_the_domains(mpirun: Callable[..., Any], tmp_path: Any) -> None:
     thresholds = SCENE["contacts"]["thresholds"]["components"][0] | {"samples": 8192}  # type: ignore[index]
     tables = SCENE | {"contacts": {"thresholds": thresholds}}

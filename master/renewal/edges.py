@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 # on panels of 17 nodes, about two digits smaller.
 DIGITS_A_GENERATION = 2.0
 # Edges at most, those of lumps apart: beyond, panels that do not resolve the breaks are halved.
-MOST = 120
+MOST = 400
 # Lumps at most: each is followed by itself.
 MOST_LUMPS = 4000
 # Share of the contacts below which a lump is left to the rounding of conservation.

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.heat.replayed import ReplayedLife
+from master.lives.heat.thermal import ThermalLife
 from master.lives.life import Life
 from master.lives.straight import bends_of
 from master.motion.motion import Motion
@@ -145,8 +145,10 @@ class Travel:
         self.longest = float(ways[-1])
         self.far = self.longest + born.span[0]
         beyond = self._beyond(ways[-2:])
-        if isinstance(life, ReplayedLife):
-            beyond = beyond + life.rounded_away() / np.array([1.0, self.scale])
+        if isinstance(life, ThermalLife):
+            few = np.array([life.few])
+            alive = np.clip(self.table(few)[0] / life.FEW, 0.0, 1.0)
+            beyond = beyond + alive * life.rounded_away() / np.array([1.0, self.scale])
         length_off += life.error * weights.sum() + abs(beyond[0])
         area_off += life.error * float(weights @ self.table.end) / self.scale + abs(beyond[1])
         self.length, self.length_error = float(length), float(length_off)

@@ -48,6 +48,7 @@ class ReplayedLife:
     quiet = 0.0
     quick = timeless = False
     fresh_start, pair_work = True, 6
+    FEW = 1e-10  # a share that sums over thresholds still tell
 
     def __init__(self, law: Thresholds, edges: Array, resolved: float = RESOLVED) -> None:
         self._law, self.resolved = law, resolved
@@ -64,6 +65,11 @@ class ReplayedLife:
         many = lost.sum() > 0.0
         self.grain = float(np.diff(edges) @ lost / lost.sum()) if many else self.reach
         self.error = 0.0
+
+    @property
+    def few(self) -> float:
+        """The |x| beyond which a share FEW of the thresholds lies."""
+        return float(self._law.isf(self.FEW))
 
     def rounded_away(self) -> Array:
         """At most what E and K, integrated, miss where few contacts are left; shape (2,).
