@@ -168,7 +168,8 @@ def test_paths_on_which_contacts_do_too_much_are_refused_soon() -> None:
         with CountedCalls() as told, pytest.raises(InputError, match=too_hot):
             master.solve(hot, [3.0, -3.0, 3.0])
     assert told.number < 50_000
-    with pytest.raises(InputError, match=r"ageing: a move of 2e\+03 in time needs more than \d+ steps; use a shorter path"):
+    too_long = r"ageing: a move of 2e\+03 in time needs more than \d+ steps; use a shorter path"
+    with pytest.raises(InputError, match=too_long):
         master.solve(Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.1), 1e-2)), [1e3, -1e3])
 
 

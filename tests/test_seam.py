@@ -202,7 +202,6 @@ def test_a_short_way_back_from_the_threshold() -> None:
 
 PATH = np.linspace(0.0, 1.0, 5)
 SOLVERS = {
-    "master.propensity": master.propensity,
     "master.decoherence_spectrum": master.decoherence_spectrum,
     "master.paper.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
