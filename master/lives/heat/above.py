@@ -178,7 +178,8 @@ class Above:
                 highest = np.maximum(level, panels.last)[beside]
                 seen[beside] |= _grown(panels.first[beside], highest) <= _FALL
                 seen &= panels.high - panels.low <= 1.001 * self._widest(panels, replay)
-            seen |= panels.high - panels.low <= _NARROW * panels.high
+            # a cut _NARROW from one end rounds to the other end where a panel is hardly wider
+            seen |= panels.high - panels.low <= 4.0 * _NARROW * panels.high
             done.append(panels.pick(seen))
             cut = ~seen
             panels = panels.pick(cut).cut(at[cut], level[cut])
