@@ -2,7 +2,7 @@
 its law, at its stretch and age, exceeds it.
 
 Lengths are in units of the lattice, but for those of rates; ages count from when the contact pinned, in
-units of tau_m. origins/grain_contact.py and lifshitz_slyozov.py are the same in plain numpy.
+units of tau_m. origins/grains/contact.py and lifshitz_slyozov.py are the same in plain numpy.
 """
 
 from typing import Any, NamedTuple

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Contacts
-from origins.quadrature import gauss
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 Places = npt.NDArray[np.intp]

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError
-from origins.mixture import Mixture
+from origins.thresholds.mixture import Mixture
 
 Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]

@@ -1,25 +1,9 @@
 """What one contact is and what is asked of it: thresholds, where they come from, starts, the drive."""
 
-from origins.ageing import Ageing
-from origins.barriers import barrier, triangular_barrier
-from origins.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
-from origins.calculators import harmonic_bonds, substrate_calculator
-from origins.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.contacts import Contacts
-from origins.continuous_mixture import continuous_mixture
-from origins.delay import Delay
-from origins.domains import DomainSamples, domains
-from origins.drive import Drive
-from origins.errors import InputError
-from origins.gaussian import gaussian
-from origins.grain_contact import GrainContact, growing_grains
-from origins.grain_growth import GrainGrowth, film_growth
-from origins.grains import grains
-from origins.greenwood_williamson import pressure_of_separation, separation_of_pressure
-from origins.gw_gaussian import gw_gaussian
-from origins.identical import identical
-from origins.interface import Interface
-from origins.islands import (
+from origins.domains.barriers import barrier, triangular_barrier
+from origins.domains.calculators import harmonic_bonds, substrate_calculator
+from origins.domains.islands import (
     circular_island,
     hexagonal_island,
     irregular_island,
@@ -27,28 +11,44 @@ from origins.islands import (
     square_island,
     triangular_island,
 )
+from origins.domains.relaxed_barrier import RelaxedBarrier, relaxed_barrier
+from origins.domains.rotated import DomainSamples, domains
+from origins.domains.structure_factors import structure_factors, triangular_structure_factors
+from origins.domains.substrates import Substrate, fourier_substrate, hexagonal_substrate, square_substrate
+from origins.drive import Drive
+from origins.errors import InputError
+from origins.grains.contact import GrainContact, growing_grains
+from origins.grains.film import grains
+from origins.grains.growth import GrainGrowth, film_growth
 from origins.laws import SoftRates, StiffRates
-from origins.lubricated import lubricated
-from origins.material import Material
-from origins.mixture import mixture
-from origins.persson import persson
-from origins.power_law import PowerLaw
-from origins.rate_law import RateLaw
-from origins.rectangular import rectangular
-from origins.reforming import boltzmann_reforming
-from origins.relaxed_barrier import RelaxedBarrier, relaxed_barrier
-from origins.rough_contact import from_moments, from_topography, resolution_study
-from origins.samples import from_samples
-from origins.self_affine import self_affine_surface
-from origins.spectral_moments import SpectralMoments, moments_of_summits, spectral_moments
-from origins.spectrum import moments_of_spectrum
+from origins.laws.ageing import Ageing
+from origins.laws.delay import Delay
+from origins.laws.rate_law import RateLaw
+from origins.laws.reforming import boltzmann_reforming
+from origins.laws.thermal import Thermal
+from origins.roughness.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
+from origins.roughness.from_surface import from_moments, from_topography, resolution_study
+from origins.roughness.greenwood_williamson import pressure_of_separation, separation_of_pressure
+from origins.roughness.gw_gaussian import gw_gaussian
+from origins.roughness.interface import Interface
+from origins.roughness.material import Material
+from origins.roughness.power_law import PowerLaw
+from origins.roughness.self_affine import self_affine_surface
+from origins.roughness.spectral_moments import SpectralMoments, moments_of_summits, spectral_moments
+from origins.roughness.spectrum import moments_of_spectrum
+from origins.samples.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
+from origins.samples.from_samples import from_samples
 from origins.start import Start, gaussian_start
-from origins.structure_factors import structure_factors, triangular_structure_factors
-from origins.substrates import Substrate, fourier_substrate, hexagonal_substrate, square_substrate
-from origins.thermal import Thermal
-from origins.threshold_law import ThresholdLaw
-from origins.thresholds import Thresholds
-from origins.weibull import gw_elastic, gw_plastic
+from origins.thresholds.continuous_mixture import continuous_mixture
+from origins.thresholds.gaussian import gaussian
+from origins.thresholds.identical import identical
+from origins.thresholds.law import Thresholds
+from origins.thresholds.lubricated import lubricated
+from origins.thresholds.mixture import mixture
+from origins.thresholds.persson import persson
+from origins.thresholds.protocol import ThresholdLaw
+from origins.thresholds.rectangular import rectangular
+from origins.thresholds.weibull import gw_elastic, gw_plastic
 
 __all__ = [
     "Ageing",

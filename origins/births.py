@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from origins.errors import InputError, refuse
 from origins.start import Start
-from origins.thresholds import Array, Thresholds
+from origins.thresholds.law import Array, Thresholds
 
 _CUT_LIMIT = 1e-6
 _LEAST_SURVIVAL = 1e-300

@@ -9,17 +9,17 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from origins.ageing import Ageing
 from origins.births import Births
-from origins.delay import Delay
 from origins.errors import InputError, refuse
-from origins.frozen import as_thresholds
-from origins.grain_contact import GrainContact
+from origins.grains.contact import GrainContact
 from origins.laws import RATE_LAWS
-from origins.rate_law import RateLaw
+from origins.laws.ageing import Ageing
+from origins.laws.delay import Delay
+from origins.laws.rate_law import RateLaw
+from origins.laws.thermal import GivenRates, Thermal, as_thermal
 from origins.start import as_start
-from origins.thermal import GivenRates, Thermal, as_thermal
-from origins.thresholds import Array, Thresholds
+from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.scipy_laws import as_thresholds
 
 # All that a contact may have beside thresholds and a start; thresholds that grow are "grains". Each
 # is None (stiffness: "independent") where it is not there. Solvers ask this list, Contacts.laws and

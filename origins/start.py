@@ -7,8 +7,8 @@ import numpy.typing as npt
 from scipy.special import ndtr, ndtri
 
 from origins.errors import InputError, finite, non_negative, refuse
-from origins.frozen import is_frozen_continuous, single_mean
-from origins.thresholds import Array
+from origins.thresholds.law import Array
+from origins.thresholds.scipy_laws import is_frozen_continuous, single_mean
 
 _REACH = 8.3  # standard deviations of a Gaussian with weight 1e-16 beyond
 

@@ -37,8 +37,8 @@ def clean_environment(**extra: str) -> dict[str, str]:
 @pytest.fixture(autouse=True)
 def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
     """What commands say does not tell whether they are the first to compile, nor how fast the machine is."""
-    monkeypatch.setattr("toolkit.compiling_notice._LOG_PATIENCE", math.inf)
-    monkeypatch.setattr("toolkit.progress._LOG_PATIENCE", 1e6)  # s; an event can wait no infinite time
+    monkeypatch.setattr("toolkit.running.compiling_notice._LOG_PATIENCE", math.inf)
+    monkeypatch.setattr("toolkit.running.progress._LOG_PATIENCE", 1e6)  # s; an event can wait no infinite time
 
 
 def _compiled(done: subprocess.CompletedProcess[str]) -> subprocess.CompletedProcess[str]:

@@ -24,7 +24,7 @@ ROOM, REPLACED = "master", "_old"
 LINES, FILES, CONSTANTS, ALL_LINES = 300, 20, 200, 7500
 # What passes a limit today: files with the lines that they may have, and the number of constants.
 ALLOWED: dict[str, int] = {}
-CONSTANTS_TODAY = 471
+CONSTANTS_TODAY = 514
 
 Graph = dict[str, set[str]]
 

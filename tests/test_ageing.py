@@ -7,9 +7,9 @@ from scipy import linalg, special, stats
 
 import origins
 from origins import Ageing, InputError
-from origins.diffusion import Diffusion
-from origins.frozen import as_thresholds
-from origins.ornstein_uhlenbeck import OrnsteinUhlenbeck
+from origins.laws.diffusion import Diffusion
+from origins.laws.ornstein_uhlenbeck import OrnsteinUhlenbeck
+from origins.thresholds.scipy_laws import as_thresholds
 
 mpmath.mp.dps = 40
 MEAN, STD, D = 1.0, 0.1, 5e-4

@@ -10,9 +10,9 @@ import pytest
 import toolkit
 from toolkit.command import main
 from toolkit.commands.run import report
-from toolkit.plots import plot_defects
-from toolkit.results import AgeingRecord
-from toolkit.scene import SHIPPED
+from toolkit.pictures.run import plot_defects
+from toolkit.results.records import AgeingRecord
+from toolkit.scene.scene import SHIPPED
 
 
 @pytest.fixture(scope="module")

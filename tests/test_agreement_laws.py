@@ -16,7 +16,7 @@ import toolkit
 from origins import Ageing, Contacts, Delay, Thermal
 from tests.test_agreement import LEVEL, judge
 from toolkit.commands.run import report
-from toolkit.deviation import worst_deviation
+from toolkit.judge.deviation import worst_deviation
 
 SEEDS = 100
 GAUSSIAN = origins.gaussian(1.0, 0.2)

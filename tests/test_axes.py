@@ -10,12 +10,12 @@ import pytest
 from matplotlib.figure import Figure
 
 import origins
-from toolkit import plots
-from toolkit.abscissa import conditions
-from toolkit.axes import Lengths, heights, spans_decades
-from toolkit.comparing import compare
-from toolkit.comparison_picture import draw_comparison, plot_forces, plot_springs, plot_surface, plot_thresholds
-from toolkit.plots import (
+from toolkit.judge.compare import compare
+from toolkit.pictures import run as plots
+from toolkit.pictures.abscissa import conditions
+from toolkit.pictures.axes import Lengths, heights, spans_decades
+from toolkit.pictures.compare import draw_comparison, plot_forces, plot_springs, plot_surface, plot_thresholds
+from toolkit.pictures.run import (
     plot_density,
     plot_deviation,
     plot_force,
@@ -24,9 +24,9 @@ from toolkit.plots import (
     plot_position,
     save_picture,
 )
-from toolkit.results import sample_curve
-from toolkit.running import run
-from toolkit.scene import load_scene, read_table
+from toolkit.results.records import sample_curve
+from toolkit.running.runner import run
+from toolkit.scene.scene import load_scene, read_table
 
 
 def labels(axis: Any) -> list[float]:

@@ -13,7 +13,7 @@ import pytest
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
-from toolkit.scene import SHIPPED
+from toolkit.scene.scene import SHIPPED
 
 WRONG = ("yes", True, 0, -5.0, math.nan, math.inf, 1e300, 1e-300, 10**30, [], {}, [math.nan])
 ONE_OF_EACH = ("ageing", "growing-grains", "kinetic-force", "reforming", "stick-slip", "two-peaks", "rough-gw-mixed")

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 import origins
-from origins.critical_points import Landscapes
+from origins.domains.critical_points import Landscapes
+from origins.domains.minimax import lowest_saddles
+from origins.domains.valleys import along_valleys, ruled
 from origins.errors import InputError
-from origins.minimax import lowest_saddles
-from origins.valleys import along_valleys, ruled
 
 HEXAGONAL = origins.hexagonal_substrate()
 

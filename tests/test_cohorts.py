@@ -19,7 +19,7 @@ from master._old.leg import State
 from master._old.moves import moves
 from master.paper.explicit import explicit
 from master.paper.explicit_loop import explicit_loop
-from origins.quadrature import gauss
+from origins.thresholds.quadrature import gauss
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]
 

@@ -19,8 +19,8 @@ import origins
 import toolkit
 from origins.errors import InputError
 from toolkit.command import COMMANDS, main
-from toolkit.scene import SHIPPED, shipped_scenes
-from toolkit.toml import to_toml
+from toolkit.scene.scene import SHIPPED, shipped_scenes
+from toolkit.scene.toml import to_toml
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 MASTER_ONLY: dict[str, Any] = {
@@ -104,11 +104,11 @@ def test_run_of_a_surface_says_and_keeps_what_to_mind(write_scene, capsys) -> No
     }
     assert numbers["mean_load"]["unit"] == "N" and "mean_threshold" not in numbers
     back = toolkit.load("mine-output")
-    assert back.notes == tuple(told) and json.loads(json.dumps(toolkit.files.summary(back))) == written
+    assert back.notes == tuple(told) and json.loads(json.dumps(toolkit.results.files.summary(back))) == written
 
 
 def test_a_spring_as_if_in_newtons_is_told_before_the_run(write_scene, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("toolkit.forecast._ENOUGH", 0.05)
+    monkeypatch.setattr("toolkit.running.forecast._ENOUGH", 0.05)
 
     def told(spring: float) -> list[str]:
         scene = write_scene(rough() | {"drive": {"to": 1e-9, "points": 5, "spring": spring}})
@@ -129,7 +129,7 @@ def test_what_makes_a_run_hopeless_is_told_before_it(dry: list[str], write_scene
     def begin(*arguments: Any, **named: Any) -> None:
         raise InputError("begun")
 
-    for place in ("running.solve", "forecast.pilot"):
+    for place in ("running.runner.solve", "running.forecast.pilot"):
         monkeypatch.setattr(f"toolkit.{place}", begin)
     laws = {"thermal": {"law": "soft", "temperature": 500.0}, "start": {"kind": "identical", "value": 2.0}}
     tables = {**MASTER_ONLY, "contacts": {**MASTER_ONLY["contacts"], **laws}}
@@ -262,9 +262,9 @@ def test_infinite_mean_is_refused_by_its_place(write_scene, capsys, monkeypatch)
     # no kind has one today; a law of the user's own could
     from scipy import stats
 
-    from toolkit import laws
+    from toolkit.scene import laws
 
-    monkeypatch.setitem(laws.THRESHOLDS, "cauchy", "toolkit.laws:cauchy")
+    monkeypatch.setitem(laws.THRESHOLDS, "cauchy", "toolkit.scene.laws:cauchy")
     monkeypatch.setattr(laws, "cauchy", lambda: stats.halfcauchy(), raising=False)
     tables = {**MASTER_ONLY, "contacts": {"thresholds": {"kind": "cauchy"}}}
     assert main(["run", write_scene(tables)]) == 2
@@ -386,7 +386,7 @@ def test_a_signal_while_it_imports_is_one_line(
 def test_compiling_is_told_while_it_lasts() -> None:
     code = """
 import contextlib, io
-from toolkit.compiling_notice import CompilingNotice
+from toolkit.running.compiling_notice import CompilingNotice
 with contextlib.redirect_stderr(io.StringIO()) as told, CompilingNotice(patience=0.0, look=1e-3):
     import numba
     more = 3  # functions compiled once it is told, which is told only once

@@ -11,7 +11,7 @@ import pytest
 import eq_model
 import origins
 import toolkit
-from toolkit.running import make_ensemble
+from toolkit.running.runner import make_ensemble
 
 TABLES: dict[str, Any] = {
     "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}},

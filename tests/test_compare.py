@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import master
-import toolkit.surfaces
+import toolkit.scene.surfaces
 from origins.errors import InputError
-from toolkit import comparison_picture
 from toolkit.command import main
-from toolkit.comparing import compare, table
-from toolkit.toml import to_toml
+from toolkit.judge.compare import compare, table
+from toolkit.pictures import compare as comparison_picture
+from toolkit.scene.toml import to_toml
 
 NARROW: dict[str, Any] = {"kind": "gaussian", "mean": 2.0, "std": 0.1}
 WIDE: dict[str, Any] = {"kind": "gw-plastic", "B": 1.251}
@@ -216,7 +216,7 @@ def test_absent_scene_and_folder_below_a_file(write: Writer, capsys: pytest.Capt
 def test_infinite_mean_square_is_refused(write, capsys, monkeypatch) -> None:
     import scipy.stats
 
-    from toolkit import laws
+    from toolkit.scene import laws
 
     monkeypatch.setitem(laws.THRESHOLDS, "lomax", "scipy.stats:lomax")
     monkeypatch.setattr(laws, "call", lambda function, arguments, *_, **__: function(*arguments.values()))
@@ -286,9 +286,9 @@ def test_shared_surface_is_drawn_where_all_share_it(write: Writer, panels: list[
 
 def test_surface_is_shared_only_if_it_is_one() -> None:
     scenes = [toolkit.load_scene(tables(law, 4e-8, master={})) for law in (ROUGH, ROUGH | {"pressure": 2e6})]
-    heights, sizes = toolkit.surfaces.shared_surface(scenes)
+    heights, sizes = toolkit.scene.surfaces.shared_surface(scenes)
     assert heights.shape == (32, 32) and sizes == pytest.approx((3.2e-7, 3.2e-7)) and np.ptp(heights) > 0.0
     other = toolkit.load_scene(tables(ROUGH | {"surface": SURFACE | {"seed": 2}}, 4e-8, master={}))
     plain = toolkit.load_scene(tables(WIDE, master={}))
-    assert toolkit.surfaces.shared_surface([*scenes, other]) is None
-    assert toolkit.surfaces.shared_surface([*scenes, plain]) is None
+    assert toolkit.scene.surfaces.shared_surface([*scenes, other]) is None
+    assert toolkit.scene.surfaces.shared_surface([*scenes, plain]) is None

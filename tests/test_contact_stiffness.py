@@ -6,7 +6,7 @@ import pytest
 
 import origins
 import toolkit
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 
 MOMENTS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 COMMON = {"contact_modulus": 3e9, "local_friction": 0.3, "hardness": 3e8, "shear_strength": 2e7}

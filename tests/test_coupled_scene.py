@@ -12,12 +12,12 @@ from conftest import HANGS, clean_environment
 
 import toolkit
 from origins.errors import InputError
-from toolkit.checkpoint import Checkpoint
 from toolkit.commands.run import report
-from toolkit.coupled import coupled_record, slips_beside
-from toolkit.running import make_ensemble, solve
-from toolkit.scene import load_scene
-from toolkit.toml import to_toml
+from toolkit.running.checkpoint import Checkpoint
+from toolkit.running.coupled import coupled_record, slips_beside
+from toolkit.running.runner import make_ensemble, solve
+from toolkit.scene.scene import load_scene
+from toolkit.scene.toml import to_toml
 
 SCENE = {
     "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}},
@@ -60,7 +60,7 @@ def test_slips_are_compared_one_by_one(result):
 
 
 def test_a_result_comes_back_from_its_folder(result, tmp_path):
-    from toolkit.files import save
+    from toolkit.results.files import save
 
     save(result, tmp_path)
     read = toolkit.load(tmp_path)

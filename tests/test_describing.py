@@ -9,8 +9,8 @@ from scipy.special import gamma
 
 import origins
 import toolkit
-from toolkit.describing import conditions, describe
-from toolkit.interfaces import remarks, with_error
+from toolkit.results.describe import conditions, describe
+from toolkit.scene.interfaces import remarks, with_error
 
 MOMENTS = ("mean", "second_moment", "third_moment")
 WEIBULL = [float(gamma(1.0 + n / 2.5)) for n in (1, 2, 3)]

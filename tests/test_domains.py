@@ -8,7 +8,7 @@ from scipy import stats
 
 import origins
 from origins.errors import InputError
-from toolkit.scene import load_scene
+from toolkit.scene.scene import load_scene
 
 A = 2.5
 SETTINGS = {"lattice_constant": A, "mean_atoms": 60.0, "stiffness": 1.0, "samples": 9000, "seed": 3}

@@ -11,7 +11,7 @@ import pytest
 import master
 import toolkit
 from origins import InputError
-from toolkit.results import SoftRecord
+from toolkit.results.records import SoftRecord
 
 
 def scene(drive: dict[str, Any], **tables: Any) -> dict[str, Any]:
@@ -70,7 +70,7 @@ def test_points_of_a_hold_may_be_even_in_its_logarithm() -> None:
 def test_a_picture_shows_the_decades_of_a_hold() -> None:
     from matplotlib.figure import Figure
 
-    from toolkit.abscissa import write_along
+    from toolkit.pictures.abscissa import write_along
 
     drive = {"turns": [1.0, 1.0, 2.0], "times": [1.0, 1.0 + 1e6, 2.0 + 1e6], "points": 91, "hold_scale": 1e-2}
     axes = Figure().subplots()
@@ -122,7 +122,7 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
 def test_times_that_print_as_the_turn_before_are_told_from_there() -> None:
     from matplotlib.figure import Figure
 
-    from toolkit.abscissa import write_along
+    from toolkit.pictures.abscissa import write_along
 
     drive = {"turns": [1.0, 1.0, 2.0], "times": [0.5, 3e7, 3e7 + 0.25], "points": 31, "hold_scale": 1.0}
     axes = Figure(figsize=(8, 4)).subplots()
@@ -149,7 +149,7 @@ def test_the_legend_lies_above_all_slips() -> None:
 def test_labels_of_many_holds_leave_room_for_each_other(hold: float) -> None:
     from matplotlib.figure import Figure
 
-    from toolkit.abscissa import write_along
+    from toolkit.pictures.abscissa import write_along
 
     turns = [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 5.0]
     times = np.cumsum([1.0, hold, 1.0, hold, 1.0, hold, 1.0, hold, 1.0]).tolist()
@@ -194,7 +194,7 @@ def test_drives_that_cannot_be_are_refused(drive: dict[str, Any], tables: dict[s
 
 
 def test_a_comparison_names_the_scene_that_it_does_not_take() -> None:
-    from toolkit.comparing import compare
+    from toolkit.judge.compare import compare
 
     with pytest.raises(InputError, match=r"scene: drive.spring = 0.5: compare takes a rigid slider"):
         compare([toolkit.load_scene(scene({"to": 1.0, "points": 5, "spring": 0.5}))])

@@ -10,7 +10,7 @@ import master
 import origins
 from master.lives.heat.mean_rate import MeanRateLife
 from master.paper.explicit import MOST_NODES, explicit
-from origins.frozen import as_thresholds
+from origins.thresholds.scipy_laws import as_thresholds
 
 PATH = np.linspace(0.0, 5.0, 501)
 STEPS = (0.01, 0.005, 0.0025)

@@ -21,9 +21,9 @@ from scipy import stats
 
 import origins
 from origins import InputError
-from origins.gaussian_chord import ChordGaussian
-from origins.generalised_gamma import GeneralisedGamma
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.gaussian_chord import ChordGaussian
+from origins.thresholds.generalised_gamma import GeneralisedGamma
+from origins.thresholds.quadrature import gauss, panel_edges
 
 EPSILON = np.finfo(float).eps
 UPPER = 10.0 ** -np.array([0.02, 0.3, 1, 2, 5, 10, 30, 80, 150, 220, 280])

@@ -12,7 +12,7 @@ from master._old.first_passage import first_passage
 from master._old.ornstein_passage import OrnsteinPassage
 from master._old.potential import Potential
 from origins import Ageing, InputError
-from origins.frozen import as_thresholds
+from origins.thresholds.scipy_laws import as_thresholds
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
 F_K = {1000.0: 0.49954273622262, 100.0: 0.49648206862310, 10.0: 0.49062524668845, 3.0: 0.48790796833389}  # by v/D

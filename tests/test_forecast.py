@@ -12,8 +12,8 @@ from conftest import HANGS
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
-from toolkit.forecast import Estimate, Pilot, Seconds, forecast, lines, pilot, pilot_lines
-from toolkit.toml import to_toml
+from toolkit.running.forecast import Estimate, Pilot, Seconds, forecast, lines, pilot, pilot_lines
+from toolkit.scene.toml import to_toml
 
 SCENE: dict[str, Any] = {
     "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}},

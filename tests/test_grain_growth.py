@@ -11,9 +11,9 @@ import eq_model
 import master
 import origins
 from origins import InputError, grains
-from origins.grain_contact import SlidingGrains
-from origins.lifshitz_slyozov import LifshitzSlyozov
-from origins.quadrature import gauss, panel_edges
+from origins.grains.contact import SlidingGrains
+from origins.grains.lifshitz_slyozov import LifshitzSlyozov
+from origins.thresholds.quadrature import gauss, panel_edges
 
 
 def test_growth_in_time() -> None:

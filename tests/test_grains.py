@@ -13,8 +13,8 @@ import eq_model
 import master
 import origins
 from origins import InputError, grains
-from origins.lifshitz_slyozov import LifshitzSlyozov, hazard_beyond, invert_beyond
-from origins.quadrature import gauss, panel_edges
+from origins.grains.lifshitz_slyozov import LifshitzSlyozov, hazard_beyond, invert_beyond
+from origins.thresholds.quadrature import gauss, panel_edges
 
 
 def test_sizes_are_the_printed_density() -> None:

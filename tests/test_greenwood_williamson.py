@@ -6,10 +6,10 @@ import pytest
 from scipy.special import log_ndtr
 
 import origins
-from origins.greenwood_williamson import Summits, critical_compression, pressed, summits_of
-from origins.height_integrals import log_common_density, log_touching_integral
-from origins.power_law import Bend, PowerLaw
-from origins.powered import Powered
+from origins.roughness.greenwood_williamson import Summits, critical_compression, pressed, summits_of
+from origins.roughness.height_integrals import log_common_density, log_touching_integral
+from origins.roughness.power_law import Bend, PowerLaw
+from origins.thresholds.powered import Powered
 
 MOMENTS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 MATERIAL = origins.Material(contact_modulus=3e9, hardness=6e7)

@@ -15,10 +15,10 @@ import toolkit
 from eq_model.histogram import BINS, Histogram, Made
 from origins import Contacts, Delay, InputError
 from toolkit.command import main
-from toolkit.files import _write_histograms, save
-from toolkit.state_file import BLOCKS, read_state, write_state
-from toolkit.toml import to_toml
-from toolkit.untold import Untold
+from toolkit.results.files import _write_histograms, save
+from toolkit.running.state_file import BLOCKS, read_state, write_state
+from toolkit.running.untold import Untold
+from toolkit.scene.toml import to_toml
 
 WAITING = Contacts(origins.gaussian(1.0, 0.2), delay=Delay(0.1))
 PATH = np.linspace(0.02, 1.5, 6)

@@ -13,7 +13,7 @@ import eq_model
 import master
 import origins
 import toolkit
-from toolkit.scene import shipped_scenes
+from toolkit.scene.scene import shipped_scenes
 
 HEAVY = ["numba", "ase", "mpi4py", "matplotlib", "SurfaceTopography", "scipy.stats", "tqdm", "h5py"]
 
@@ -25,7 +25,7 @@ def told() -> dict[str, tuple[float, list[str]]]:
     code = """
 import json, sys, tomllib
 import toolkit
-from toolkit.scene import SHIPPED, shipped_scenes
+from toolkit.scene.scene import SHIPPED, shipped_scenes
 told = {}
 for name in shipped_scenes():
     tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())

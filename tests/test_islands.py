@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 import origins
-from origins.errors import InputError
-from origins.islands import (
+from origins.domains.islands import (
     circular_island,
     hexagonal_island,
     irregular_island,
@@ -15,7 +14,8 @@ from origins.islands import (
     square_island,
     triangular_island,
 )
-from origins.substrates import fourier_substrate, hexagonal_substrate, square_substrate
+from origins.domains.substrates import fourier_substrate, hexagonal_substrate, square_substrate
+from origins.errors import InputError
 
 A = 2.5
 

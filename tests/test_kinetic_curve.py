@@ -23,7 +23,7 @@ from origins import (
     mixture,
     rectangular,
 )
-from origins.quadrature import NODES, gauss, panel_edges
+from origins.thresholds.quadrature import NODES, gauss, panel_edges
 
 SPEEDS = np.geomspace(1e-6, 1e4, 200)
 NARROW = gaussian(1.0, 0.05)

@@ -6,9 +6,9 @@ import pytest
 from master._old.lattice import STENCIL, cells, deposit_atoms, integrate, lagrange
 from master._old.lattice import lay as lay_all
 from master._old.piecewise import Piecewise, tabulate
-from origins.quadrature import gauss, panel_edges
-from origins.rectangular import rectangular
-from origins.weibull import gw_elastic
+from origins.thresholds.quadrature import gauss, panel_edges
+from origins.thresholds.rectangular import rectangular
+from origins.thresholds.weibull import gw_elastic
 
 SIZE = 64
 

@@ -11,8 +11,8 @@ import pytest
 
 import toolkit
 from origins.errors import InputError
-from toolkit.launch import Launch, read_environment
-from toolkit.ranks import communicator, on_root
+from toolkit.running.launch import Launch, read_environment
+from toolkit.running.ranks import communicator, on_root
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 SMALL = """
@@ -100,7 +100,7 @@ def test_ranks_share_one_run_and_one_voice(ranks: int, mpirun, scene, alone, tmp
 IN_TURN = """
 import contextlib, io, json, sys
 from toolkit.command import main
-from toolkit.launch import read_environment
+from toolkit.running.launch import read_environment
 told = []
 for words in " ".join(sys.argv[1:]).split(" then "):
     streams = io.StringIO(), io.StringIO()
@@ -143,7 +143,7 @@ def test_one_rank_speaks_for_all(mpirun, python, scene, tmp_path: Path) -> None:
 PLANTED = """
 import sys
 from mpi4py import MPI
-import master, toolkit.command, toolkit.ranks
+import master, toolkit.command, toolkit.running.ranks
 from origins.errors import InputError
 real = master.solve
 def solve(*arguments, **named):
@@ -151,7 +151,7 @@ def solve(*arguments, **named):
         raise {}
     return real(*arguments, **named)
 master.solve = solve
-toolkit.ranks._PATIENCE = 0.3
+toolkit.running.ranks._PATIENCE = 0.3
 sys.exit(toolkit.command.main())
 """
 
@@ -172,10 +172,10 @@ def test_bad_input_seen_by_one_rank_ends_all(mpirun, scene, tmp_path: Path) -> N
 
 def test_full_disk_on_rank_0_ends_all_alike(mpirun, scene, tmp_path: Path) -> None:
     planted = """
-import sys, toolkit.command, toolkit.files
+import sys, toolkit.command, toolkit.results.files
 def full(result, path):
     raise OSError(28, "No space left on device")
-toolkit.files._write_result = full
+toolkit.results.files._write_result = full
 sys.exit(toolkit.command.main())
 """
     (tmp_path / scene).write_text(SMALL.partition("[eq]")[0])
@@ -218,7 +218,7 @@ def test_root_refusal_reaches_every_rank(mpirun) -> None:
         """
 from mpi4py import MPI
 from origins.errors import InputError
-from toolkit.ranks import on_root
+from toolkit.running.ranks import on_root
 comm = MPI.COMM_WORLD
 assert on_root(comm, lambda: comm.Get_rank() + 7) == 7
 def refuse():

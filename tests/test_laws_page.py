@@ -9,7 +9,7 @@ import pytest
 
 import master
 import origins
-from toolkit.scene import shipped_scenes
+from toolkit.scene.scene import shipped_scenes
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = (DOCS / "laws.md").read_text(encoding="utf-8")

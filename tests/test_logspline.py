@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from origins.likelihood import Ends
-from origins.logspline import Fit, cost, fit
-from origins.smoothed import Smoothed, Variable
-from origins.spline import Spline, average, bends, cardinals, tangents
+from origins.samples.likelihood import Ends
+from origins.samples.logspline import Fit, cost, fit
+from origins.samples.smoothed import Smoothed, Variable
+from origins.samples.spline import Spline, average, bends, cardinals, tangents
 
 KNOTS = np.array([-1.0, -0.3, 0.4, 0.5, 2.0, 2.2])
 PLAIN = Variable(0.0, 1.0, False)

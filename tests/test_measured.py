@@ -7,10 +7,10 @@ import pytest
 
 import origins
 import toolkit
-from toolkit.describing import describe
-from toolkit.measured import from_samples
-from toolkit.plots import plot_samples
-from toolkit.sampling import NAMES, misfit, numerical_only, sampling_errors
+from toolkit.pictures.run import plot_samples
+from toolkit.results.describe import describe
+from toolkit.scene.measured import from_samples
+from toolkit.scene.sampling import NAMES, misfit, numerical_only, sampling_errors
 
 SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
 
@@ -80,7 +80,7 @@ def test_errors_of_samples_are_sampling_errors(monkeypatch: pytest.MonkeyPatch) 
     expected = SAMPLES.std(ddof=1) / np.sqrt(SAMPLES.size)
     # an error from 20 resamples is known to a sixth
     assert abs(errors["mean"] / expected - 1.0) < 0.7
-    monkeypatch.setattr("toolkit.describing.sampling_errors", lambda contacts: errors)
+    monkeypatch.setattr("toolkit.results.describe.sampling_errors", lambda contacts: errors)
     numbers = describe(contacts).numbers
     assert all(numbers[name].error >= errors[name] for name in NAMES)
     assert sampling_errors(origins.Contacts(origins.gaussian(1.0, 0.1))) == {}
@@ -118,7 +118,7 @@ def test_a_run_with_samples_says_whose_errors_it_tells() -> None:
 
 
 def test_a_mixture_states_its_sampling_errors(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toolkit.sampling.RESAMPLES", 4)
+    monkeypatch.setattr("toolkit.scene.sampling.RESAMPLES", 4)
     law = origins.mixture([origins.from_samples(SAMPLES), origins.gaussian(3.0, 0.2)], [0.5, 0.5])
     assert describe(origins.Contacts(law)).numbers["mean"].error > 1e-3
 

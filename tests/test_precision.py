@@ -14,11 +14,11 @@ import pytest
 import master
 import origins
 from toolkit.command import main
-from toolkit.precision import Ladders, Point, Precision, precision, table
-from toolkit.precision_picture import save_precision
-from toolkit.references import closed_form, reference
-from toolkit.scene import load_scene
-from toolkit.toml import to_toml
+from toolkit.judge.precision import Ladders, Point, Precision, precision, table
+from toolkit.pictures.precision import save_precision
+from toolkit.results.references import closed_form, reference
+from toolkit.scene.scene import load_scene
+from toolkit.scene.toml import to_toml
 
 SCENE: dict[str, Any] = {
     "title": "Gaussian, short",
@@ -124,8 +124,8 @@ def test_only_what_the_scene_names(solver: str, methods: set[str], modules: str,
     done = python(
         f"""
 import sys
-from toolkit.precision import Ladders, precision
-from toolkit.scene import load_scene
+from toolkit.judge.precision import Ladders, precision
+from toolkit.scene.scene import load_scene
 measured = precision(load_scene({tables!r}), Ladders((1e-2,), (25,), (100,), (100,)))
 print(*(point.method for point in measured.points))
 print(*(name for name in {modules.split()!r} if name in sys.modules))
@@ -198,7 +198,7 @@ def test_reference_is_the_best_there_is() -> None:
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty folder, made the current one, in which the command climbs no further than SHORT."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("toolkit.precision.Ladders", lambda: SHORT)
+    monkeypatch.setattr("toolkit.judge.precision.Ladders", lambda: SHORT)
     return tmp_path
 
 
@@ -242,7 +242,7 @@ def test_tolerances_that_give_the_same_are_drawn_once(gaussian: Precision) -> No
     # identical thresholds have one answer; the last two of the three share another
     from matplotlib.figure import Figure
 
-    from toolkit.precision_picture import plot_precision
+    from toolkit.pictures.precision import plot_precision
 
     exact = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}
     first, last = gaussian.points[0], gaussian.points[2]

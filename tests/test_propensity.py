@@ -14,7 +14,7 @@ from scipy.special import gammainc, gammaln, ndtr
 import master
 import origins
 from origins.errors import InputError
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 
 mp = mpmath.MPContext()
 mp.dps = 22

@@ -12,9 +12,9 @@ import master
 import origins
 from master.paper.q15_steady import paper_steady_state
 from origins import Ageing, Contacts
-from origins.diffusion import Diffusion
-from origins.frozen import as_thresholds
-from origins.quadrature import gauss
+from origins.laws.diffusion import Diffusion
+from origins.thresholds.quadrature import gauss
+from origins.thresholds.scipy_laws import as_thresholds
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
 FIGURE_A05 = [1e-5, 1e-4, 3e-4, 1e-3, 1e-2]

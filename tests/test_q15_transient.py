@@ -11,7 +11,7 @@ from master.paper.q15_steady import paper_steady_state
 from master.paper.q15_step import Q15Stepper, enough_parts, make_ageing
 from master.paper.q15_transient import paper_transient
 from origins import Ageing, Contacts, InputError
-from origins.diffusion import Diffusion
+from origins.laws.diffusion import Diffusion
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
 NARROW = origins.gaussian(0.5, 0.05)

@@ -6,8 +6,8 @@ from scipy import stats
 from scipy.special import gamma
 
 import origins
-from origins.frozen import as_thresholds
-from origins.quadrature import GAUSS_NODES, GAUSS_WEIGHTS, gauss, moment, panel_edges
+from origins.thresholds.quadrature import GAUSS_NODES, GAUSS_WEIGHTS, gauss, moment, panel_edges
+from origins.thresholds.scipy_laws import as_thresholds
 
 BETA = {1: 0.5, 2: 3.0 / 8.0, 3: 5.0 / 16.0, 4: 35.0 / 128.0}  # of the arcsine law
 

@@ -6,8 +6,8 @@ from scipy import stats
 
 import master
 import origins
-from toolkit.describing import describe
-from toolkit.sampling import NAMES, sampling_errors, unseen
+from toolkit.results.describe import describe
+from toolkit.scene.sampling import NAMES, sampling_errors, unseen
 
 
 @pytest.mark.parametrize("share", [0.5, 0.1, 0.02])
@@ -77,7 +77,7 @@ def test_islands_of_one_atom_all_break_alike() -> None:
 
 
 def test_resampled_exact_values_stay_and_vary_in_weight(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toolkit.sampling.RESAMPLES", 3)
+    monkeypatch.setattr("toolkit.scene.sampling.RESAMPLES", 3)
     rng = np.random.default_rng(6)
     law = origins.from_samples(np.concatenate([np.full(100, 0.7), rng.weibull(2.0, 300), np.full(50, 1.3)]))
     weights = np.array([one.atoms[1] for one in origins.bootstrap_laws(law, 24)])
@@ -92,7 +92,7 @@ def test_resampled_exact_values_stay_and_vary_in_weight(monkeypatch: pytest.Monk
 
 
 def test_no_instability_in_any_resample_is_no_error_of_zero(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toolkit.sampling.RESAMPLES", 3)
+    monkeypatch.setattr("toolkit.scene.sampling.RESAMPLES", 3)
     contacts = origins.Contacts(origins.from_samples(np.random.default_rng(8).gamma(0.5, size=200)))
     assert master.propensity(contacts, 1e-4).critical_spring == 0.0
     found = describe(contacts)

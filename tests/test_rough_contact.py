@@ -9,9 +9,9 @@ import pytest
 from scipy.integrate import quad
 
 import origins
-from origins.greenwood_williamson import critical_compression
-from origins.rough_contact import from_moments
-from origins.spectral_moments import SpectralMoments
+from origins.roughness.from_surface import from_moments
+from origins.roughness.greenwood_williamson import critical_compression
+from origins.roughness.spectral_moments import SpectralMoments
 
 MOMENTS = SpectralMoments(
     m0=4e-14,

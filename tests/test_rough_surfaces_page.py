@@ -11,8 +11,8 @@ import pytest
 
 import origins
 import toolkit
-from origins.greenwood_williamson import critical_compression
-from origins.quadrature import gauss, panel_edges
+from origins.roughness.greenwood_williamson import critical_compression
+from origins.thresholds.quadrature import gauss, panel_edges
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE = (DOCS / "rough-surfaces.md").read_text(encoding="utf-8")

@@ -19,15 +19,15 @@ import master
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
-from toolkit.coupled import slips_beside
-from toolkit.files import summary
-from toolkit.folders import check_folder, write_folder
-from toolkit.plots import plot_density, plot_force
-from toolkit.progress import Progress, Refinement
-from toolkit.results import OWN_UNIT, sample_curve
-from toolkit.running import solve_master
-from toolkit.scene import SHIPPED, shipped_scenes
-from toolkit.toml import to_toml
+from toolkit.pictures.run import plot_density, plot_force
+from toolkit.results.files import summary
+from toolkit.results.folders import check_folder, write_folder
+from toolkit.results.records import OWN_UNIT, sample_curve
+from toolkit.running.coupled import slips_beside
+from toolkit.running.progress import Progress, Refinement
+from toolkit.running.runner import solve_master
+from toolkit.scene.scene import SHIPPED, shipped_scenes
+from toolkit.scene.toml import to_toml
 
 SURFACE = {"kind": "self-affine", "shape": [64, 64], "pixel_size": 1e-8, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
 
@@ -40,7 +40,7 @@ def small(name: str, contacts: int = 400, replicas: int = 4) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def result() -> toolkit.results.Result:  # type: ignore[name-defined]
+def result() -> toolkit.results.records.Result:  # type: ignore[name-defined]
     return toolkit.run(small("gaussian"))
 
 
@@ -114,7 +114,7 @@ def test_progress_is_for_long_runs_only(
     terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = iter([0.0, 0.3, 0.6, 0.9, 0.0, 0.5, 70.0, 71.0, 101.0, 102.0])
-    monkeypatch.setattr("toolkit.progress.time", SimpleNamespace(monotonic=lambda: next(clock)))
+    monkeypatch.setattr("toolkit.running.progress.time", SimpleNamespace(monotonic=lambda: next(clock)))
     short = Progress(patience=1.0)
     for done in (1, 2, 3):
         short(done, 3)
@@ -302,7 +302,7 @@ def test_failing_half_way_keeps_the_old_files(tmp_path: Path) -> None:
 
 def test_nothing_of_another_scene_stays_beside_a_new_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of what is not known to be of an earlier command nothing is removed."""
-    monkeypatch.setattr("toolkit.plots.save_picture", lambda _, path: path.write_bytes(b"drawn"))
+    monkeypatch.setattr("toolkit.pictures.run.save_picture", lambda _, path: path.write_bytes(b"drawn"))
     thermal = {"law": "soft", "temperature": 0.1}
     swept, plain = tmp_path / "swept.toml", tmp_path / "plain.toml"
     thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.2}

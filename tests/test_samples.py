@@ -10,8 +10,8 @@ from scipy import stats
 import master
 import origins
 from origins import InputError
-from origins.quadrature import gauss, panel_edges
-from origins.samples import Sampled
+from origins.samples.from_samples import Sampled
+from origins.thresholds.quadrature import gauss, panel_edges
 
 LAWS = {
     "weibull 2.5": stats.weibull_min(2.5),

@@ -14,9 +14,9 @@ import eq_model
 import origins
 import toolkit
 from origins.errors import InputError
-from toolkit import laws
-from toolkit.scene import SHIPPED, shipped_scenes
-from toolkit.toml import to_toml
+from toolkit.scene import laws
+from toolkit.scene.scene import SHIPPED, shipped_scenes
+from toolkit.scene.toml import to_toml
 
 SCENE: dict[str, Any] = {
     "title": "test",

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import toolkit
-from toolkit.toml import to_toml
+from toolkit.scene.toml import to_toml
 
 SCENE = {
     "contacts": {
@@ -28,8 +28,8 @@ PROGRAM = """
 import json, sys
 from mpi4py import MPI
 import toolkit
-from toolkit.toml import to_toml
-from origins import domain_sampling
+from toolkit.scene.toml import to_toml
+from origins.domains import domain_sampling
 
 drawn, real = [], domain_sampling._draw
 def counted(family, angles, fastest, key, numbers):
@@ -60,11 +60,11 @@ def test_ranks_share_the_domains_and_agree(ranks: int, mpirun: Callable[..., Any
 
 
 COMMAND = """
-import toolkit.command, toolkit.comparing, toolkit.describing
+import toolkit.command, toolkit.judge.compare, toolkit.results.describe
 # the sampling errors of 20 resampled laws take long
-toolkit.comparing.sampling_errors = toolkit.describing.sampling_errors = lambda contacts: {}
+toolkit.judge.compare.sampling_errors = toolkit.results.describe.sampling_errors = lambda contacts: {}
 from mpi4py import MPI
-from origins import domain_sampling
+from origins.domains import domain_sampling
 
 drawn, real = [], domain_sampling._draw
 def counted(family, angles, fastest, key, numbers):

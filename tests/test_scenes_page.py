@@ -11,7 +11,7 @@ import msgspec
 import pytest
 
 import origins
-from toolkit import islands, laws, scene, surfaces
+from toolkit.scene import islands, laws, scene, surfaces
 
 PAGE = Path(__file__).parents[1] / "docs" / "scenes.md"
 GIVEN = ("folder", "comm")  # not for a scene to say

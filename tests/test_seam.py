@@ -16,9 +16,9 @@ from eq_model.closest import closest
 from master.paper.explicit import explicit
 from origins import Contacts, Delay, InputError, SoftRates, StiffRates, Thermal, ThresholdLaw
 from origins.contacts import LAWS
+from origins.grains.lifshitz_slyozov import LifshitzSlyozov
 from origins.laws import RATE_LAWS
-from origins.lifshitz_slyozov import LifshitzSlyozov
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 
 GAUSSIAN = origins.gaussian(1.0, 0.2)
 SURFACE = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
@@ -202,7 +202,6 @@ def test_a_short_way_back_from_the_threshold() -> None:
 
 PATH = np.linspace(0.0, 1.0, 5)
 SOLVERS = {
-    "master.propensity": master.propensity,
     "master.decoherence_spectrum": master.decoherence_spectrum,
     "master.paper.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),

@@ -7,7 +7,7 @@ import pytest
 from counted_calls import CountedCalls
 
 import origins
-from origins.self_affine import difference_moments
+from origins.roughness.self_affine import difference_moments
 
 CASES = [
     ((64, 64), 1.0, {"hurst": 0.8}),

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 
 import master
 from origins import Contacts, gaussian
-from origins.thermal import GivenRates
+from origins.laws.thermal import GivenRates
 
 LAW = gaussian(1.0, 0.2)
 TILTED = Tilted(alpha=0.1, omega=3.0)

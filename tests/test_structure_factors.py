@@ -5,8 +5,13 @@ import numpy as np
 import pytest
 
 import origins
+from origins.domains.structure_factors import (
+    dirichlet,
+    structure_factors,
+    triangular_magnitude,
+    triangular_structure_factors,
+)
 from origins.errors import InputError
-from origins.structure_factors import dirichlet, structure_factors, triangular_magnitude, triangular_structure_factors
 
 LONG = np.longdouble
 COMMENSURATE = [2 * np.pi, 4 * np.pi, np.pi, 4 * np.pi / np.sqrt(3.0), 2 * np.pi / np.sqrt(3.0)]

@@ -14,8 +14,8 @@ import pytest
 
 import toolkit
 from origins.errors import InputError
-from toolkit.checkpoint import Checkpoint, identity
-from toolkit.running import make_ensemble
+from toolkit.running.checkpoint import Checkpoint, identity
+from toolkit.running.runner import make_ensemble
 
 SCENE: dict[str, Any] = {
     "title": "survivor",
@@ -43,10 +43,10 @@ PROGRAM = """
 import json, os, resource, signal, sys
 import eq_model
 from toolkit.command import main
-from toolkit.launch import read_environment
-import toolkit.plots
+from toolkit.running.launch import read_environment
+import toolkit.pictures.run
 
-toolkit.plots.save_picture = lambda result, path: path.touch()
+toolkit.pictures.run.save_picture = lambda result, path: path.touch()
 
 def room(most=resource.RLIM_INFINITY):
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.RLIM_INFINITY))
@@ -108,7 +108,7 @@ FORKS = CHILDREN + 'assert run(words("whole")) == 0\n'
 
 
 def scene_file(folder: Path, name: str = "scene", **tables: Any) -> None:
-    from toolkit.toml import to_toml
+    from toolkit.scene.toml import to_toml
 
     (folder / f"{name}.toml").write_text(to_toml(SCENE | tables))
 
@@ -290,7 +290,7 @@ def test_thresholds_from_a_file_that_changed_are_another_run(tmp_path: Path) -> 
     names = []
     for samples in ("1.0 1.1 1.2 1.4 1.6", "1.0 1.1 1.2 1.4 1.7"):
         (tmp_path / "x.txt").write_text("\n".join(samples.split()))
-        (tmp_path / "s.toml").write_text(toolkit.toml.to_toml(tables))  # type: ignore[attr-defined]
+        (tmp_path / "s.toml").write_text(toolkit.scene.toml.to_toml(tables))  # type: ignore[attr-defined]
         names.append(identity(toolkit.load_scene(tmp_path / "s.toml")))
     assert [key for key in names[0] if names[0][key] != names[1][key]] == ["contacts.thresholds as drawn"]
 

@@ -10,9 +10,9 @@ import pytest
 import master
 import toolkit
 from origins import InputError
-from origins.interface import BOLTZMANN
+from origins.roughness.interface import BOLTZMANN
 from toolkit.command import main
-from toolkit.sweep_picture import plot_critical_spring, plot_sweep, sweep_panels
+from toolkit.pictures.sweep import plot_critical_spring, plot_sweep, sweep_panels
 
 THRESHOLDS = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
 WARM = {"thresholds": THRESHOLDS, "thermal": {"law": "soft", "temperature": 0.3}}

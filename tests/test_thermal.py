@@ -6,7 +6,7 @@ import pytest
 
 import origins
 from origins import Contacts, InputError, Thermal
-from origins.dawson import inverse_log_growth, log_growth
+from origins.laws.dawson import inverse_log_growth, log_growth
 
 mpmath.mp.dps = 50
 LAWS = ["soft", "stiff"]

@@ -11,7 +11,7 @@ from scipy import stats
 
 import origins
 from origins import InputError
-from origins.frozen import as_thresholds
+from origins.thresholds.scipy_laws import as_thresholds
 
 LAWS = {
     "identical": origins.identical(1.0),

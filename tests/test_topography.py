@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import origins
-from origins.topography import Topography, as_topography, detrended
+from origins.roughness.topography import Topography, as_topography, detrended
 
 RNG = np.random.default_rng(20100807)
 

@@ -11,21 +11,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from toolkit.files import load, save
-    from toolkit.plots import plot
-    from toolkit.running import run
-    from toolkit.scene import load_scene
+    from toolkit.pictures.run import plot
+    from toolkit.results.files import load, save
+    from toolkit.running.runner import run
+    from toolkit.scene.scene import load_scene
 
 __version__ = "0.1.0"
 
 __all__ = ["__version__", "load", "load_scene", "plot", "run", "save"]
 
 _HOMES = {
-    "load": "toolkit.files",
-    "save": "toolkit.files",
-    "plot": "toolkit.plots",
-    "run": "toolkit.running",
-    "load_scene": "toolkit.scene",
+    "load": "toolkit.results.files",
+    "save": "toolkit.results.files",
+    "plot": "toolkit.pictures.run",
+    "run": "toolkit.running.runner",
+    "load_scene": "toolkit.scene.scene",
 }
 
 

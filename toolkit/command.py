@@ -7,7 +7,7 @@ if TYPE_CHECKING:  # else imported within, so that an interrupt of any import is
     import argparse
     from collections.abc import Sequence
 
-    from toolkit.launch import Launch
+    from toolkit.running.launch import Launch
 
 COMMANDS = {
     "run": "solve a scene: F(X) with its error and run time, result files and a picture",
@@ -23,7 +23,7 @@ def main(words: "Sequence[str] | None" = None) -> int:
     interrupted, 143 terminated."""
     # before there was anything to end: all the time that the imports take
     try:
-        from toolkit.terminated import Terminated, terminable
+        from toolkit.running.terminated import Terminated, terminable
 
         try:
             with terminable():
@@ -40,7 +40,7 @@ def _run(words: list[str]) -> int:
     import os
     from contextlib import redirect_stderr, redirect_stdout
 
-    from toolkit.launch import read_environment
+    from toolkit.running.launch import read_environment
 
     launched = read_environment()
     if launched.rank == 0:
@@ -72,7 +72,7 @@ def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
     from importlib import import_module
 
     module = import_module(f"toolkit.commands.{parsed.command}")
-    from toolkit.ranks import end_together, on_root
+    from toolkit.running.ranks import end_together, on_root
 
     if module.ALL_RANKS:
         return end_together(lambda comm: int(module.execute(parsed, comm)), launched)

@@ -19,8 +19,8 @@ from scipy.linalg import eigh_tridiagonal
 from master._old.effective_law import EffectiveLaw
 from master._old.first_passage import FirstPassage, first_passage
 from origins import Contacts, Thresholds
-from origins.quadrature import gauss
 from origins.start import Start
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from numpy.polynomial.legendre import legvander
 
 from origins import Contacts, Thresholds
-from origins.quadrature import GAUSS_NODES, NODES, finite_density, gauss, panel_edges
+from origins.thresholds.quadrature import GAUSS_NODES, NODES, finite_density, gauss, panel_edges
 
 if TYPE_CHECKING:
     from master._old.reborn_sums import RebornBreaks

@@ -9,7 +9,7 @@ from master._old.piecewise import Piecewise, tabulate
 from master._old.thermal_law import ThermalBreaking
 from master._old.thermal_paper import PaperBreaking
 from origins import Contacts, Thresholds
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from master._old.law import Law
 from master._old.piecewise import Piecewise, tabulate
 from origins import Contacts
-from origins.quadrature import gauss
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 

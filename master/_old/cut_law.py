@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Contacts
-from origins.quadrature import NODES, gauss, panel_edges
+from origins.thresholds.quadrature import NODES, gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 

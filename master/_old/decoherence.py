@@ -13,7 +13,7 @@ from master._old.lattice import deposit_atoms, lay
 from master._old.law import Law
 from master._old.long_wait import LONG, Waves, slowest_wave
 from origins import Contacts
-from origins.quadrature import gauss
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from master._old.decoherence_roots import Complex, Lines, Roots
 from master._old.problem import Problem
-from origins.quadrature import gauss
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from master._old.decoherence import transform_error, wave_nodes
 from master._old.piecewise import Piecewise
 from master._old.problem import Problem
-from origins.quadrature import gauss
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -23,7 +23,7 @@ from master._old.decoherence_terms import Term, first_breaks, released_by
 from master._old.long_wait import Waves, slowest_waves
 from master._old.problem import Problem
 from origins.errors import InputError
-from origins.quadrature import gauss
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -25,7 +25,7 @@ from scipy.linalg import solve_banded
 from master._old.potential import Potential
 from master._old.spectral_elements import SpectralElements
 from origins import InputError, Thresholds
-from origins.quadrature import panel_edges
+from origins.thresholds.quadrature import panel_edges
 
 Array = npt.NDArray[np.float64]
 Hazard = Callable[[float, Array], Array]

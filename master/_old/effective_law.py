@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from master._old.piecewise import Piecewise, tabulate
 from origins.errors import InputError, finite_array, non_negative, refuse
-from origins.quadrature import gauss
-from origins.thresholds import Array, Thresholds
+from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.quadrature import gauss
 
 _MISFIT = 1e-6
 _SPENT = 45.0  # e-foldings of the survival after which nothing counts

@@ -17,9 +17,9 @@ from master._old.effective_law import EffectiveLaw
 from master._old.ornstein_passage import OrnsteinPassage
 from master._old.piecewise import Piecewise
 from origins import Ageing, InputError, Thresholds
-from origins.breaking_rate import BreakingRate
 from origins.errors import finite, positive
-from origins.frozen import as_thresholds
+from origins.laws.breaking_rate import BreakingRate
+from origins.thresholds.scipy_laws import as_thresholds
 
 Array = npt.NDArray[np.float64]
 

@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Contacts, GrainContact, Thresholds
-from origins.identical import Identical
-from origins.mixture import Mixture
-from origins.quadrature import panel_edges
 from origins.start import Start
+from origins.thresholds.identical import Identical
+from origins.thresholds.mixture import Mixture
+from origins.thresholds.quadrature import panel_edges
 
 Array = npt.NDArray[np.float64]
 

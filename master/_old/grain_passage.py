@@ -19,7 +19,7 @@ from master._old.first_passage import FirstPassage
 from master._old.grain_breaking import GrainBreaking
 from master._old.piecewise import Piecewise
 from origins import Contacts
-from origins.lifshitz_slyozov import invert_beyond
+from origins.grains.lifshitz_slyozov import invert_beyond
 
 Array = npt.NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from origins.quadrature import GAUSS_NODES, gauss
+from origins.thresholds.quadrature import GAUSS_NODES, gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from master._old.corners import bends, onset
 from origins import Contacts, InputError, Thresholds
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 

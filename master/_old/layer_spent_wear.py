@@ -14,7 +14,7 @@ from master._old.spent_wear import Spent, barycentric
 from master._old.thermal_wear import fresh_rate
 from master._old.wear import Left, stiffness_beyond
 from origins import Contacts
-from origins.quadrature import GAUSS_NODES, GAUSS_WEIGHTS, NODES, finite_density
+from origins.thresholds.quadrature import GAUSS_NODES, GAUSS_WEIGHTS, NODES, finite_density
 
 Array = npt.NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from master._old.thermal_wear import Softly
 from master._old.timeline import Piece
 from master._old.wear import Left
 from origins import Contacts
-from origins.frozen import FrozenThresholds
+from origins.thresholds.scipy_laws import FrozenThresholds
 
 Array = npt.NDArray[np.float64]
 

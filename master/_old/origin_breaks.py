@@ -19,7 +19,7 @@ from master._old.thermal_law import ThermalBreaking
 from master._old.thermal_paper import PaperBreaking
 from master._old.thermal_spread import SpreadBreaks
 from origins import Contacts
-from origins.quadrature import gauss
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from numpy.polynomial import legendre
 
 from master._old.piecewise import Piecewise, tabulate
 from origins import InputError, Thresholds
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 

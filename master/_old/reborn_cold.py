@@ -12,8 +12,8 @@ from master._old.law import Law
 from master._old.piecewise import tabulate
 from master._old.starting import StartSum
 from origins import Contacts
-from origins.quadrature import gauss, panel_edges
 from origins.start import Start
+from origins.thresholds.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 

@@ -30,7 +30,7 @@ from master._old.solution import Solution
 from master._old.starting import StartSum
 from master.outcome import Progress, outcome
 from origins import Contacts
-from origins.quadrature import GAUSS_NODES, gauss
+from origins.thresholds.quadrature import GAUSS_NODES, gauss
 
 Array = npt.NDArray[np.float64]
 

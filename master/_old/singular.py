@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master._old.lattice import INTEGRATE, STENCIL, lagrange, lay, share_atoms
-from origins.quadrature import gauss
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]

@@ -12,8 +12,8 @@ from master._old.cut_law import SLACK, CutLaw
 from master._old.thermal_wear import error_of, fresh_rate
 from master._old.wear import Left, Standing
 from origins import Contacts
-from origins.quadrature import GAUSS_NODES, NODES
-from origins.thermal import GivenRates, Thermal
+from origins.laws.thermal import GivenRates, Thermal
+from origins.thresholds.quadrature import GAUSS_NODES, NODES
 
 Array = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.intp]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from master._old.law import Law
 from master._old.piecewise import Piecewise, tabulate
 from origins import Contacts
-from origins.quadrature import GAUSS_NODES, gauss
+from origins.thresholds.quadrature import GAUSS_NODES, gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from master.outcome import WELL, judged
 from origins import Contacts, InputError, Thresholds
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive, refuse
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 
 if TYPE_CHECKING:
     from master.paper.q15_steady import AgeingSteadyState

@@ -18,8 +18,8 @@ import numpy.typing as npt
 
 from master._old.threshold_panels import ThresholdPanels
 from origins import Contacts
-from origins.quadrature import finite_density
 from origins.start import Start
+from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 Function = Callable[[Array], Array]

@@ -17,8 +17,8 @@ from master._old.piecewise import Piecewise, tabulate
 from master._old.threshold_panels import ThresholdPanels
 from master._old.weights import NodeWeights
 from origins import Contacts
-from origins.quadrature import GAUSS_NODES, finite_density, gauss
 from origins.start import Start
+from origins.thresholds.quadrature import GAUSS_NODES, finite_density, gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from master._old.piecewise import Bundle, bundle, tabulate
 from master._old.starting import StartSum
 from master._old.thermal_law import MOST_GROWTH, MOST_SPENT, ThermalBreaking
 from master._old.thermal_paper import PaperBreaking
-from origins.quadrature import GAUSS_NODES, gauss
+from origins.thresholds.quadrature import GAUSS_NODES, gauss
 
 Array = npt.NDArray[np.float64]
 

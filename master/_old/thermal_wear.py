@@ -11,7 +11,7 @@ import numpy.typing as npt
 from master._old.cut_law import SLACK, CutLaw
 from master._old.wear import Keeper, Left
 from origins import Contacts, SoftRates
-from origins.quadrature import NODES, finite_density, gauss, panel_edges
+from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 

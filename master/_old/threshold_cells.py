@@ -20,8 +20,8 @@ from scipy.special import ndtr
 from master._old.diffusion_passage import narrowest
 from master._old.potential import Potential
 from origins import Contacts, InputError
-from origins.gaussian import CutGaussian
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.gaussian import CutGaussian
+from origins.thresholds.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 Nodes = tuple[Array, Array]

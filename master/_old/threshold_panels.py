@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from master._old.weights import NodeWeights
 from origins import Thresholds
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]

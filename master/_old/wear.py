@@ -16,8 +16,8 @@ import numpy.typing as npt
 from master._old.cut_law import SLACK
 from master._old.piecewise import tabulate
 from origins import Contacts
-from origins.frozen import FrozenThresholds
-from origins.quadrature import panel_edges
+from origins.thresholds.quadrature import panel_edges
+from origins.thresholds.scipy_laws import FrozenThresholds
 
 Array = npt.NDArray[np.float64]
 

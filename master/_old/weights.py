@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Thresholds
-from origins.quadrature import finite_density
+from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 

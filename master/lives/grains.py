@@ -18,9 +18,9 @@ from master.lives.life import UnbentLife
 from master.lives.stretch_rule import finite_density, stretch_panels
 from master.motion.motion import History, Legs
 from origins import Contacts, GrainContact
-from origins.lifshitz_slyozov import hazard_beyond
-from origins.quadrature import gauss
+from origins.grains.lifshitz_slyozov import hazard_beyond
 from origins.start import Start
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 

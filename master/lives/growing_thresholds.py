@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from master.lives.grains import GONE
 from origins import GrainContact
-from origins.lifshitz_slyozov import invert_beyond
+from origins.grains.lifshitz_slyozov import invert_beyond
 
 Array = npt.NDArray[np.float64]
 

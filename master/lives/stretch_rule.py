@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from origins.quadrature import gauss
 from origins.start import Start
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 

@@ -21,8 +21,8 @@ from master.lives.growing_thresholds import GrowingThresholds
 from master.lives.stretch_rule import finite_density, stretch_panels
 from master.motion.motion import History, Legs
 from origins import Contacts
-from origins.quadrature import gauss
 from origins.start import Start
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]

@@ -24,7 +24,7 @@ from master.lives.heat.mean_rate import MeanRateLife
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
 from origins.errors import positive, refuse
-from origins.thresholds import Thresholds
+from origins.thresholds.law import Thresholds
 
 Array = npt.NDArray[np.float64]
 Breaking = Literal["survival", "printed"]

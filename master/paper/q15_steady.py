@@ -24,9 +24,9 @@ from scipy.optimize import brentq
 
 from master.outcome import WELL, judged
 from origins import Ageing, Contacts, InputError, Thresholds
-from origins.diffusion import Diffusion
 from origins.errors import positive
-from origins.frozen import as_thresholds
+from origins.laws.diffusion import Diffusion
+from origins.thresholds.scipy_laws import as_thresholds
 
 Array = npt.NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from scipy.linalg.lapack import zgttrf, zgttrs
 
 from master.paper.q15_steady import AgeingSteadyState, check_alone
 from origins import Ageing, Contacts, InputError
-from origins.diffusion import Diffusion
 from origins.errors import refuse
+from origins.laws.diffusion import Diffusion
 
 Array = npt.NDArray[np.float64]
 Keep = Literal["positivity", "mass"]

@@ -120,6 +120,11 @@ class Table:
     def widths(self) -> Array:
         return self.end - self.begin
 
+    @property
+    def tails(self) -> Array:
+        """The larger of the last two coefficients of any function, shape (panels,)."""
+        return np.asarray(np.abs(self._parts[-2:]).max(axis=(0, 1)))
+
     def fine(self, width: float) -> Array:
         """Edges beside panels that are narrower than a width."""
         narrow = self.widths < width

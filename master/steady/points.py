@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from origins import Ageing, Contacts, Delay, Thermal
 from origins.errors import InputError, refuse
-from origins.thermal import GivenRates
+from origins.laws.thermal import GivenRates
 
 Array = npt.NDArray[np.float64]
 

@@ -16,8 +16,8 @@ from master.steady.travel import NONE, Travel
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive
-from origins.quadrature import gauss
 from origins.start import SingleStart, Start
+from origins.thresholds.quadrature import gauss
 
 if TYPE_CHECKING:
     from master.paper.q15_steady import AgeingSteadyState

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from master.renewal.table import Table
 from origins import Contacts
-from origins.quadrature import NODES, finite_density, gauss, panel_edges
+from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 

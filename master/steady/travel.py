@@ -83,7 +83,7 @@ class Travel:
 
     Attributes
     ----------
-    born, accuracy
+    life, born, accuracy
         As given.
     table : Table
         E and K/`scale` over the way (a length).
@@ -112,7 +112,7 @@ class Travel:
     ) -> None:
         if accuracy is None:
             accuracy = ACCURACY if born.is_single else OF_MANY
-        self._life, self.born, self._velocity, self.accuracy = life, born, velocity, accuracy
+        self.life, self.born, self._velocity, self.accuracy = life, born, velocity, accuracy
         ways = self._ladder()
         # panels that follow E more closely than it is known would follow its rounding
         accuracy = max(accuracy, min(life.error, COARSEST))
@@ -169,7 +169,7 @@ class Travel:
         """Ways at which contacts born at one stretch come to where many of them break together."""
         if not self.born.is_single:
             return np.empty(0)
-        return self._life.marks(STEEP * self.typical) - float(self.born.mean())
+        return self.life.marks(STEEP * self.typical) - float(self.born.mean())
 
     def _ends(self) -> _Ends:
         """The ends of all panels."""
@@ -187,15 +187,15 @@ class Travel:
         after[:, -1] = self._scaled(at[-1:, None])[:, 0, 0]
         return np.asarray(np.abs(after - before) * ~np.isin(at, self.atoms))
 
-    def _left(self, way: Array) -> Array:
+    def left(self, way: Array) -> Array:
         """E and K after ways (lengths) of shape (rows, columns)."""
         far = float(way.max())
         motion = Motion(np.array([0.0, far / self._velocity]), np.array([0.0, far]))
         history = motion.history(way / self._velocity, np.zeros((1, 1)))
-        return self._life.left(self.born, history)
+        return self.life.left(self.born, history)
 
     def _scaled(self, way: Array) -> Array:
-        found = self._left(way)
+        found = self.left(way)
         found[1] /= self.scale
         return found
 
@@ -204,7 +204,7 @@ class Travel:
 
         Sets `typical` and `scale`.
         """
-        reach = self._life.reach + max(-2.0 * float(self.born.span[0]), 0.0)
+        reach = self.life.reach + max(-2.0 * float(self.born.span[0]), 0.0)
         rungs, held = np.array([reach]), np.zeros(1)
         while held[0] < 1.0 - UNBROKEN and rungs[0] > NONE * float(held[1:] @ np.diff(rungs)):
             if rungs[0] < NEAREST * reach:
@@ -227,4 +227,4 @@ class Travel:
 
     def _held(self, way: Array) -> Array:
         """E after ways (lengths) of shape (n,)."""
-        return np.asarray(self._left(way[:, None])[0, :, 0])
+        return np.asarray(self.left(way[:, None])[0, :, 0])

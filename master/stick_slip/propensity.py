@@ -5,14 +5,18 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
+from master.lives.life import Life
 from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.forward import births_table
-from master.steady.steady import check_finite, cycle_of
+from master.steady.steady import births_of, check_finite, cycle_of
+from master.steady.travel import Travel
+from master.stick_slip.decoherence import decoherence_length
 from master.stick_slip.extremes import extremes, unit_of
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance, positive
+from origins.laws.thermal import GivenRates
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     """
     began = time.perf_counter()
     tolerance = check_tolerance("tolerance", tolerance)
-    check_contacts(contacts, "master.propensity", LAWS)
+    check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
     check_finite(contacts)
     velocity = positive("velocity", velocity)
     life = steady_life(contacts, velocity)
@@ -84,7 +88,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
             "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
         )
     found, unit = extremes(contacts, life, travel, velocity, tolerance), unit_of(contacts, travel)
-    length, length_error = _decoherence(contacts, velocity)
+    length, length_error = _decoherence(contacts, life, velocity)
     ratio = max(found.static / kinetic, 1.0)
     if not found.spring > 0.0:
         ratio = 1.0  # F(X) falls nowhere, so that F_k is its largest value
@@ -105,9 +109,13 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     )
 
 
-def _decoherence(contacts: Contacts, velocity: float) -> tuple[float, float]:
-    """X* and its error (lengths), until the spectrum is solved by its own roots."""
+def _decoherence(contacts: Contacts, life: Life, velocity: float) -> tuple[float, float]:
+    """X* and its error (lengths); of origins' own laws by the old search until the new one has
+    taken over decoherence_spectrum."""
+    if isinstance(contacts.thermal, GivenRates):
+        births = Travel(life, births_of(contacts), velocity)
+        return decoherence_length(contacts, births, velocity * contacts.waiting_time)
     from master._old.cycle import Cycle
-    from master._old.decoherence import decoherence_length
+    from master._old.decoherence import decoherence_length as old_length
 
-    return decoherence_length(contacts, Cycle(contacts, velocity))
+    return old_length(contacts, Cycle(contacts, velocity))

@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import dawsn
 
-from origins.dawson import inverse_log_growth, log_growth
 from origins.errors import TEMPERATURE, positive
 from origins.laws.compiled import CompiledRates
-from origins.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
-from origins.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
+from origins.laws.dawson import inverse_log_growth, log_growth
+from origins.laws.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
+from origins.thresholds.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
 
 Array = npt.NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import dawsn
 
-from origins.dawson import inverse_log_growth
 from origins.laws.compiled import CompiledRates, inlined
+from origins.laws.dawson import inverse_log_growth
 
 Array = npt.NDArray[np.float64]
 

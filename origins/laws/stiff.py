@@ -14,7 +14,7 @@ from scipy.special import exprel
 
 from origins.errors import TEMPERATURE, positive
 from origins.laws.compiled import CompiledRates
-from origins.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
+from origins.laws.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
 
 Array = npt.NDArray[np.float64]
 

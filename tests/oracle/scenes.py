@@ -15,7 +15,7 @@ KEPT_SPEEDS = 15  # of a sweep
 
 def scene_cases() -> Iterator[Case]:
     """One case for the path of each scene, and one for its sweep."""
-    from toolkit.scene import load_scene, shipped_scenes
+    from toolkit.scene.scene import load_scene, shipped_scenes
 
     for name in shipped_scenes():
         # asked without building the contacts, which takes seconds for islands and surfaces

@@ -17,13 +17,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print the table; write compare.png, compare.txt and compare.json; 1 where a solver missed its tolerance."""
     from origins.errors import refuse
-    from toolkit.comparing import compare, naming, table
-    from toolkit.compiling_notice import CompilingNotice
-    from toolkit.files import write_json
-    from toolkit.folders import check_folder, write_folder
-    from toolkit.progress import Progress
-    from toolkit.ranks import on_root
-    from toolkit.scene import load_scene
+    from toolkit.judge.compare import compare, naming, table
+    from toolkit.results.files import write_json
+    from toolkit.results.folders import check_folder, write_folder
+    from toolkit.running.compiling_notice import CompilingNotice
+    from toolkit.running.progress import Progress
+    from toolkit.running.ranks import on_root
+    from toolkit.scene.scene import load_scene
 
     scenes = []
     for scene in arguments.scenes:
@@ -41,7 +41,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     numbers = {"scenes": [_numbers(verdict) for verdict in verdicts]}
 
     def write() -> None:
-        from toolkit.comparison_picture import save_comparison
+        from toolkit.pictures.compare import save_comparison
 
         write_folder(
             folder,

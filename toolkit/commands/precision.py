@@ -16,12 +16,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print each point once it is measured; write precision.png, precision.txt and precision.json."""
-    from toolkit.compiling_notice import CompilingNotice
-    from toolkit.files import write_json
-    from toolkit.folders import check_folder, write_folder
-    from toolkit.precision import Point, precision, table, table_head, table_line
-    from toolkit.precision_picture import save_precision
-    from toolkit.scene import load_scene
+    from toolkit.judge.precision import Point, precision, table, table_head, table_line
+    from toolkit.pictures.precision import save_precision
+    from toolkit.results.files import write_json
+    from toolkit.results.folders import check_folder, write_folder
+    from toolkit.running.compiling_notice import CompilingNotice
+    from toolkit.scene.scene import load_scene
 
     scene = load_scene(arguments.scene)
     folder = arguments.out or f"{scene.name}-output"

@@ -29,10 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Run, report, write; 1 where a solver did not reach its tolerance (the results are written all the same)."""
-    from toolkit.compiling_notice import CompilingNotice
-    from toolkit.progress import Progress, Refinement
-    from toolkit.running import foreseen, open_checkpoint, solve, write
-    from toolkit.scene import load_scene
+    from toolkit.running.compiling_notice import CompilingNotice
+    from toolkit.running.progress import Progress, Refinement
+    from toolkit.running.runner import foreseen, open_checkpoint, solve, write
+    from toolkit.scene.scene import load_scene
 
     scene = load_scene(arguments.scene, comm=comm)
     first = comm is None or comm.Get_rank() == 0
@@ -61,9 +61,9 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 def _foretold(scene: Any, folder: str, comm: Any) -> list[str]:
     """What a run of the scene into this folder will take, in lines."""
-    from toolkit.checkpoint import Checkpoint
-    from toolkit.coupled import coupled_lines
-    from toolkit.forecast import forecast, lines, pilot, pilot_lines
+    from toolkit.running.checkpoint import Checkpoint
+    from toolkit.running.coupled import coupled_lines
+    from toolkit.running.forecast import forecast, lines, pilot, pilot_lines
 
     told = [scene.title or scene.name]
     # one of another scene is refused, as the run would
@@ -81,9 +81,9 @@ def _foretold(scene: Any, folder: str, comm: Any) -> list[str]:
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
-    from toolkit.coupled import CoupledRecord, slip_lines
-    from toolkit.interfaces import in_a_line, with_error
-    from toolkit.results import AgeingRecord, SoftRecord
+    from toolkit.results.records import AgeingRecord, SoftRecord
+    from toolkit.running.coupled import CoupledRecord, slip_lines
+    from toolkit.scene.interfaces import in_a_line, with_error
 
     lines = [result.title or result.name]
     if result.interface is not None:
@@ -123,7 +123,7 @@ def report(result: Any) -> list[str]:
     if isinstance(result.eq, CoupledRecord):
         lines += slip_lines(result)
     elif result.master is not None and result.eq is not None:
-        from toolkit.deviation import why_not_compared, worst_deviation
+        from toolkit.judge.deviation import why_not_compared, worst_deviation
 
         apart = worst_deviation(result)
         if apart is None:

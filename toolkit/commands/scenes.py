@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print the names in one column and the titles in another, 100 columns in all; long titles go on below."""
-    from toolkit.scene import SHIPPED, shipped_scenes
+    from toolkit.scene.scene import SHIPPED, shipped_scenes
 
     names = shipped_scenes()
     width = max(map(len, names)) + 2

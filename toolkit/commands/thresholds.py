@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from toolkit.describing import Description
+    from toolkit.results.describe import Description
 
 ALL_RANKS = True
 _SYMBOLS = {
@@ -31,14 +31,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print the table; write thresholds.png and thresholds.json."""
-    from toolkit.describing import describe
-    from toolkit.files import write_json
-    from toolkit.folders import write_folder
-    from toolkit.leftovers import check_beside
-    from toolkit.plots import save_thresholds_picture
-    from toolkit.ranks import on_root
-    from toolkit.results import sample_curve
-    from toolkit.scene import load_scene
+    from toolkit.pictures.run import save_thresholds_picture
+    from toolkit.results.describe import describe
+    from toolkit.results.files import write_json
+    from toolkit.results.folders import write_folder
+    from toolkit.results.records import sample_curve
+    from toolkit.running.leftovers import check_beside
+    from toolkit.running.ranks import on_root
+    from toolkit.scene.scene import load_scene
 
     scene = load_scene(arguments.scene, solved=False, comm=comm)
     folder = arguments.out or f"{scene.name}-output"
@@ -59,7 +59,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 def lines(found: "Description") -> list[str]:
     """The table as lines of text."""
-    from toolkit.interfaces import with_error
+    from toolkit.scene.interfaces import with_error
 
     names = {name: f"{name.replace('_', ' ')} {_SYMBOLS.get(name, '')}".rstrip() for name in found.numbers}
     width = max(map(len, names.values())) + 2

@@ -33,7 +33,7 @@ from master.lives.age.grid import (
 )
 from origins import Contacts
 from origins.errors import InputError
-from origins.gaussian import CutGaussian
+from origins.thresholds.gaussian import CutGaussian
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.intp]

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Thresholds
-from origins.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]

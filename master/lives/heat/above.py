@@ -17,8 +17,8 @@ from master.lives.heat.threshold_panels import (
     law_edges,
     nodes,
 )
-from origins.rate_law import RateLaw
-from origins.thresholds import Thresholds
+from origins.laws.rate_law import RateLaw
+from origins.thresholds.law import Thresholds
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]

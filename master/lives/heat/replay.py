@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.motion.motion import Legs
-from origins.rate_law import RateLaw
+from origins.laws.rate_law import RateLaw
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]

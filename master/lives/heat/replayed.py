@@ -9,9 +9,9 @@ from master.lives.cold import NONE_LEFT
 from master.lives.heat.stretches import RESOLVED, Left, Moves, Rules, averaged, missed
 from master.motion.motion import History, Legs
 from origins import Contacts
-from origins.rate_law import RateLaw
+from origins.laws.rate_law import RateLaw
 from origins.start import Start
-from origins.thresholds import Thresholds
+from origins.thresholds.law import Thresholds
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]

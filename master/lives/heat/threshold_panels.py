@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from origins.quadrature import finite_density, panel_edges
-from origins.rate_law import RateLaw
-from origins.thresholds import Thresholds
+from origins.laws.rate_law import RateLaw
+from origins.thresholds.law import Thresholds
+from origins.thresholds.quadrature import finite_density, panel_edges
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]

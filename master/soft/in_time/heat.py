@@ -19,7 +19,7 @@ from master.motion.motion import Legs
 from master.soft.in_time.cohorts import Steps
 from master.soft.in_time.memory import STARTS, Left, Leg, width_of
 from origins import Contacts
-from origins.rate_law import RateLaw
+from origins.laws.rate_law import RateLaw
 
 Array = npt.NDArray[np.float64]
 

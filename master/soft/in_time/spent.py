@@ -19,7 +19,7 @@ from master.soft.in_time.heat import reach_of, replay_of, steps_of
 from master.soft.in_time.memory import Left, Leg
 from origins import Contacts
 from origins.errors import InputError
-from origins.rate_law import RateLaw
+from origins.laws.rate_law import RateLaw
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]

@@ -1,0 +1,80 @@
+"""Decoherence: the length X* over which contacts forget that they started together."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from master.steady.travel import Travel
+from master.stick_slip.roots import (
+    NEAR,
+    NO_ROOTS,
+    Rate,
+    crowding_rate,
+    leading_roots,
+    root_errors,
+    tail_rate,
+)
+from origins import Contacts
+
+# Wait, over the mean way from birth to break, beyond which roots crowd at all frequencies.
+LONGEST = 400.0
+# Longest lives, over the mean way, beyond which the few that live so long cannot be told from none.
+BROAD = 1e4
+
+
+class Length(NamedTuple):
+    """A length and its error."""
+
+    length: float
+    error: float
+
+
+def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> Length:
+    """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
+
+    That is so for exact values alone (periodic, or as close to it as one likes), and for a tail
+    that falls slower than any exponential. Where a few live more than 10,000 times as long as the
+    mean the error is inf. Where exact values hold a share of the weight, no root may be slower than
+    those that crowd about the rate of their own.
+    """
+    if wait > LONGEST * travel.length:
+        return _waiting(travel, wait)
+    tail, crowd = tail_rate(contacts), crowding_rate(travel, wait)
+    rate, off = min(tail, Rate(crowd, 0.0))
+    if rate == 0.0:
+        return Length(np.inf, 0.0)
+    found = NO_ROOTS
+    if travel.longest < BROAD * travel.length:
+        found = leading_roots(travel, wait, 1, NEAR * rate)
+    if not found.transforms:
+        return Length(
+            travel.longest, np.inf
+        )  # the few that live for so long tell, and are not known
+    if found.roots.size:
+        slowest = found.roots[:1]
+        decay = -float(slowest[0].real)
+        error = float(root_errors(found.transforms[found.level[0]], wait, slowest)[0])
+        return Length(1.0 / decay, error / decay**2)
+    if found.searched >= 0.999 * NEAR * rate:
+        # between 0.9 and 1 of the rate a root could hide
+        return Length(1.0 / rate, (off + (1.0 - NEAR) * rate) / rate**2)
+    return Length(0.5 / found.searched, 0.5 / found.searched)
+
+
+def _waiting(travel: Travel, wait: float) -> Length:
+    """X* where the wait is long: that of the first wave, as the variance of the way tells.
+
+    With C the mean way from birth to break and V its variance, ln p^ = -sC + s^2 V/2 - ..., and
+    the roots are s (d + C) = 2 pi i n + s^2 V/2 - ...; the terms left out are of the order of
+    (2 pi L/(d + C))^2, L the longest way.
+    """
+    moment, whole = float(travel.table.moments()[0]), travel.length + wait
+    variance = 2.0 * moment - travel.length**2
+    if not variance > 0.0:
+        return Length(np.inf, 0.0)
+    length = whole**3 / (2.0 * np.pi**2 * variance)
+    off = (2.0 * np.pi * travel.longest / whole) ** 2
+    off += (1e-15 * travel.length**2 + 4.0 * travel.length * travel.length_error) / variance
+    return Length(length, length * off)

@@ -1,0 +1,280 @@
+"""Roots: at which rates and frequencies contacts forget that they started together.
+
+Number conservation (docs/equations.md) reads, with Laplace transforms and the way d of the wait,
+
+    b^(s) D(s) = 1/s - G_0^(s),      D(s) = E^(s) e^(-sd) + (1 - e^(-sd))/s,
+
+so that F - F_k is a sum of e^(sX) over the roots of D. All lie left of the imaginary axis, none on
+the real one. The change of arg D around each cell of a grid counts those inside (the argument
+principle): none is missed where the grid resolves D, and then each cell holds one or none.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from master.renewal import rule
+from master.steady.travel import Travel
+from master.stick_slip.transform import WAVE, Transform, jumps_of, reach_of
+from origins import Contacts
+
+Array = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+# Rates at which the search begins: over the mean way from birth to birth and over the longest one
+# that a few contacts hold for, the smaller of both; by how
+# much it grows, and at least where it was too much; and where nothing is
+# left after one mean way.
+FIRST, OF_LONGEST, GROWTH, LEAST_GROWTH, DEEPEST = 0.5, 3.0, 2.0, 1.1, 40.0
+# Share of contacts that hold for the longest way.
+RARE = 1e-8
+# Of the rate of E's own tail, or of exact values: roots nearer to it are not looked for.
+NEAR = 0.9
+# |p^| below which no root is near, and frequencies that are looked at: over the length on which E
+# falls, and at most over the mean way from birth to birth.
+BELOW, HIGH, HIGHEST = 0.8, 8.0, 2000.0
+# Sides of the cells, over the inverse of the mean way where slow decays count; how often halved.
+SIDE, HALVINGS = 0.8, 3
+# Cells of one grid, at most.
+MOST_CELLS = 100_000
+# Numbers of nodes times frequencies that are looked at, at most.
+MOST_WORK = 1e8
+# Steps of Newton's method, and its last step over |s|.
+STEPS, LAST = 40, 1e-13
+# Distance of roots, over their size, below which they are one.
+SAME = 1e-7
+# Error of D over what is left of 1 where D is no longer known.
+UNKNOWN = 1e-3
+# ln of the largest E e^(decay x), from which on its rounding leaves nothing of 1.
+MOST_GROWN = 32.0
+# Survivals between which the tail of thresholds is looked at, terms of the fit, and ratio of the
+# thresholds there above which it falls slower than any exponential.
+TAILS, TERMS, SLOW = (1e-50, 1e-290), 5, 1e3
+# Change of the fitted rate from term to term, and round-off, at which it has settled; fall of the
+# slopes, over the last, that an exponential does not show.
+SETTLED, ROUNDED, LITTLE, MARGIN = 0.2, 1e-9, 0.2, 10.0
+
+
+class Roots(NamedTuple):
+    """Roots of D with Im s > 0 (per length), slowest first: all right of Re s = -searched.
+
+    roots : array of shape (n,)
+    searched : float, 0 where no part of the plane could be resolved
+    transforms : list of Transform, of rising decay, the last of which is `searched`
+    level : array of shape (n,), in which of them each root was found: the least tilted, which
+        knows it best
+    """
+
+    roots: Complex
+    searched: float
+    transforms: list[Transform]
+    level: npt.NDArray[np.intp]
+
+    def first(self, count: int) -> Roots:
+        """The slowest of them."""
+        return self._replace(roots=self.roots[:count], level=self.level[:count])
+
+
+NO_ROOTS = Roots(np.empty(0, dtype=complex), 0.0, [], np.empty(0, dtype=np.intp))
+
+
+class Rate(NamedTuple):
+    """A rate and its error, per length."""
+
+    rate: float
+    error: float
+
+
+def conserved(transform: Transform, wait: float, s: Complex) -> tuple[Complex, Complex]:
+    """D and D' at s of shape (n,), none 0; `wait` is d, a length."""
+    values = transform(s)
+    waited, out = np.exp(-s * wait), -np.expm1(-s * wait) / s
+    slope = waited * (values.slope - wait * values.held) + (wait * waited - out) / s
+    return values.held * waited + out, slope
+
+
+def root_errors(transform: Transform, wait: float, s: Complex) -> Array:
+    """Errors of roots of D: its residual and its own error, over |D'|."""
+    value, slope = conserved(transform, wait, s)
+    waited = np.abs(np.exp(-s * wait))
+    off = transform(s).held_off * waited
+    off += np.finfo(float).eps * (1.0 + (1.0 + np.abs(s) * wait) * waited) / np.abs(s)
+    return np.asarray((np.abs(value) + off) / np.abs(slope) + np.spacing(np.abs(s)))
+
+
+def leading_roots(
+    travel: Travel, wait: float, count: int, limit: float, blur: float = 0.0
+) -> Roots:
+    """At least `count` roots, or all right of Re s = -limit; fewer where D is not resolved.
+
+    Frequencies are looked at up to some 2,000 over the mean way from birth to birth.
+    """
+    whole = travel.length + wait
+    ways = travel.table.edges
+    longest = float(ways[np.flatnonzero(travel.table(ways)[0] > RARE)[-1]]) + wait
+    best = NO_ROOTS
+    limit = min(limit, DEEPEST / whole)
+    decay = min(FIRST / whole, OF_LONGEST / longest, limit)
+    growth = GROWTH
+    while growth > LEAST_GROWTH:
+        found = None
+        if reach_of(travel, decay).log_most + decay * wait < MOST_GROWN:
+            transform = Transform(travel, decay, blur)
+            found = _roots(transform, wait, whole)
+        if found is None:
+            growth = growth**0.5
+        else:
+            new = found[found.real <= -best.searched]
+            if found.size != best.roots.size + new.size:  # one was missed before
+                best, new = best.first(0), found
+            level = np.append(best.level, np.full(new.size, len(best.transforms)))
+            roots, transforms = np.append(best.roots, new), [*best.transforms, transform]
+            best = Roots(roots, decay, transforms, level)
+            if roots.size >= count or decay >= limit:
+                break
+        decay = min(growth * (best.searched or decay / GROWTH), limit)
+    return best
+
+
+def _roots(transform: Transform, wait: float, whole: float) -> Complex | None:
+    """All roots right of Re s = -decay with Im s > 0; None where they are not resolved."""
+    decay = transform.decay
+    noise = transform(np.array([complex(-decay)])).held_off[0] * decay * np.exp(decay * wait)
+    top = _highest(transform, wait, whole)
+    if not noise < UNKNOWN or top is None:
+        return None
+    side = SIDE / float(transform.centre + wait)
+    for _ in range(HALVINGS):
+        columns = int(np.ceil(decay / side)) + 2
+        rows = int(np.ceil(top / side)) + 2
+        if rows * columns > MOST_CELLS:
+            return None
+        real = -decay + side * np.arange(float(columns))
+        imaginary = side * np.arange(float(rows))
+        s = real + 1j * imaginary[:, None]
+        s[0, s[0] == 0.0] = 1e-6 * side
+        values = (
+            transform.grid(real, float(side), rows) * np.exp(-s * wait) - np.expm1(-s * wait) / s
+        )
+        across = np.angle(values[:, 1:] / values[:, :-1])
+        up = np.angle(values[1:] / values[:-1])
+        turns = across[:-1] + up[:, 1:] - across[1:] - up[:, :-1]
+        number = np.rint(turns / (2.0 * np.pi)).astype(int)
+        if number.min() >= 0 and number.max() <= 1:
+            cells = np.nonzero(number)
+            found = _polished(transform, wait, s[cells] + 0.5 * side * (1.0 + 1.0j), side)
+            if found is not None:
+                return found[(found.real > -decay) & (found.imag < imaginary[-1])]
+        side *= 0.5
+    return None
+
+
+def _polished(transform: Transform, wait: float, s: Complex, side: float) -> Complex | None:
+    """Newton's method from the middle of cells; None where not each leads to a root of its own."""
+    start, s = s, s.copy()
+    open_ = np.arange(s.size)
+    for _ in range(STEPS):
+        if not open_.size:
+            break
+        value, slope = conserved(transform, wait, s[open_])
+        step = value / slope
+        step *= np.minimum(side / np.maximum(np.abs(step), 1e-300), 1.0)
+        s[open_] -= step
+        open_ = open_[np.abs(step) > LAST * np.abs(s[open_])]
+        if s.size and (np.abs(s - start) > 3.0 * side).any():
+            return None
+    s = s[np.lexsort([s.real, s.imag])]
+    if (np.abs(np.diff(s)) < SAME * np.abs(s[1:])).any():
+        return None
+    return s[np.argsort(-s.real, kind="stable")]
+
+
+def _highest(transform: Transform, wait: float, whole: float) -> float | None:
+    """The frequency above which |p^| stays below 1 at Re s = -decay: no root is there.
+
+    Exact values do not fade with the frequency, but may stay below 1. None where they do not.
+    """
+    decay = transform.decay
+    growth = np.exp(decay * (transform.jumps.ways + wait))
+    lasting = float(transform.jumps.shares @ growth)
+    if not lasting < 1.0:
+        return None
+    step = SIDE / (transform.centre + wait)
+    nodes = rule.GAUSS * transform.longest / WAVE
+    most = min(HIGHEST / whole, float(np.sqrt(MOST_WORK * step / nodes)))
+    end = min(max(HIGH / transform.grain, 10.0 * step), most)
+    while True:
+        frequency = step * np.arange(np.ceil(end / step) + 1.0)
+        s = -decay + 1j * frequency
+        law = 1.0 - s * transform.grid(np.array([-decay]), step, s.size)[:, 0]
+        exact = np.exp(-np.multiply.outer(s, transform.jumps.ways)) @ transform.jumps.shares
+        fading = np.abs(law - exact) * np.exp(decay * wait)
+        above = np.flatnonzero(fading > BELOW * (1.0 - lasting))
+        last = float(frequency[above[-1]]) if above.size else 0.0
+        if last < 0.7 * end or end >= most:
+            return last + 2.0 * step
+        end = min(2.0 * end, most)
+
+
+def crowding_rate(travel: Travel, wait: float) -> float:
+    """Rate (per length) at which exact values alone let infinitely many roots crowd, ever faster
+    waves; inf without any, 0 where all break at exact values."""
+    ways, weights = jumps_of(travel)
+    if not ways.size:
+        return np.inf
+    ways, shares = ways + wait, np.log(weights)
+    if np.exp(shares).sum() > 1.0 - 1e-14:
+        return 0.0
+
+    def held(rate: float) -> float:
+        return float(np.logaddexp.reduce(rate * ways + shares))
+
+    high = 1.0 / float(ways.max())
+    while held(high) < 0.0:
+        high *= 2.0
+    return float(brentq(held, 0.0, high, xtol=1e-300, rtol=1e-14))
+
+
+def tail_rate(contacts: Contacts) -> Rate:
+    """At which log S falls far out; inf above, 0 below every exponential.
+
+    Heat leaves it: the further a threshold lies beyond, the less a contact breaks before it.
+    """
+    law, unit = contacts.thresholds, contacts.mean_threshold
+    if np.isfinite(law.support()[1]):
+        return Rate(np.inf, 0.0)
+    # survival is looked at on the way out: far quantiles are beyond many a distribution
+    x = unit * 2.0 ** np.arange(0.0, 400.0, 0.25)
+    log_survival = law.logsf(x)
+    known = np.isfinite(log_survival)
+    x, log_survival = x[known], log_survival[known]
+    first, last = np.searchsorted(-log_survival, -np.log(TAILS)) - [0, 1]
+    if first >= last:
+        return Rate(np.inf, 0.0)
+    if x[last] > SLOW * x[first]:
+        return Rate(0.0, 0.0)
+    x = np.geomspace(x[first], x[last], TERMS)
+    log_survival = law.logsf(x)
+    # log S = a - rate x + power log x + b/x + ...: each term more settles an exponential's rate
+    u = x / x[-1]
+    terms = np.stack([np.ones(u.size), -u, np.log(u), 1.0 / u, 1.0 / u**2])
+    rates = [
+        float(np.linalg.solve(terms[:n, -n:].T, log_survival[-n:])[1] / x[-1]) for n in (3, 4, 5)
+    ]
+    rounding = ROUNDED * float(-log_survival[-1] / x[-1])
+    change, rest = abs(rates[1] - rates[0]), abs(rates[2] - rates[1])
+    if rates[2] > 0.0 and rest <= max(SETTLED * change, rounding):
+        return Rate(rates[2], rest + rounding)
+    slopes = -np.diff(log_survival) / np.diff(x)
+    fall = -np.diff(slopes)
+    if slopes[-1] > slopes[0]:
+        return Rate(np.inf, 0.0)
+    if fall.sum() > LITTLE * slopes[-1]:
+        return Rate(0.0, 0.0)
+    # exponentials of nearly one rate, or what looks like one as far as it is seen
+    settles = bool((fall > 0.0).all() and fall[-1] < 0.5 * fall[0])
+    return Rate(float(slopes[-1]), MARGIN * float(fall[-1]) if settles else np.inf)

@@ -1,0 +1,292 @@
+"""How F(X) decays to the kinetic force: the leading roots of D, what each carries, and their sum.
+
+F - F_k ~ sum over pairs of roots of Re[c_n e^(s_n X)],
+c_n = 2 K^(s_n) e^(-s_n d) [1/s_n - G_0^(s_n)] / D'(s_n).
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from master.lives.life import Life
+from master.lives.make import life_of
+from master.renewal import rule
+from master.steady.forward import Forward, births_table
+from master.steady.steady import births_of, check_finite, cycle_of
+from master.steady.travel import Travel
+from master.stick_slip.decoherence import BROAD, LONGEST
+from master.stick_slip.roots import (
+    NEAR,
+    NO_ROOTS,
+    Roots,
+    conserved,
+    crowding_rate,
+    leading_roots,
+    root_errors,
+    tail_rate,
+)
+from master.stick_slip.transform import Transform
+from origins import Contacts, InputError
+from origins.brief import brief
+from origins.contacts import LAWS, check_contacts
+from origins.errors import positive, refuse, whole
+
+if TYPE_CHECKING:
+    from master._old.decoherence_spectrum import DecoherenceSpectrum as OldSpectrum
+
+Array = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+# Tolerance of the table of E and of F that the sum is held against.
+TOLERANCE = 1e-9
+# How far F is followed, in mean ways from birth to birth; and what the largest difference on the
+# way there is multiplied with, as the phases of what is left out may meet elsewhere.
+FOLLOWED, SAFE = 6.0, 2.0
+# Error of the force of linked contacts, per mean stretch: a table of the life's own.
+OF_LINKED = 1e-12
+# Differences from F that are told, in units of its error.
+TOLD = 3.0
+# Rate of exact values, over the mean way, below which no root is told from those at Re s = 0.
+CROWDED = 1e-2
+# Rounding of an amplitude.
+ROUND_OFF = 1e-14
+
+
+class _Left(NamedTuple):
+    """Positions X (lengths), sorted, and by how much terms are off F from there on, times
+    e^(X/beyond), a length; arrays of shape (n,)."""
+
+    x: Array
+    size: Array
+
+    def at(self, x: Array) -> Array:
+        """The size at positions of any shape."""
+        place = np.searchsorted(self.x, x, "right") - 1
+        return self.size[np.clip(place, 0, self.x.size - 1)]
+
+
+@dataclass(frozen=True)
+class DecoherenceSpectrum:
+    """Leading roots, one of each pair, slowest first; arrays of shape (n,), n = 0 where F(X)
+    oscillates no further than `beyond`, as of contacts that heat breaks long before their thresholds.
+
+    Attributes
+    ----------
+    roots, roots_error : complex, float array
+        s_n with Im s_n > 0, per length.
+    period, period_error : array
+        2π/Im s_n, lengths.
+    decay_length, decay_length_error : array
+        -1/Re s_n, lengths.
+    amplitude, amplitude_error : complex, float array
+        c_n (lengths).
+    kinetic_force, kinetic_force_error : float
+        F_k/(N_c <k>), a length, and its error in units of the mean threshold.
+    beyond : float
+        Decay length of what is left out (a length): `force_error` falls with it. More roots than
+        these may lie there.
+    run_time : float
+        Seconds.
+    """
+
+    roots: Complex
+    roots_error: Array
+    amplitude: Complex
+    amplitude_error: Array
+    decay_length_error: Array
+    kinetic_force: float
+    kinetic_force_error: float
+    beyond: float
+    run_time: float
+    _unit: float = field(repr=False)
+    _left: _Left = field(repr=False)
+
+    __repr__ = brief
+
+    @property
+    def period(self) -> Array:
+        """2π/Im s_n, lengths."""
+        return 2.0 * np.pi / self.roots.imag
+
+    @property
+    def period_error(self) -> Array:
+        """Its error, lengths."""
+        return self.period * self.roots_error / self.roots.imag
+
+    @property
+    def decay_length(self) -> Array:
+        """-1/Re s_n, lengths."""
+        return -1.0 / self.roots.real
+
+    def force(self, x: npt.ArrayLike) -> Array:
+        """F_k and the sum of the terms at positions X >= 0 (lengths); same shape."""
+        x = np.asarray(x, dtype=float)
+        terms = self.amplitude * np.exp(np.multiply.outer(x, self.roots))
+        return (self.kinetic_force + terms.sum(axis=-1).real)[()]
+
+    def force_error(self, x: npt.ArrayLike) -> Array:
+        """Its error at those positions in units of the mean threshold; same shape.
+
+        An estimate: what is left out falls as e^(-X/beyond) from what F, solved over the first few
+        mean ways from birth to birth, shows of it.
+        """
+        x = np.asarray(x, dtype=float)
+        size = np.exp(np.multiply.outer(x, self.roots.real))
+        # waves drift apart by no more than their size
+        drift = np.minimum(np.multiply.outer(x, self.roots_error), 2.0)
+        off = (size * (self.amplitude_error + np.abs(self.amplitude) * drift)).sum(axis=-1)
+        with np.errstate(under="ignore"):
+            off = off + self._left.at(x) * np.exp(-x / self.beyond)
+        return (off / self._unit + self.kinetic_force_error)[()]
+
+
+def decoherence_spectrum(
+    contacts: Contacts, *, velocity: float = 1.0, n_roots: int = 8
+) -> DecoherenceSpectrum | OldSpectrum:
+    """The slowest terms of F(X) - F_k of contacts that a rigid slider moves forward.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With any laws but the paper's closure of ageing; the start matters.
+    velocity : float
+        v > 0, length per time; only rates, ageing and delay tell.
+    n_roots : int
+        How many roots to give; fewer where fewer there are: E^ ends at the rate at which the law's
+        own tail falls, and with exact values infinitely many roots crowd about one rate. Waves are
+        looked for down to periods of 1/300 of the mean way from birth to birth.
+
+    Raises InputError for thresholds of exact values alone, or nearly so, whose roots come as near
+    to Re s = 0 as one likes; for contacts that wait for more than 400 times as long as they hold;
+    and as `steady_state` does.
+    """
+    began = time.perf_counter()
+    check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
+    velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
+    life = life_of(contacts)
+    if life is None:
+        # ageing and growing grains, until they are lives
+        from master._old.decoherence_spectrum import decoherence_spectrum as old_spectrum
+
+        return old_spectrum(contacts, velocity=velocity, n_roots=n_roots)
+    check_finite(contacts)
+    travel = Travel(life, births_of(contacts), velocity)
+    wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
+    found = _leading(contacts, travel, wait, n_roots + 1)
+    kept = found.first(n_roots)
+    next_root = found.roots[n_roots : n_roots + 1]
+    gamma = float(-next_root[0].real) if next_root.size else found.searched
+    terms = _terms(contacts, life, velocity, wait, kept)
+    kinetic, kinetic_off = cycle_of(contacts, travel).force(wait)
+    spectrum = DecoherenceSpectrum(
+        roots=kept.roots,
+        roots_error=terms.roots_error,
+        amplitude=terms.amplitude,
+        amplitude_error=terms.amplitude_error,
+        decay_length_error=terms.roots_error / kept.roots.real**2,
+        kinetic_force=kinetic,
+        kinetic_force_error=kinetic_off / unit,
+        beyond=1.0 / gamma,
+        run_time=0.0,
+        _unit=unit,
+        _left=_Left(np.zeros(1), np.zeros(1)),
+    )
+    left = _left_out(contacts, life, velocity, spectrum, travel.length + wait)
+    return replace(spectrum, _left=left, run_time=time.perf_counter() - began)
+
+
+def _leading(contacts: Contacts, travel: Travel, wait: float, count: int) -> Roots:
+    """The leading roots, or InputError where there is none that can be told."""
+    if wait > LONGEST * travel.length:
+        assert contacts.delay is not None
+        refuse(
+            "delay",
+            contacts.delay.time,
+            f"contacts wait for {wait / travel.length:.3g} times as long as they hold: roots are told "
+            f"up to {LONGEST:g} times; use a shorter one",
+        )
+    crowd = crowding_rate(travel, wait)
+    if crowd == 0.0:
+        raise InputError(
+            "thresholds: are exact values alone: their roots come as near to Re s = 0 as one likes and none "
+            "is the slowest; give each a width, or follow F(X) with master.solve"
+        )
+    limit = NEAR * min(tail_rate(contacts).rate, crowd)
+    if limit <= 0.0:
+        raise InputError(
+            "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
+        )
+    longest = travel.longest / travel.length
+    blur = OF_LINKED if contacts.stiffness == "linked" else 0.0
+    crowded = crowd * (travel.length + wait) < CROWDED
+    found = NO_ROOTS
+    if longest < BROAD and not crowded:
+        found = leading_roots(travel, wait, count, limit, blur)
+    if not found.searched > 0.0 and longest > BROAD:
+        raise InputError(
+            f"thermal: contacts live for all lengths up to {longest:.1g} times the mean: among so many no "
+            "leading oscillating wave can be resolved; master.propensity gives X*, or says that it is not known"
+        )
+    if not found.searched > 0.0 or crowded:
+        raise InputError(
+            "thresholds: so much of their weight is exact, or nearly so, that no root can be told from those at "
+            "Re s = 0; master.propensity gives X*, and master.solve follows F(X)"
+        )
+    return found
+
+
+class _Terms(NamedTuple):
+    """What roots carry; arrays of shape (n,)."""
+
+    roots_error: Array
+    amplitude: Complex
+    amplitude_error: Array
+
+
+def _terms(contacts: Contacts, life: Life, velocity: float, wait: float, found: Roots) -> _Terms:
+    """Errors of roots, and amplitudes."""
+    again, start = births_of(contacts), contacts.start
+    alike = start.is_single and start.span == again.span
+    begins = None if alike else Travel(life, start, velocity)
+    parts = [_Terms(np.empty(0), np.empty(0, dtype=complex), np.empty(0))]
+    for level, transform in enumerate(found.transforms):
+        s = found.roots[found.level == level]
+        if not s.size:
+            continue
+        values, slope = transform(s), conserved(transform, wait, s)[1]
+        roots_error = root_errors(transform, wait, s)
+        first = values if begins is None else Transform(begins, transform.decay)(s)
+        broken = 1.0 / s - first.held
+        amplitude = 2.0 * values.force * np.exp(-s * wait) * broken / slope
+        turned = 3.0 * np.abs(values.bend / values.slope) + wait + 1.0 / np.abs(s)
+        share = values.force_off / np.abs(values.force) + first.held_off / np.abs(broken)
+        share += turned * roots_error + ROUND_OFF
+        parts.append(_Terms(roots_error, amplitude, np.abs(amplitude) * share))
+    return _Terms(*(np.concatenate(row) for row in zip(*parts, strict=True)))
+
+
+def _left_out(
+    contacts: Contacts, life: Life, velocity: float, spectrum: DecoherenceSpectrum, whole_way: float
+) -> _Left:
+    """What the terms leave out of F, over the first few mean ways from birth to birth."""
+    horizon = FOLLOWED * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
+    births = births_table(contacts, life, velocity, TOLERANCE)
+    march = Forward(contacts, life, births, velocity, horizon).march(TOLERANCE)
+    width = np.array(march.width)
+    begin = np.cumsum(width) - width
+    x = begin[:, None] + width[:, None] * np.append(0.0, rule.NODES)
+    off = (np.array(march.wrong) + march.life_error) * march.stretch
+    apart = np.abs(np.array(march.force) - spectrum.force(x))
+    told = apart > TOLD * off[:, None]
+    x, apart = x[told], SAFE * apart[told]
+    if not x.size:
+        return _Left(np.zeros(1), np.zeros(1))
+    left = apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))
+    left = np.maximum.accumulate(left[::-1])[::-1]
+    # what comes later is no larger than over the last of the ways that tell
+    return _Left(x, np.maximum(left, left[np.searchsorted(x, x[-1] - whole_way)]))

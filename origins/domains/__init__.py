@@ -1,0 +1,1 @@
+"""Thresholds of crystalline domains that slide over a crystal: islands, substrates and barriers."""

@@ -1,0 +1,178 @@
+"""Islands: rigid domains of a crystal as ase.Atoms, flat in the plane z = 0 (paper, Sec. VI C).
+
+A barrier depends on the outline, so the outline is an input. Any other ase.Atoms serves as an island too.
+"""
+
+from collections.abc import Callable
+from math import ceil, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import non_negative, positive, refuse, whole
+from origins.thresholds.law import Array
+
+if TYPE_CHECKING:
+    import ase
+
+Mask = npt.NDArray[np.bool_]
+
+LATTICES = ("triangular", "square")
+_EDGE = 1e-9  # atoms this near to an outline, in lattice constants, belong to it
+_MOST_ATOMS = 100_000_000
+_HARMONICS = 6
+_MOST_ROUGHNESS = 3.0
+
+
+def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
+    """n_i n_j atoms of a triangular lattice in n_j close-packed rows of n_i (paper, Sec. VI C).
+
+    Atom (i, j) stands at x = (i + j/2) a, y = j h, h = a sqrt(3)/2, with j = 0, ..., n_j - 1 and
+    i = -(j//2), ..., -(j//2) + n_i - 1, j//2 rounded down: odd rows are shifted by a/2 against even ones. (With
+    -j/2 as a fraction all rows would stand above one another, in a rectangular lattice; with (-j)//2 the island would
+    be the mirror image.)
+
+    lattice_constant is a length above zero, n_i and n_j are whole numbers of at least 1, else InputError.
+    """
+    a, n_i, n_j = _sizes(lattice_constant, n_i, n_j)
+    j = np.repeat(np.arange(n_j), n_i)
+    i = np.tile(np.arange(n_i), n_j) - j // 2
+    return _atoms(np.column_stack([(i + 0.5 * j) * a, j * (a * sqrt(3.0) / 2.0)]))
+
+
+def square_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
+    """n_j rows of n_i atoms of a square lattice; parameters as triangular_island."""
+    a, n_i, n_j = _sizes(lattice_constant, n_i, n_j)
+    return _atoms(a * np.column_stack([np.tile(np.arange(n_i), n_j), np.repeat(np.arange(n_j), n_i)]))
+
+
+def rectangular_island(
+    lattice_constant: float, width: float, height: float, *, lattice: str = "triangular"
+) -> "ase.Atoms":
+    """The atoms within width x height (lengths, at least zero) about one atom, close-packed rows along the width.
+
+    lattice is "triangular" or "square". Raises InputError for other values and above 10^8 atoms.
+    """
+    half = 0.5 * non_negative("width", width), 0.5 * non_negative("height", height)
+
+    def inside(x: Array, y: Array, edge: float) -> Mask:
+        return (abs(x) <= half[0] + edge) & (abs(y) <= half[1] + edge)
+
+    return _cut(lattice_constant, lattice, half, inside)
+
+
+def hexagonal_island(lattice_constant: float, radius: float, *, lattice: str = "triangular") -> "ase.Atoms":
+    """The atoms within a regular hexagon about one atom, its corners at `radius` (a length), one of them along x.
+
+    On the triangular lattice radius = n lattice_constant gives 3n(n + 1) + 1 atoms. Otherwise as rectangular_island.
+    """
+    radius = non_negative("radius", radius)
+
+    def inside(x: Array, y: Array, edge: float) -> Mask:
+        flat = 0.5 * sqrt(3.0)
+        return np.maximum(abs(y), flat * abs(x) + 0.5 * abs(y)) <= flat * radius + edge
+
+    return _cut(lattice_constant, lattice, (radius, radius), inside)
+
+
+def circular_island(lattice_constant: float, radius: float, *, lattice: str = "triangular") -> "ase.Atoms":
+    """The atoms at most `radius` (a length, at least zero) from one atom; otherwise as rectangular_island."""
+    radius = non_negative("radius", radius)
+    return _cut(lattice_constant, lattice, (radius, radius), lambda x, y, edge: np.hypot(x, y) <= radius + edge)
+
+
+def irregular_island(
+    lattice_constant: float,
+    radius: float,
+    *,
+    roughness: float = 0.2,
+    seed: int = 0,
+    lattice: str = "triangular",
+) -> "ase.Atoms":
+    """The atoms within a rough outline r(theta) = radius exp[roughness g(theta)], about a random place of the lattice.
+
+    g is a random wave of variance 1 on average, its harmonics m = 1, ..., 6 falling off as 1/m; the same seed gives
+    the same island. roughness is between 0 and 3, seed a whole number of at least 0; otherwise as rectangular_island.
+    At least one atom remains, the nearest to the middle.
+    """
+    radius, roughness = positive("radius", radius), non_negative("roughness", roughness)
+    if roughness > _MOST_ROUGHNESS:
+        refuse("roughness", roughness, f"must be at most {_MOST_ROUGHNESS}")
+    generator = np.random.default_rng(whole("seed", seed, 0))
+    m = np.arange(1, _HARMONICS + 1)
+    waves = generator.standard_normal((2, _HARMONICS)) / m / np.sqrt((1.0 / m**2).sum())
+    offset = generator.random(2)
+
+    def outline(theta: Array) -> Array:
+        phase = theta[..., None] * m
+        return radius * np.exp(roughness * (np.cos(phase) @ waves[0] + np.sin(phase) @ waves[1]))
+
+    reach = radius * float(np.exp(roughness * np.hypot(*waves).sum()))
+
+    def inside(x: Array, y: Array, edge: float) -> Mask:
+        distance = np.hypot(x, y)
+        return (distance <= outline(np.arctan2(y, x))) | (distance == distance.min())
+
+    return _cut(lattice_constant, lattice, (reach, reach), inside, offset)
+
+
+def _sizes(lattice_constant: object, n_i: object, n_j: object) -> tuple[float, int, int]:
+    a, n_i, n_j = positive("lattice_constant", lattice_constant), whole("n_i", n_i, 1), whole("n_j", n_j, 1)
+    if n_i * n_j > _MOST_ATOMS:
+        refuse("n_i", n_i, f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms at any size")
+    return a, n_i, n_j
+
+
+def _cut(
+    lattice_constant: object,
+    lattice: str,
+    reach: tuple[float, float],
+    inside: Callable[[Array, Array, float], Mask],
+    offset: Array | None = None,
+) -> "ase.Atoms":
+    """Atoms of a lattice for which `inside` holds; none of them lies beyond `reach` along x and y.
+
+    `offset` shifts the lattice by fractions of its rows; without it an atom stands in the middle.
+    """
+    a = positive("lattice_constant", lattice_constant)
+    if lattice not in LATTICES:
+        refuse("lattice", lattice, 'must be "triangular" or "square"')
+    row = a * (sqrt(3.0) / 2.0 if lattice == "triangular" else 1.0)
+    shift = (0.0, 0.0) if offset is None else (float(offset[0]), float(offset[1]))
+    if not 4.0 * (reach[0] / a + 2.0) * (reach[1] / row + 2.0) <= _MOST_ATOMS:
+        refuse("lattice_constant", lattice_constant, f"gives more than {_MOST_ATOMS} atoms; take a smaller island")
+    j = np.arange(-ceil(reach[1] / row) - 1, ceil(reach[1] / row) + 2)
+    i = np.arange(-ceil(reach[0] / a) - 2, ceil(reach[0] / a) + 2)
+    slant = 0.5 * (j % 2) * float(lattice == "triangular")
+    x = (i + slant[:, None] + shift[0]) * a
+    y = np.repeat((j + shift[1]) * row, i.size).reshape(x.shape)
+    kept = inside(x, y, _EDGE * a)
+    return _atoms(np.column_stack([x[kept], y[kept]]))
+
+
+def _atoms(points: Array) -> "ase.Atoms":
+    import ase
+
+    # element 0 is ASE's own dummy, of mass 1
+    flat = np.zeros(len(points))
+    return ase.Atoms(numbers=np.zeros(len(points), dtype=int), positions=np.column_stack([points, flat]))
+
+
+def positions_of(atoms: object) -> Array:
+    """x and y of an island's atoms about their centre of mass, shape (N_a, 2), lengths.
+
+    Raises InputError unless `atoms` is an ase.Atoms with at least one atom at finite positions.
+    """
+    try:
+        points, masses = atoms.get_positions(), atoms.get_masses()  # type: ignore[attr-defined]
+    except AttributeError:
+        refuse("atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
+    if len(points) == 0:
+        refuse("atoms", atoms, "must hold at least one atom")
+    if not np.isfinite(points).all():
+        refuse("atoms", atoms, "must stand at finite positions")
+    if not masses.sum() > 0.0:
+        refuse("atoms", atoms, "must have masses that add up to more than zero: the island turns about their centre")
+    flat = points[:, :2] - points[:, :2].mean(axis=0)
+    return flat - (masses / masses.sum()) @ flat

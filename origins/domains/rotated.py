@@ -1,0 +1,261 @@
+"""Thresholds of rotated domains: rigid islands of a crystal, at all angles, on another one (paper, Sec. VI C)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.domains.barriers import checked_substrate
+from origins.domains.domain_sampling import Angles, Family, ListedFamily, TriangularFamily, draw, shares_of
+from origins.domains.substrates import Substrate
+from origins.errors import InputError, finite_array, positive, refuse, whole
+from origins.samples.from_samples import from_samples
+from origins.thresholds.law import Array, Thresholds
+
+if TYPE_CHECKING:
+    import ase
+
+LAWS = ("area", "equal", "paper")
+_MOST_SAMPLES = 100_000_000
+_MOST_ATOMS = 1e12
+_FULL_CIRCLE = 2.0 * np.pi * (1.0 + 1e-12)  # as rounded by whoever wrote it
+
+
+@dataclass(frozen=True, eq=False)
+class DomainSamples:
+    """What the thresholds of rotated domains were made of.
+
+    Attributes
+    ----------
+    barriers : array of shape (samples,)
+        epsilon_a, energies; 0 for islands that slide freely.
+    angles : array of shape (samples,)
+        Radians.
+    n_atoms : array of shape (samples,)
+        N_a.
+    period : float
+        a_s, the shortest period of the substrate, a length.
+    superlubric_weight : float
+        Share of islands without a barrier. They bear no force and never break, and are left out of P_c, of N_c and
+        of what follows.
+    mean_stiffness : float
+        <k> over the islands that resist, force per length.
+    mean_force : float
+        f of the fit exp(-f_s/f), the likeliest one: the mean of f_s.
+    exponential_distance : float
+        How crude that fit is: the largest distance of its cdf from that of the forces (Kolmogorov and Smirnov), to
+        be held against the sampling error 1.36/samples^(1/2).
+    exponential_ratios : (float, float)
+        <f_s²>/(2 f²) and <f_s³>/(6 f³), both 1 for an exponential law.
+    """
+
+    barriers: Array
+    angles: Array
+    n_atoms: npt.NDArray[np.int64]
+    period: float
+    superlubric_weight: float
+    mean_stiffness: float
+    mean_force: float
+    exponential_distance: float
+    exponential_ratios: tuple[float, float]
+
+    @property
+    def forces(self) -> Array:
+        """f_s = epsilon_a/a_s of the islands that resist, sorted."""
+        return np.sort(self.barriers[self.barriers > 0.0]) / self.period
+
+    def histogram(self, bins: int | npt.ArrayLike = 50) -> tuple[Array, Array]:
+        """(density, edges) of f_s over the islands that resist, the density of unit area; bins as in np.histogram."""
+        density, edges = np.histogram(self.forces, bins=bins, density=True)
+        return density, edges
+
+
+def domains(
+    lattice_constant: float | None = None,
+    *,
+    sizes: npt.ArrayLike | None = None,
+    mean_atoms: float | None = None,
+    islands: Sequence[ase.Atoms] | None = None,
+    weights: npt.ArrayLike | None = None,
+    angles: npt.ArrayLike | None = None,
+    temperature: float | None = None,
+    substrate: Substrate | None = None,
+    law: str = "area",
+    stiffness: float | None = None,
+    coefficient: float | None = None,
+    samples: int = 20_000,
+    seed: int = 0,
+    comm: Any = None,
+) -> Thresholds:
+    """Thresholds of rigid islands that lie on a substrate at random angles (paper, Sec. VI C).
+
+    The paper prints neither lattice constant nor sizes nor angles: none of them has a default here but the angles, and
+    all other defaults are this package's own.
+
+    Parameters
+    ----------
+    lattice_constant : float
+        Of triangular islands, a length; together with
+    sizes : array of shape (m, 2)
+        (n_i, n_j) of triangular_island, drawn with `weights`; or
+    mean_atoms : float
+        Decay N of the weight exp(-N_a/N) over N_a = 1, 2, ...; the islands are as high as wide, like the paper's:
+        n_j is N_a^(1/2) (4/3)^(1/4) and n_i is N_a/n_j, both rounded.
+    islands : sequence of ase.Atoms
+        Instead of all that, islands of your own, drawn with `weights`. Their barriers cost a sum over the atoms.
+    weights : array of shape (m,)
+        Shares of `sizes` or `islands`, above zero; equal when left out.
+    angles : array
+        Radians, from -2 pi to 2 pi. Taken in turn, sample by sample; left out, each island lies at any angle of the
+        full circle.
+    temperature : float
+        k_BT, an energy: angles are weighted by exp(-U_min/k_BT) for each size of island, U_min the lowest energy at
+        that angle; left out, all angles are equally likely.
+    substrate : Substrate
+        sin x + sin y when left out.
+    law : "area", "equal" or "paper"
+        From f_s = epsilon_a/a_s to x_s = f_s/k, a_s the substrate's shortest period:
+        "area": k = stiffness (N_a/<N_a>)^(1/2), the k ~ A^(1/2) of the laws "amontons" and "strength" of rough
+        surfaces; for islands of one size x_s ~ f_s;
+        "equal": k = stiffness for islands of every size;
+        "paper": f_s = coefficient x_s², so that k ~ x_s (paper, Eqs. PxPf and Pcrotateh).
+    stiffness : float
+        Force per length; "area" and "equal" only, and needed there.
+    coefficient : float
+        Force per length²; "paper" only, and needed there.
+    samples, seed : int
+        Islands drawn; the same seed gives the same islands.
+    comm : mpi4py communicator, optional
+        Its ranks, all of which must call, share the work and get the same bits at any number of them.
+
+    Returns
+    -------
+    thresholds : Thresholds
+        As from_samples makes them of x_s, with their sampling error, and with `.domains`, a DomainSamples: barriers,
+        histogram, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force and holding fraction
+        of a run count the islands that resist only.
+
+    Raises InputError for values outside these, for a substrate that varies in one direction only, and where no island
+    resists.
+    """
+    substrate = checked_substrate(substrate)
+    if substrate.rank == 1:
+        raise InputError("substrate: varies in one direction only, and every island slides freely across it")
+    scale = _checked_law(law, stiffness, coefficient)
+    family = _family(lattice_constant, sizes, mean_atoms, islands, weights, substrate)
+    choice = Angles(
+        None if angles is None else _radians(angles),
+        None if temperature is None else positive("temperature", temperature),
+    )
+    samples = whole("samples", samples, 1)
+    if samples > _MOST_SAMPLES:
+        refuse("samples", samples, f"must be at most {_MOST_SAMPLES}")
+    fastest = float(np.hypot(*substrate.wavevectors.T).max())
+    barriers, turned, n_atoms = draw(family, choice, fastest, samples, seed, comm)
+    resists = barriers > family.rounding * n_atoms * np.abs(substrate.coefficients).sum()
+    if not resists.any():
+        raise InputError(
+            f"domains: none of {samples} islands has a barrier, so no contact resists and there are no thresholds; "
+            "change the angles, the sizes or the lattice constant"
+        )
+    barriers = np.where(resists, barriers, 0.0)
+    period = float(np.hypot(*substrate.cell[0]))
+    forces = barriers[resists] / period
+    if law == "paper":
+        lengths = np.sqrt(forces / scale)
+        stiffnesses = scale * lengths
+    else:
+        stiffnesses = scale * (np.sqrt(n_atoms[resists] / family.mean_atoms) if law == "area" else np.ones(forces.size))
+        lengths = forces / stiffnesses
+    thresholds = from_samples(lengths)
+    mean, distance, ratios = _exponential(np.sort(forces))
+    thresholds.domains = DomainSamples(
+        barriers=barriers,
+        angles=turned,
+        n_atoms=n_atoms,
+        period=period,
+        superlubric_weight=1.0 - forces.size / samples,
+        mean_stiffness=float(stiffnesses.mean()),
+        mean_force=mean,
+        exponential_distance=distance,
+        exponential_ratios=ratios,
+    )
+    return thresholds
+
+
+def _radians(angles: npt.ArrayLike) -> Array:
+    listed = finite_array("angles", angles)
+    beyond = np.flatnonzero(np.abs(listed) > _FULL_CIRCLE)
+    if beyond.size:
+        first = float(listed[beyond[0]])
+        rule = f"angles are in radians, 2 pi at most; write {np.radians(first):.6g} for {first:g} degrees"
+        refuse(f"angles[{beyond[0]}]", first, rule)
+    return listed
+
+
+def _exponential(forces: Array) -> tuple[float, float, tuple[float, float]]:
+    """Mean of the sorted forces, and how far they are from an exponential law of that mean: distance, moments."""
+    mean = float(forces.mean())
+    fitted = -np.expm1(-forces / mean)
+    steps = np.arange(forces.size + 1) / forces.size
+    distance = float(max((steps[1:] - fitted).max(), (fitted - steps[:-1]).max()))
+    scaled = forces / mean
+    return mean, distance, (float((scaled**2).mean() / 2.0), float((scaled**3).mean() / 6.0))
+
+
+def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
+    if law not in LAWS:
+        refuse("law", law, 'must be "area", "equal" or "paper"')
+    needed, other = ("coefficient", "stiffness") if law == "paper" else ("stiffness", "coefficient")
+    given = {"stiffness": stiffness, "coefficient": coefficient}
+    if given[other] is not None:
+        refuse(other, given[other], f'has no part in law = "{law}"; leave it out')
+    if given[needed] is None:
+        refuse(needed, None, f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0')
+    return positive(needed, given[needed])
+
+
+def _family(
+    lattice_constant: object,
+    sizes: npt.ArrayLike | None,
+    mean_atoms: object,
+    islands: Sequence[ase.Atoms] | None,
+    weights: npt.ArrayLike | None,
+    substrate: Substrate,
+) -> Family:
+    if sum(given is not None for given in (sizes, mean_atoms, islands)) != 1:
+        raise InputError(
+            "domains: give exactly one of sizes, such as [(10, 9)], mean_atoms, such as 100, and islands, a list of "
+            "ase.Atoms"
+        )
+    if islands is not None:
+        if lattice_constant is not None:
+            refuse("lattice_constant", lattice_constant, "islands have their own; leave it out")
+        if hasattr(islands, "get_positions"):
+            refuse("islands", islands, "is one island, and they are a list; write [atoms]")
+        if len(islands) == 0:
+            refuse("islands", islands, "must hold at least one ase.Atoms")
+        return ListedFamily(islands, substrate, shares_of(weights, len(islands)))
+    if lattice_constant is None:
+        refuse("lattice_constant", None, "triangular islands need it; give a length, such as lattice_constant = 2.5")
+    a = positive("lattice_constant", lattice_constant)
+    if sizes is None:
+        if weights is not None:
+            refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
+        decay = positive("mean_atoms", mean_atoms)
+        if decay > _MOST_ATOMS:
+            refuse("mean_atoms", mean_atoms, f"must be at most {_MOST_ATOMS:g}")
+        return TriangularFamily(a, substrate, np.empty((0, 2), dtype=np.int64), np.empty(0), decay)
+    try:
+        pairs = np.asarray(sizes)
+    except ValueError:  # rows of different lengths
+        pairs = np.empty(0)
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) == 0 or pairs.dtype.kind not in "iu" or pairs.min() < 1:
+        refuse("sizes", sizes, "must be pairs (n_i, n_j) of whole numbers of at least 1, such as [[10, 9]]")
+    if pairs.prod(-1, dtype=float).max() > _MOST_ATOMS:
+        refuse("sizes", sizes, f"must have n_i n_j of at most {_MOST_ATOMS:g}")
+    return TriangularFamily(a, substrate, pairs.astype(np.int64), shares_of(weights, len(pairs)), None)

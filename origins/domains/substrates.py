@@ -1,0 +1,208 @@
+"""Substrates: what a flat crystal does to one atom above it, as a finite Fourier series (paper, Sec. VI C)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import isfinite, lcm, pi, sqrt
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import InputError, finite, positive, refuse
+from origins.thresholds.law import Array
+
+_LARGEST_DENOMINATOR = 64
+_AGREEMENT = 1e-9  # how near a wavevector must come to a point of the reciprocal lattice
+
+
+@dataclass(frozen=True, eq=False)
+class Substrate:
+    """V(r) = constant + Re sum_n c_n exp(i G_n·r), the energy of one atom at r.
+
+    Attributes
+    ----------
+    wavevectors : array of shape (n, 2)
+        G_n, per length; not zero, no two equal or opposite.
+    coefficients : complex array of shape (n,)
+        c_n, energies; not zero.
+    constant : float
+        Energy; no barrier depends on it.
+
+    Made by fourier_substrate, square_substrate or hexagonal_substrate, which check what they are given.
+    """
+
+    wavevectors: Array
+    coefficients: npt.NDArray[np.complex128]
+    constant: float = 0.0
+
+    def energy(self, positions: npt.ArrayLike) -> Array:
+        """V at positions of shape (..., 2), lengths; shape (...)."""
+        return self.constant + (self._waves(positions)).real.sum(-1)
+
+    def forces(self, positions: npt.ArrayLike) -> Array:
+        """-grad V at positions of shape (..., 2); the same shape, energy per length."""
+        return self._waves(positions).imag @ self.wavevectors
+
+    def _waves(self, positions: npt.ArrayLike) -> npt.NDArray[np.complex128]:
+        return self.coefficients * np.exp(1j * (np.asarray(positions, dtype=float) @ self.wavevectors.T))
+
+    @cached_property
+    def rank(self) -> int:
+        """2 for a potential that varies in both directions, 1 where all wavevectors are parallel."""
+        longest = self.wavevectors[np.argmax((self.wavevectors**2).sum(-1))]
+        across = np.abs(self.wavevectors @ [-longest[1], longest[0]]).max()
+        return 2 if across > _AGREEMENT * (longest @ longest) else 1
+
+    @cached_property
+    def indices(self) -> npt.NDArray[np.int64]:
+        """Whole numbers of shape (n, 2): G_n = indices @ reciprocal basis, the basis being that of `cell`.
+
+        Raises InputError where `cell` does.
+        """
+        return self._lattice[0]
+
+    @cached_property
+    def cell(self) -> Array:
+        """The two shortest translations that leave V as it is, as rows, lengths.
+
+        Raises InputError where all wavevectors are parallel (V then repeats in one direction only) and where they
+        are not whole multiples of two of them (V then never repeats).
+        """
+        return self._lattice[1]
+
+    @cached_property
+    def _lattice(self) -> tuple[npt.NDArray[np.int64], Array]:
+        G = self.wavevectors
+        if self.rank == 1:
+            refuse("wavevectors", G, "are all parallel: the substrate has no cell, and islands slide freely along it")
+        lengths = (G * G).sum(-1)
+        first = G[np.argmin(lengths)]
+        area = np.abs(first[0] * G[:, 1] - first[1] * G[:, 0]) / np.sqrt(lengths * (first @ first))
+        second = G[np.argmax(area)]
+        shares = np.linalg.solve(np.array([first, second]).T, G.T).T
+        rational = [[Fraction(float(s)).limit_denominator(_LARGEST_DENOMINATOR) for s in row] for row in shares]
+        if np.abs(np.array(rational, dtype=float) - shares).max() > _AGREEMENT * max(1.0, np.abs(shares).max()):
+            refuse("wavevectors", G, "must be whole multiples of two vectors; this substrate never repeats")
+        common = lcm(*(s.denominator for row in rational for s in row))
+        basis = _row_lattice([[int(s * common) for s in row] for row in rational])
+        whole = np.array([[int(s * common) for s in row] for row in rational])
+        indices = np.rint(whole @ np.linalg.inv(basis)).astype(np.int64)
+        reciprocal = np.linalg.lstsq(indices.astype(float), G, rcond=None)[0]
+        cell, change = _shortest(2.0 * pi * np.linalg.inv(reciprocal).T)
+        signs = np.where(cell @ [1.0, 1e-9] < 0.0, -1.0, 1.0)
+        if np.linalg.det(cell) * signs.prod() < 0.0:
+            signs[1] *= -1.0
+        cell, change = signs[:, None] * cell, signs[:, None] * change
+        return indices @ np.rint(change.T).astype(np.int64), cell
+
+
+def fourier_substrate(wavevectors: npt.ArrayLike, coefficients: npt.ArrayLike, constant: float = 0.0) -> Substrate:
+    """V(r) = constant + Re sum_n c_n exp(i G_n·r).
+
+    Parameters
+    ----------
+    wavevectors : array of shape (n, 2)
+        G_n, per length. Equal and opposite ones are put together, G = 0 goes into the constant.
+    coefficients : real or complex array of shape (n,)
+        c_n, energies; c_n = A gives A cos(G_n·r), c_n = -1j*A gives A sin(G_n·r).
+    constant : float
+        Energy.
+
+    Raises InputError for other shapes, values that are not finite, and where nothing but a constant is left.
+    """
+    G = _numbers("wavevectors", wavevectors, float)
+    c = _numbers("coefficients", coefficients, complex)
+    if G.ndim != 2 or G.shape[1] != 2 or G.shape[0] == 0:
+        refuse("wavevectors", G, "must have shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]")
+    if c.shape != G.shape[:1]:
+        refuse("coefficients", c, f"must have shape ({len(G)},), one for each wavevector")
+    constant = finite("constant", constant)
+    longest = np.abs(G).max()
+    kept: list[tuple[Array, complex]] = []
+    for wave, share in zip(G, c, strict=True):
+        if np.abs(wave).max() <= 1e-14 * longest:
+            constant += share.real
+            continue
+        for place, (known, amount) in enumerate(kept):
+            if np.abs(wave - known).max() <= _AGREEMENT * longest:
+                kept[place] = (known, amount + share)
+                break
+            if np.abs(wave + known).max() <= _AGREEMENT * longest:
+                kept[place] = (known, amount + share.conjugate())
+                break
+        else:
+            kept.append((wave, complex(share)))
+    # what is left of waves that cancel is rounding
+    kept = [(wave, share) for wave, share in kept if abs(share) > 1e-15 * np.abs(c).max()]
+    if not kept:
+        raise InputError("wavevectors: nothing but a constant is left; give at least one wave that is not zero")
+    waves = np.array([wave for wave, _ in kept])
+    shares = np.array([share for _, share in kept])
+    waves.setflags(write=False)
+    shares.setflags(write=False)
+    return Substrate(waves, shares, constant)
+
+
+def square_substrate(amplitude: float = 1.0, period: float = 2.0 * pi) -> Substrate:
+    """V = amplitude [sin(2 pi x/period) + sin(2 pi y/period)] (paper, Sec. VI C).
+
+    amplitude is an energy, period a length; both above zero, else InputError.
+    """
+    amplitude, q = positive("amplitude", amplitude), 2.0 * pi / positive("period", period)
+    return fourier_substrate([[q, 0.0], [0.0, q]], [-1j * amplitude, -1j * amplitude])
+
+
+def hexagonal_substrate(amplitude: float = 1.0, period: float = 2.0 * pi) -> Substrate:
+    """V = amplitude sum of three cos(G·r), G of length 4 pi/(sqrt(3) period) at 120° from one another.
+
+    It repeats by `period`, a length above zero, along x. amplitude is an energy and not zero: above zero V peaks at
+    3 amplitude over a triangular lattice of atoms with two hollows of -1.5 amplitude per cell; below zero there is one
+    well per cell instead. InputError otherwise.
+    """
+    amplitude, q = finite("amplitude", amplitude), 2.0 * pi / positive("period", period)
+    if amplitude == 0.0:
+        refuse("amplitude", amplitude, "must not be zero, such as 1.0")
+    across = q / sqrt(3.0)
+    return fourier_substrate([[q, -across], [0.0, 2.0 * across], [-q, -across]], [amplitude] * 3)
+
+
+def _numbers(name: str, value: npt.ArrayLike, kind: type) -> npt.NDArray:
+    try:
+        array: npt.NDArray = np.asarray(value, dtype=kind)
+    except (TypeError, ValueError, OverflowError):
+        refuse(name, value, "must be an array of numbers")
+    if not np.isfinite(array).all():
+        bad = next(item for item in array.flat if not (isfinite(item.real) and isfinite(item.imag)))
+        refuse(name, bad, "must be finite")
+    return array
+
+
+def _row_lattice(rows: list[list[int]]) -> npt.NDArray[np.int64]:
+    """Basis of all whole combinations of the rows, of rank 2, by Euclid's algorithm on each column."""
+    pivots: list[list[int]] = []
+    for column in (0, 1):
+        pivot, rest = [0, 0], []
+        for row in rows:
+            while row[column]:
+                times = pivot[column] // row[column]
+                pivot, row = row, [pivot[0] - times * row[0], pivot[1] - times * row[1]]
+            rest.append(row)
+        pivots.append(pivot)
+        rows = rest
+    return np.array(pivots)
+
+
+def _shortest(cell: Array) -> tuple[Array, Array]:
+    """The two shortest vectors of a plane lattice (Gauss), and the whole matrix that makes them of the given rows."""
+    change = np.eye(2)
+    while True:
+        new = change @ cell
+        if new[1] @ new[1] < new[0] @ new[0] * (1.0 - 1e-12):
+            change = change[::-1].copy()
+            continue
+        times = np.rint(new[0] @ new[1] / (new[0] @ new[0]))
+        if times == 0.0:
+            return new, change
+        change[1] -= times * change[0]

@@ -1,0 +1,1 @@
+"""Thresholds of grains that coalesce in a lubricant film (Lifshitz and Slyozov)."""

@@ -1,0 +1,101 @@
+"""Ageing: the threshold of a contact that holds diffuses towards the law of old contacts (paper, Sec. V)."""
+
+from typing import Literal
+
+import numpy as np
+
+from origins.errors import InputError, non_negative, refuse
+from origins.laws.ornstein_uhlenbeck import OrnsteinUhlenbeck
+from origins.thresholds.gaussian import CutGaussian
+from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.scipy_laws import as_thresholds
+
+_FASTEST = 1e100  # D, whose powers must stay numbers
+_ROUND_OFF = 1e-15
+_NEAR, _JUMP = 1e4, 1e-6  # roundings of x beside a point, and what the logarithm of a density may change there
+
+
+class Ageing:
+    """Fresh thresholds P_ci diffuse towards P_cf ~ exp(-Ũ): ∂P/∂t = D ∂_x (Ũ' + ∂_x) P (paper, Eq. B).
+
+    Parameters
+    ----------
+    final : Thresholds or frozen scipy.stats distribution on x >= 0
+        P_cf, of contacts that have held for long. P_ci are the thresholds of origins.Contacts.
+    rate : float
+        D, a length squared per time. 0: nothing ages.
+    closure : "exact" or "paper"
+        "exact": the threshold of every contact is its own diffusion, and the contact breaks where its |x| meets it.
+        "paper": one P_c(x; X) for all contacts, the law of fresh thresholds and their histogram at once (Eq. Q15).
+
+    Attributes
+    ----------
+    normal : OrnsteinUhlenbeck or None
+        Where `final` is a Gaussian cut at 0, the exact transition of one threshold, relaxing at D/std², std (and mean)
+        being those of the parent normal law, which is not cut. While a contact holds its threshold exceeds |x| >= 0,
+        and where it comes down to that the contact breaks: so the exact closure never sees what lies below 0. Only a
+        histogram of thresholds that is not depleted there does, such as the paper's; it takes the cut law and a wall
+        at 0, and differs by the weight below 0, ndtr(-mean/std) in the end.
+        None for any other law: origins.diffusion.Diffusion(final, edges) moves the weights of its thresholds.
+
+    Raises InputError for a rate that is negative or not finite, and for a P_cf that holds single values or has gaps:
+    its Ũ would be infinite; for closure "exact" also for one that jumps inside its support. Where P_cf ends at a
+    positive density, thresholds are reflected.
+    """
+
+    def __init__(self, final: object, rate: float, closure: Literal["exact", "paper"] = "exact") -> None:
+        self.final: Thresholds = as_thresholds(final, "final")
+        self.rate = non_negative("rate", rate)
+        if self.rate > _FASTEST:
+            refuse("rate", rate, f"must be at most {_FASTEST:g}; choose another unit")
+        self.closure = closure
+        if closure not in ("exact", "paper"):
+            refuse("closure", closure, 'must be "exact" or "paper"')
+        self._check_potential()
+        self.normal: OrnsteinUhlenbeck | None = None
+        if isinstance(self.final, CutGaussian):
+            mean, std = self.final.parent_mean, self.final.parent_std
+            self.normal = OrnsteinUhlenbeck(mean, std, self.rate / std**2)
+
+    def check_fresh(self, fresh: Thresholds) -> None:
+        """InputError unless all fresh thresholds lie where P_cf has weight."""
+        low, high = self.final.support()
+        beyond = float(fresh.cdf(low)) + float(fresh.sf(high))
+        if beyond > _ROUND_OFF:
+            raise InputError(
+                f"ageing: a weight of {beyond:.3g} of the fresh thresholds lies outside the final law, {low:g} to "
+                f"{high:g}, where its potential is infinite; use a final law that covers them"
+            )
+
+    def _check_potential(self) -> None:
+        atoms = self.final.atoms[0]
+        if atoms.size:
+            raise InputError(
+                f"final: holds the single value {atoms[0]:g}: thresholds cannot diffuse to it; use a law with a "
+                f"density, such as gaussian with mean = {atoms[0]:g}, std = {0.01 * atoms[0]:g}"
+            )
+        corners = self.final.breakpoints
+        low, high = self.final.support()
+        middle = 0.5 * (corners[:-1] + corners[1:])
+        gap = np.flatnonzero(self.final.logpdf(middle) == -np.inf) if middle.size else middle
+        if gap.size:
+            low, high = corners[int(gap[0])], corners[int(gap[0]) + 1]
+            raise InputError(
+                f"final: has no weight between {low:g} and {high:g}: thresholds cannot diffuse across; use a law "
+                "without gaps"
+            )
+        self._check_jumps(corners[(corners > low) & (corners < high)])
+
+    def _check_jumps(self, corners: Array) -> None:
+        if self.closure != "exact" or not corners.size:
+            return
+        near = _NEAR * np.spacing(corners)
+        around = corners + near * np.array([[-2.0], [-1.0], [1.0], [2.0]])
+        far_below, below, above, far_above = self.final.logpdf(around)
+        beside = np.maximum(np.abs(below - far_below), np.abs(far_above - above))
+        jump = np.abs(above - below) > _JUMP + 10.0 * beside
+        if jump.any():
+            raise InputError(
+                f"final: the density jumps at {corners[jump][0]:g}: there the drift of a threshold is infinite for an "
+                'instant, which no solver follows yet; use a law without jumps inside, or closure = "paper"'
+            )

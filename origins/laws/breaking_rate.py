@@ -1,0 +1,236 @@
+"""The rate at which contacts break on any way: either sign of stretch, either direction."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import InputError, refuse
+from origins.laws.rate_law import Array, RateLaw
+
+# A/v, no unit: beyond it no contact is left, and the difference of two such integrals is round-off
+_LARGE = 50.0
+# ln(h/ω): above it no contact holds, and its exponential times ω is still a number
+_LARGEST = 50.0
+_LEAST_WAY = 1e-15  # of the stretch: shorter ways back than this cannot be told from none
+_STEPS = 2  # each squares the relative error of the way back, at first 1e-3 at most
+
+
+class BreakingRate:
+    """A RateLaw as solvers and users ask it: of stretches of either sign, and checked.
+
+    Attributes
+    ----------
+    rates : RateLaw
+        The law for stretches 0 <= x <= x_s.
+    closure : "exact" or "paper"
+        Whether each contact breaks at its own rate, or all at the mean one.
+
+    Unless said otherwise the methods take numbers or arrays that broadcast: stretches x and
+    thresholds x_s > 0 with |x| <= x_s (lengths), and the relative stiffness κ = k_i/<k> > 0; else
+    they raise InputError. Results have the common shape; relative errors stay below 1e-12.
+    """
+
+    rates: RateLaw
+    closure: Literal["exact", "paper"]
+
+    def rate(
+        self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0
+    ) -> Array:
+        """h(x; x_s), per time."""
+        return np.exp(self.log_rate(x, threshold, stiffness))
+
+    def plain_rate(self, x: Array, threshold: Array, stiffness: Array | float = 1.0) -> Array:
+        """h for sums over many contacts, not checked.
+
+        Where |x| exceeds the threshold a rate that does not vanish there goes on by its formula.
+        """
+        stretch = np.abs(x)
+        if self.rates.vanishes_at_threshold:
+            stretch = np.minimum(stretch, threshold)
+        largest = _LARGEST + np.log(self.rates.scale)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_rate = self.rates.log_rate(stretch, threshold, stiffness)
+            return np.asarray(np.exp(np.minimum(log_rate, largest)))
+
+    def log_rate(
+        self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0
+    ) -> Array:
+        """ln h, finite where h underflows; -inf where h = 0, as of a stiff contact at x_s."""
+        shape, (stretch, limit, spring) = _prepare(threshold, stiffness, x=x)
+        return self.rates.log_rate(np.abs(stretch), limit, spring).reshape(shape)[()]
+
+    def cumulative(
+        self,
+        x: npt.ArrayLike,
+        threshold: npt.ArrayLike,
+        start: npt.ArrayLike = 0.0,
+        stiffness: npt.ArrayLike = 1.0,
+    ) -> Array:
+        """Integral A >= 0 of h over the stretches between `start` and x: a length per time.
+
+        In either direction. At a speed v a contact that holds at `start` still holds at x with the
+        probability exp(-A/v).
+        """
+        return np.exp(self.log_cumulative(x, threshold, start, stiffness))
+
+    def log_cumulative(
+        self,
+        x: npt.ArrayLike,
+        threshold: npt.ArrayLike,
+        start: npt.ArrayLike = 0.0,
+        stiffness: npt.ArrayLike = 1.0,
+    ) -> Array:
+        """ln A, finite where A underflows; -inf where x = start, where A = 0."""
+        shape, arrays = _prepare(threshold, stiffness, x=x, start=start)
+        return self._log_between(*arrays).reshape(shape)[()]
+
+    def _log_between(self, stretch: Array, begin: Array, limit: Array, stiffness: Array) -> Array:
+        """ln of the integral between two stretches; arrays of one shape."""
+        first, last = np.abs(stretch), np.abs(begin)
+        near, far = np.minimum(first, last), np.maximum(first, last)
+        across = (stretch < 0.0) != (begin < 0.0)
+        out = self.rates.log_passed(np.where(across, 0.0, near), far, limit, stiffness)
+        if across.any():
+            rest = self.rates.log_passed(0.0, near[across], limit[across], stiffness[across])
+            out[across] = np.logaddexp(out[across], rest)
+        return out
+
+    def per_length(
+        self,
+        x: Array,
+        threshold: Array,
+        start: Array,
+        stiffness: Array | float,
+        velocity: float,
+    ) -> tuple[Array, Array]:
+        """h/v at x, and A/v from `start` <= x on, for sums over many contacts.
+
+        Neither checked nor in logarithms; |x| and |start| at most the threshold. Errors of A/v stay
+        below 1e-13 of 1 + A/v.
+        """
+        rate, passed = self.rates.rate_and_passed(x, threshold, stiffness, velocity)
+        if not np.any(start):
+            return rate, passed
+        before = self.rates.rate_and_passed(start, threshold, stiffness, velocity)[1]
+        if np.abs(before).max(initial=0.0) < _LARGE:
+            return rate, passed - before
+        return rate, np.exp(self.log_per_length(x, threshold, start, stiffness, velocity))
+
+    def log_per_length(
+        self,
+        x: Array,
+        threshold: Array,
+        start: Array,
+        stiffness: Array | float,
+        velocity: float,
+    ) -> Array:
+        """ln(A/v) of the same, finite where that underflows."""
+        arrays = np.broadcast_arrays(x, start, threshold, stiffness)
+        return self._log_between(*arrays) - np.log(velocity)
+
+    def inverse(
+        self,
+        amount: npt.ArrayLike,
+        threshold: npt.ArrayLike,
+        start: npt.ArrayLike = 0.0,
+        stiffness: npt.ArrayLike = 1.0,
+    ) -> Array:
+        """Stretch x >= start at which A from `start` on reaches `amount` >= 0 (a length per time).
+
+        The threshold where it never does. At a speed v a contact breaks at inverse(v e, x_s, start)
+        with e from the exponential law of mean 1. Backward motion is the mirror image:
+        -inverse(amount, threshold, -start).
+        """
+        shape, (goal, begin, limit, spring) = _prepare(
+            threshold, stiffness, amount=amount, start=start
+        )
+        with np.errstate(divide="ignore"):
+            log_amount = np.log(goal)
+        out = self.rates.reached(log_amount, np.maximum(begin, 0.0), limit, spring)
+        back = np.flatnonzero(begin < 0.0)
+        if back.size:
+            behind = log_amount[back], -begin[back], limit[back], spring[back]
+            out[back] = self._from_behind(*behind)
+        return out.reshape(shape)[()]
+
+    def inverse_from_rest(self, log_amount: Array, threshold: Array, stiffness: Array) -> Array:
+        """The same from x = 0 at ln A, for sums over many contacts: not checked."""
+        return np.asarray(self.rates.reached(log_amount, 0.0, threshold, stiffness))
+
+    def _from_behind(
+        self, log_amount: Array, begin: Array, threshold: Array, stiffness: Array
+    ) -> Array:
+        """Where a contact that starts at -begin < 0 and moves forward has spent the amount.
+
+        On the way up to x = 0 the rate passes the stretches from `begin` down; where the amount
+        ends there, what remains of that way is an integral from 0 on, as beyond x = 0.
+        """
+        log_whole = self.rates.log_passed(0.0, begin, threshold, stiffness)
+        log_share = log_amount - log_whole
+        with np.errstate(divide="ignore", over="ignore"):
+            beyond = log_share > 0.0
+            log_rest = np.where(
+                beyond,
+                log_amount + np.log(-np.expm1(-np.maximum(log_share, 0.0))),
+                log_whole + np.log(-np.expm1(np.minimum(log_share, 0.0))),
+            )
+        x = self.rates.reached(log_rest, 0.0, threshold, stiffness)
+        # of a short way back the difference of two large integrals tells little
+        short = np.flatnonzero(log_share < np.log(0.5))
+        if short.size:
+            some = log_amount[short], begin[short], threshold[short], stiffness[short]
+            x[short] = self._way_back(x[short], *some)
+        return np.where(beyond, x, -np.minimum(x, begin))
+
+    def _way_back(
+        self, x: Array, log_amount: Array, begin: Array, threshold: Array, stiffness: Array
+    ) -> Array:
+        """The stretch x < begin from which the integral of h to `begin` is the amount.
+
+        From a guess, by Newton's method between the logarithms of that integral and of its way.
+        """
+        least = _LEAST_WAY * begin
+        way = np.maximum(begin - x, least)
+        for _ in range(_STEPS):
+            x = begin - way
+            way = begin - x  # exactly, as x is rounded
+            log_passed = self.rates.log_passed(x, begin, threshold, stiffness)
+            log_rate = self.rates.log_rate(x, threshold, stiffness)
+            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+                slope = np.exp(log_rate + np.log(way) - log_passed)
+                better = way * np.exp((log_amount - log_passed) / slope)
+            # where the integral hardly grows any more the guess is as good
+            way = np.where(np.isfinite(better), np.clip(better, least, begin), way)
+        return np.where(np.isneginf(log_amount), begin, begin - way)
+
+
+def _prepare(
+    threshold: npt.ArrayLike, stiffness: npt.ArrayLike, **more: npt.ArrayLike
+) -> tuple[tuple[int, ...], list[Array]]:
+    """The common shape, and flat: `more` in their order, thresholds, stiffnesses; all checked."""
+    named = {**more, "threshold": threshold, "stiffness": stiffness}
+    try:
+        arrays = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in named.values()))
+    except (TypeError, ValueError) as error:
+        told = f"{', '.join(named)}: must be numbers or arrays whose shapes fit: {error}"
+        raise InputError(told) from error
+    flat = dict(zip(named, (array.ravel() for array in arrays), strict=True))
+    for name in ("threshold", "stiffness"):
+        good = (flat[name] > 0.0) & np.isfinite(flat[name])
+        _check(name, flat[name], good, "must be finite and above zero")
+    for name in more:
+        if name == "amount":
+            _check(name, flat[name], flat[name] >= 0.0, "must be zero or above")
+        else:
+            rule = f"a contact holds only where |{name}| is at most its threshold"
+            _check(name, flat[name], np.abs(flat[name]) <= flat["threshold"], rule)
+    return arrays[0].shape, list(flat.values())
+
+
+def _check(name: str, values: Array, good: npt.NDArray[np.bool_], rule: str) -> None:
+    """Raise InputError with the first value that is not good."""
+    if not good.all():
+        refuse(name, values[~good][0], rule)

@@ -1,0 +1,135 @@
+"""Diffusion of thresholds towards any law, in finite volumes: positive, mass-conserving, and at rest in that law."""
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import exprel, gammaln
+
+from origins.errors import InputError, finite_array, non_negative, refuse
+from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.quadrature import gauss
+
+_BEYOND = 1e-12
+_FAINT = 1e-200
+_MOST_STEPS = 10_000_000
+_MARGIN = 1.01  # keeps each step positive whatever is rounded
+
+
+class Diffusion:
+    """∂P/∂t = D ∂_x (Ũ' + ∂_x) P with P_cf ~ exp(-Ũ) (paper, Eq. L), between walls that nothing crosses.
+
+    The weights of P in n cells obey a master equation of hops between neighbours (Scharfetter and Gummel, IEEE Trans.
+    Electron Devices 16, 64, 1969): up[i] from cell i to i + 1, down[i] back, both per unit of D. Their ratio is that
+    of the densities of P_cf, averaged over the cells, so the weights of P_cf are at rest at any resolution. Errors
+    fall as the square of the cell width. In time nothing is approximated.
+
+    Parameters
+    ----------
+    final : Thresholds
+        P_cf.
+    edges : array of shape (n + 1,)
+        Ends of the cells, increasing (lengths); the outermost are the walls, the lower one usually 0. Put one on
+        every corner of P_cf.
+
+    Attributes
+    ----------
+    edges : array (n + 1,)
+    stationary : array (n,), weights of P_cf between the walls, adding up to 1
+    up, down : arrays (n - 1,), per length squared
+
+    Raises InputError for edges that do not increase or are fewer than three, and for a P_cf without weight in a cell
+    or with more than 1e-12 of it beyond the walls.
+    """
+
+    def __init__(self, final: Thresholds, edges: npt.ArrayLike) -> None:
+        self.edges = finite_array("edges", edges)
+        if self.edges.size < 3 or not (np.diff(self.edges) > 0.0).all():
+            refuse("edges", self.edges, "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)")
+        self._check_walls("final", final)
+        log_weights = _log_weights(final, self.edges)
+        empty = np.flatnonzero(~np.isfinite(log_weights))
+        if empty.size:
+            low, high = self.edges[empty[0]], self.edges[empty[0] + 1]
+            raise InputError(
+                f"final: has no weight, or one that is no number, between {low:g} and {high:g}: thresholds cannot "
+                "diffuse there; use a law whose density is positive between the outermost edges"
+            )
+        weights = np.exp(log_weights - log_weights.max())
+        self.stationary = weights / weights.sum()
+        widths, distances = np.diff(self.edges), 0.5 * (self.edges[2:] - self.edges[:-2])
+        uphill = -np.diff(log_weights - np.log(widths))
+        self.up = 1.0 / (exprel(uphill) * widths[:-1] * distances)
+        self.down = 1.0 / (exprel(-uphill) * widths[1:] * distances)
+
+    def weights(self, law: Thresholds) -> Array:
+        """Weight of `law` in each cell, shape (n,), adding up to 1; at most 1e-12 beyond the walls, else InputError."""
+        self._check_walls("law", law)
+        out = _weights(law, self.edges)
+        out[0] += float(law.cdf(self.edges[0]))
+        out[-1] += float(law.sf(self.edges[-1]))
+        return out
+
+    def evolve(self, weights: npt.ArrayLike, amount: float) -> Array:
+        """Weights after a time t from those at first, shapes (n,) or (n, m) for m laws; amount = D t, length squared.
+
+        The exponential of the master equation as a Poisson mean over numbers of hops, a sum of positive terms. Costs
+        about amount * (largest rate of hops) steps of O(n m); InputError where those exceed 10^7.
+        """
+        p = np.array(weights, dtype=float)
+        if p.ndim not in (1, 2) or p.shape[0] != self.stationary.size or not ((p >= 0.0) & np.isfinite(p)).all():
+            refuse("weights", p, f"must be zero or above and finite, {self.stationary.size} in the first dimension")
+        leaving = np.zeros(p.shape[0])
+        leaving[:-1] += self.up
+        leaving[1:] += self.down
+        hops = _MARGIN * float(leaving.max())
+        mean = hops * non_negative("amount", amount)
+        if not mean < _MOST_STEPS:
+            refuse("amount", amount, f"takes {mean:.1e} steps on these edges; use fewer cells or a shorter time")
+        first, shares = _poisson(mean)
+        column = (-1,) + (1,) * (p.ndim - 1)
+        up, down = (self.up / hops).reshape(column), (self.down / hops).reshape(column)
+        out = np.zeros_like(p)
+        for k in range(first + shares.size):
+            if k >= first:
+                out += shares[k - first] * p
+            flow = up * p[:-1] - down * p[1:]
+            p[:-1] -= flow
+            p[1:] += flow
+        return out
+
+    def _check_walls(self, name: str, law: Thresholds) -> None:
+        low, high = float(self.edges[0]), float(self.edges[-1])
+        beyond = float(law.cdf(low)) + float(law.sf(high))
+        if not beyond <= _BEYOND:
+            raise InputError(
+                f"{name}: has a weight of {beyond:.3g} beyond the outermost edges, {low:g} and {high:g}; widen them"
+            )
+
+
+def _poisson(mean: float) -> tuple[int, Array]:
+    """The first number and the probabilities of the numbers that matter of a Poisson law; they add up to 1."""
+    if mean == 0.0:
+        return 0, np.ones(1)
+    reach = 9.0 * np.sqrt(mean)
+    numbers = np.arange(max(int(mean - reach), 0), int(mean + reach + 40.0))
+    shares = np.exp(numbers * np.log(mean) - gammaln(numbers + 1.0) - mean)
+    return int(numbers[0]), shares / shares.sum()
+
+
+def _weights(law: Thresholds, edges: Array) -> Array:
+    """Weight between neighbouring edges, from whichever of cdf and survival is the smaller."""
+    cdf, sf = law.cdf(edges), law.sf(edges)
+    return np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))
+
+
+def _log_weights(law: Thresholds, edges: Array) -> Array:
+    """ln of the weights, finite where they underflow."""
+    weights = _weights(law, edges)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        out = np.log(weights)
+        faint = ~(weights > _FAINT)
+        if faint.any():
+            nodes, factors = gauss(edges[:-1][faint], edges[1:][faint])
+            terms = law.logpdf(nodes) + np.log(factors)
+            highest = terms.max(axis=-1)
+            out[faint] = highest + np.log(np.exp(terms - highest[:, None]).sum(-1))
+    return out

@@ -1,0 +1,270 @@
+"""From a rough surface to thresholds in metres: contact model times threshold law."""
+
+from os import PathLike
+
+import numpy as np
+
+from origins.errors import InputError, between, positive, refuse, whole
+from origins.roughness.greenwood_williamson import (
+    SummitContact,
+    critical_compression,
+    plasticity_index,
+    pressed,
+    summits_of,
+    thresholds_of_compression,
+)
+from origins.roughness.interface import Interface
+from origins.roughness.material import Material
+from origins.roughness.persson_contact import stressed, thresholds_of_stress
+from origins.roughness.power_law import Bend
+from origins.roughness.spectral_moments import SpectralMoments, spectral_moments
+from origins.roughness.topography import as_topography
+from origins.thresholds.law import Thresholds
+
+LAWS = ("paper", "amontons", "strength")
+MODELS = ("gw", "persson")
+_PATCHES = (1e-40, 1e20)
+
+
+def from_topography(
+    heights: object,
+    pixel_size: object = None,
+    *,
+    model: str,
+    law: str,
+    material: Material,
+    pressure: float,
+    regime: str = "elastic",
+    patch_area: float | None = None,
+    height_law: str = "gaussian",
+    detrend: str = "curvature",
+    periodic: bool = False,
+    step: int = 1,
+) -> Thresholds:
+    """Thresholds of a measured surface pressed against a flat (paper, Sec. VI A and B), in metres.
+
+    Parameters
+    ----------
+    heights : array of shape (n_x, n_y), or a SurfaceTopography topography
+        Heights of the surface (of two rough ones, their sum) in metres, NaN where missing.
+    pixel_size : float or (dx, dy)
+        Metres; left out for a topography object, which is converted by its unit.
+    model : "gw" or "persson"
+        "gw": Greenwood and Williamson's summits, counted and shaped by the spectral moments (McCool 1986), heights
+        measured from the summits' mean plane. "persson": normal stress in the real contact, of width
+        E* h'_rms/2^(1/2), on patches of `patch_area`.
+    law : "paper", "amontons" or "strength"
+        From the area A and load w of a contact to its threshold x_s = f_s/k:
+        "paper": f_s = mu w and f_s = c x_s², so that k = c x_s;
+        "amontons": f_s = mu w, with k = G A^(1/2);
+        "strength": f_s = tau A, with k = G A^(1/2).
+        With delta the compression of a summit and s the stress on a patch,
+
+                    gw               persson
+        paper       delta^(3/4)      s^(1/2) (PcPersson3)
+        amontons    delta            s
+        strength    delta^(1/2)      refused: patches of one area would break at one threshold
+
+        for k ~ A^(1/2); plastic summits go as delta^(1/2) under every law. Another k: Material(contact_stiffness=...),
+        but under "paper", whose k is c x_s and which refuses one.
+    material : Material
+        SI units; what the law needs and is not there is asked for by name.
+    pressure : float
+        Nominal pressure, Pa.
+    regime : "elastic", "plastic" or "mixed"
+        gw only. "plastic": every summit bears hardness times area, pi r delta H (paper, Eq. GW2); "mixed": those
+        compressed by more than r (3 pi H/4E*)² do, where that meets Hertz' load. Area and load are continuous
+        there, and so is x_s; P_c jumps. Persson's stresses are elastic.
+    patch_area : float
+        persson only, and needed there: area of one contact, m². The theory has stresses but no contacts. Under both
+        laws x_s and <k> go as patch_area^(1/2) ("amontons": x_s as patch_area^(1-e) and <k> as patch_area^e where
+        k ~ A^e) and the contact density as its inverse; shape, propensity and friction coefficient stay. Take
+        `interface.mean_area` of model="gw" on the same surface, under the same pressure.
+    height_law : "gaussian" or "exponential"
+        gw only: law of the summits' heights, either of the measured standard deviation.
+    detrend, periodic, step
+        As in spectral_moments.
+
+    Returns
+    -------
+    thresholds : Thresholds
+        With `.interface`, the Interface: area fraction, contact density, <k>, plasticity, friction coefficient.
+
+    Raises InputError for values outside these and for combinations without meaning, with what to write instead.
+    """
+    _no_file_name(heights)
+    moments = spectral_moments(heights, pixel_size, detrend=detrend, periodic=periodic, step=step)
+    return from_moments(
+        moments,
+        model=model,
+        law=law,
+        material=material,
+        pressure=pressure,
+        regime=regime,
+        patch_area=patch_area,
+        height_law=height_law,
+    )
+
+
+def from_moments(
+    moments: SpectralMoments,
+    *,
+    model: str,
+    law: str,
+    material: Material,
+    pressure: float,
+    regime: str = "elastic",
+    patch_area: float | None = None,
+    height_law: str = "gaussian",
+) -> Thresholds:
+    """from_topography for a surface known by its moments alone: moments_of_spectrum, moments_of_summits."""
+    if not isinstance(moments, SpectralMoments):
+        refuse("moments", moments, "must be SpectralMoments, such as origins.moments_of_summits(...)")
+    if model not in MODELS:
+        refuse("model", model, 'must be "gw" or "persson"')
+    if law not in LAWS:
+        refuse("law", law, 'must be "paper", "amontons" or "strength"')
+    if not isinstance(material, Material):
+        refuse("material", material, "must be origins.Material(contact_modulus=..., ...)")
+    if law == "paper" and material.contact_stiffness is not None:
+        raise InputError('material.contact_stiffness: law = "paper" has k = c x_s; leave it out')
+    pressure = positive("pressure", pressure)
+    if model == "gw":
+        if patch_area is not None:
+            refuse("patch_area", patch_area, 'model = "gw" counts its own contacts; leave it out')
+        return _on_summits(moments, law, material, pressure, regime, height_law)
+    if height_law != "gaussian":
+        refuse("height_law", height_law, 'model = "persson" has stresses, not summits; leave it out')
+    if regime != "elastic":
+        refuse("regime", regime, 'model = "persson" has elastic stresses; leave it out, or write model = "gw"')
+    if patch_area is None:
+        such = _mean_area_of_summits(moments, material, pressure)
+        refuse("patch_area", patch_area, f'model = "persson" needs the area of one contact in m², such as {such}')
+    return _on_patches(moments, law, material, pressure, between("patch_area", patch_area, *_PATCHES, "it is in m²"))
+
+
+def resolution_study(
+    heights: object,
+    pixel_size: object = None,
+    *,
+    factors: tuple[int, ...] = (1, 2, 4, 8),
+    **options: object,
+) -> tuple[Thresholds, ...]:
+    """from_topography with neighbours 1, 2, 4, ... pixels apart: how all of it moves with the scan's resolution.
+
+    m4, and with it radius and density of the summits, is a property of surface and resolution together. Each
+    result carries its moments as `.interface.moments`, with the step and the spacing they were taken at.
+
+    Parameters
+    ----------
+    heights, pixel_size
+        As in from_topography.
+    factors : tuple of int
+        Spacings in pixels.
+    options
+        All else that from_topography takes, but for step.
+
+    Raises InputError as from_topography does, and for no factors.
+    """
+    if not isinstance(factors, tuple | list) or not factors:
+        refuse("factors", factors, "must be a tuple of whole numbers, such as (1, 2, 4, 8)")
+    if "step" in options:
+        refuse("step", options["step"], "is what the study varies; write factors=(1, 2, 4, 8)")
+    _no_file_name(heights)
+    surface = as_topography(heights, pixel_size)
+    steps = [whole("factors", factor, 1) for factor in factors]
+    return tuple(from_topography(surface, step=step, **options) for step in steps)  # type: ignore[arg-type]
+
+
+def _no_file_name(heights: object) -> None:
+    if isinstance(heights, str | PathLike):
+        rule = f"is a file's name; write SurfaceTopography.read_topography({str(heights)!r}) in its place"
+        refuse("heights", heights, rule)
+
+
+def _on_summits(
+    moments: SpectralMoments, law: str, material: Material, pressure: float, regime: str, height_law: str
+) -> Thresholds:
+    contact = pressed(summits_of(moments, material, regime, height_law), pressure)
+    threshold, force = thresholds_of_compression(contact.summits, material, law)
+    thresholds = contact.thresholds(threshold)
+    plastic = of_hertz = None
+    if material.hardness is not None:
+        limit = critical_compression(moments.summit_radius, material.contact_modulus, material.hardness)
+        plastic = 1.0 if regime == "plastic" else contact.fraction_beyond(limit)
+        elastic = summits_of(moments, material, "elastic", height_law)
+        of_hertz = SummitContact(elastic, elastic.separation(pressure)).fraction_beyond(limit)
+    stiffness = contact.mean(force.over(threshold))
+    radius = contact.summits.area.each(lambda area: area.times(1.0 / np.pi).power(0.5))
+    thresholds.interface = Interface(
+        model="gw",
+        law=law,
+        material=material,
+        moments=moments,
+        pressure=pressure,
+        area_fraction=contact.area_fraction,
+        contact_density=contact.contact_density,
+        mean_radius=contact.mean(radius),
+        mean_threshold=thresholds.mean(),
+        mean_stiffness=stiffness,
+        mean_force_threshold=contact.mean(force),
+        friction_coefficient=_friction(thresholds, contact.contact_density, stiffness, pressure),
+        force_law=force.seen_from(threshold),
+        plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
+        plastic_fraction=plastic,
+        hertz_plastic_fraction=of_hertz,
+        regime=regime,
+        separation=contact.separation,
+    )
+    return thresholds
+
+
+def _mean_area_of_summits(moments: SpectralMoments, material: Material, pressure: float) -> str:
+    """The area of a contact as model "gw" has it, in words."""
+    try:
+        contact = pressed(summits_of(moments, material, "elastic", "gaussian"), pressure)
+    except InputError:  # more load than summits apart can bear
+        return "patch_area = 1e-14"
+    area = contact.area_fraction / contact.contact_density
+    return f'the mean one of model = "gw" here, patch_area = {area:.3g}'
+
+
+def _on_patches(
+    moments: SpectralMoments, law: str, material: Material, pressure: float, patch_area: float
+) -> Thresholds:
+    threshold, force = thresholds_of_stress(law, material, patch_area)
+    contact = stressed(moments, material.contact_modulus, pressure)
+    thresholds = contact.thresholds(threshold)
+    of_threshold = force.after(threshold.inverse)
+    mean_force = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent))
+    stiffness = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent - 1.0))
+    plastic = None
+    if material.hardness is not None:
+        plastic = float(thresholds.sf(threshold(material.hardness)))
+    density = contact.area_fraction / patch_area
+    thresholds.interface = Interface(
+        model="persson",
+        law=law,
+        material=material,
+        moments=moments,
+        pressure=pressure,
+        area_fraction=contact.area_fraction,
+        contact_density=density,
+        mean_radius=float(np.sqrt(patch_area / np.pi)),
+        mean_threshold=thresholds.mean(),
+        mean_stiffness=stiffness,
+        mean_force_threshold=mean_force,
+        friction_coefficient=_friction(thresholds, density, stiffness, pressure),
+        force_law=Bend(of_threshold, of_threshold, np.inf),
+        plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
+        plastic_fraction=plastic,
+        hertz_plastic_fraction=plastic,
+        patch_area=patch_area,
+    )
+    return thresholds
+
+
+def _friction(thresholds: Thresholds, density: float, stiffness: float, pressure: float) -> float:
+    """N<k> <x_s²>/(2<x_s>) over the pressure: the steady state's force, k_i independent of x_i, as in (Q6)."""
+    kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
+    return density * stiffness * kinetic / pressure

@@ -1,0 +1,210 @@
+"""What joins a threshold law in metres to newtons and pascals: the record of one interface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import InputError, non_negative, refuse
+from origins.roughness.material import Material
+from origins.roughness.power_law import Array, Bend
+from origins.roughness.spectral_moments import SpectralMoments
+
+BOLTZMANN = 1.380649e-23  # J/K, exact in the SI
+# where strain begins: this toolkit's choice
+_APART = 0.1  # area fraction beyond which contacts are hardly apart
+_FULL = 0.995  # area fraction that is full contact
+_ISOTROPIC = 1.5  # ratio of rms slopes along the axes
+_PLASTIC = 0.01  # fraction of contacts
+_STEEP = 0.5  # rms slope
+_PIXELS = 2.0  # radius of a contact, in pixels
+_LARGEST = 0.1  # m, across a scan
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Physical state of a rough contact, carried by its thresholds as `.interface`; SI units.
+
+    A force F per N_c<k>, a length, is the shear stress contact_density * mean_stiffness * F.
+
+    Attributes
+    ----------
+    model, law : str
+        "gw" or "persson"; "paper", "amontons" or "strength".
+    material : Material
+    moments : SpectralMoments
+        Of the surface, with the step and the pixel size they were taken at.
+    pressure : float
+        Nominal pressure, Pa.
+    area_fraction : float
+        Real over nominal area of contact.
+    contact_density : float
+        Contacts per nominal area, 1/m².
+    mean_radius : float
+        <(A/pi)^(1/2)> over the contacts, m.
+    mean_threshold : float
+        <x_s> over fresh contacts, m: the way that one goes before it slips.
+    mean_stiffness : float
+        <k> over fresh contacts, k = f_s/x_s, N/m.
+    mean_force_threshold : float
+        <f_s> over fresh contacts, N.
+    friction_coefficient : float
+        Kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of x_i (paper,
+        Eq. Q6). Where k is proportional to x_s it is <f_s>/(2 <load>) exactly: half the sum of all thresholds.
+        Number, load and <k> are those of the fresh interface; sliding favours large thresholds, which is left out.
+    force_law : Bend
+        f_s in N as a function of x_s in m: force_threshold.
+    plasticity_index : float or None
+        psi = (E*/Y)(sigma_h/r)^(1/2) with Y = H/3; None without a hardness. The paper's has E and the mean height
+        of exponential summits; Greenwood and Williamson's, with H in place of Y, is a third of this one.
+    plastic_fraction : float or None
+        gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime "mixed"; all of
+        them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
+    hertz_plastic_fraction : float or None
+        The same fraction were all contacts elastic under this pressure, whatever the regime.
+    regime : str
+        gw only, else "elastic": "elastic", "plastic" or "mixed".
+    separation : float or None
+        gw only: height of the flat above the summits' mean plane, m; below zero where it lies beneath.
+    patch_area : float or None
+        persson only: area of one contact, m².
+    """
+
+    model: str
+    law: str
+    material: Material
+    moments: SpectralMoments
+    pressure: float
+    area_fraction: float
+    contact_density: float
+    mean_radius: float
+    mean_threshold: float
+    mean_stiffness: float
+    mean_force_threshold: float
+    friction_coefficient: float
+    force_law: Bend
+    plasticity_index: float | None
+    plastic_fraction: float | None
+    hertz_plastic_fraction: float | None
+    regime: str = "elastic"
+    separation: float | None = None
+    patch_area: float | None = None
+
+    @property
+    def mean_load(self) -> float:
+        """Normal force on a contact, N."""
+        return self.pressure / self.contact_density
+
+    @property
+    def mean_area(self) -> float:
+        """Area of a contact, m²."""
+        return self.area_fraction / self.contact_density
+
+    @property
+    def kinetic_stress(self) -> float:
+        """Kinetic friction per nominal area, N<k> F_k with the density of contacts for N, Pa."""
+        return self.friction_coefficient * self.pressure
+
+    @property
+    def mean_plane_separation(self) -> float | None:
+        """gw only: height of the flat above the surface's own mean plane, m."""
+        return None if self.separation is None else self.separation + self.moments.summit_offset
+
+    def force_threshold(self, threshold: npt.ArrayLike) -> Array:
+        """f_s in N of contacts that break at the stretches `threshold` in m; shape as given. Their k is f_s/x_s.
+
+        Raises InputError for what is no number, is not finite or is below zero.
+        """
+        try:
+            lengths = np.asarray(threshold, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            refuse("threshold", threshold, "must be a length in m, or an array of them")
+        if not (np.isfinite(lengths) & (lengths >= 0.0)).all():
+            refuse("threshold", threshold, "must be finite and zero or above, in m")
+        return self.force_law(lengths)
+
+    def temperature(self, kelvin: float | None = None, energy: float | None = None) -> float:
+        """k_BT/<k> in m², the temperature of a contact's laws, of `kelvin` (K) or of `energy` = k_BT (J).
+
+        Raises InputError for both, for neither, and for values below zero.
+        """
+        if (kelvin is None) == (energy is None):
+            raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them, such as kelvin = 300.0")
+        joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else non_negative("energy", energy)
+        return joules / self.mean_stiffness
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """Where the surface or the load strains the theory, in words; empty where nothing does."""
+        said = self._cautions_of_size()
+        if self.model == "gw" and self.area_fraction > _APART:
+            said.append(
+                f"contacts cover {self.area_fraction:.0%} of the surface: Greenwood and Williamson's summits are far "
+                "apart and do not feel each other"
+            )
+        if self.model == "persson" and self.area_fraction >= _FULL:
+            said.append("full contact: no contact stands alone, and patches do not slip one by one")
+        elif self.model == "persson" and self.area_fraction > _APART:
+            said.append(
+                f"contacts cover {self.area_fraction:.0%} of the surface: neighbouring patches are hardly independent"
+            )
+        if self.moments.rms_slope > _STEEP:
+            said.append(
+                f"rms slope is {self.moments.rms_slope:.2g}, and the theories are for small ones: are heights and "
+                "pixel size in one unit?"
+            )
+        along, across = sorted(self.moments.m2_axes)
+        if across > _ISOTROPIC**2 * along:
+            said.append(
+                f"rms slopes along the two axes differ by a factor {(across / along) ** 0.5:.2g}: the theories are "
+                "isotropic"
+            )
+        if self.regime == "elastic" and (self.plastic_fraction or 0.0) > _PLASTIC:
+            said.append(f"{self.plastic_fraction:.0%} of the contacts would be plastic, and are taken as elastic")
+        if self.regime == "plastic" and (self.hertz_plastic_fraction or 0.0) < _PLASTIC:
+            said.append(
+                f"{self.hertz_plastic_fraction:.1%} of the contacts would be plastic by Hertz' theory, and all are "
+                "taken as plastic"
+            )
+        if self.mean_threshold > self.mean_radius:
+            said.append(
+                f"contacts would slip after {self.mean_threshold:.2g} m on average, more than their mean radius of "
+                f"{self.mean_radius:.2g} m"
+            )
+        pixels = self.moments.pixel_size
+        # the area of Persson's patches is not the scan's to resolve
+        if self.model == "gw" and pixels is not None and self.mean_radius < _PIXELS * max(pixels):
+            said.append(
+                f"mean radius of a contact is {self.mean_radius / max(pixels):.2g} pixels: the scan does not resolve it"
+            )
+        local = self.material.local_friction
+        if self.law != "strength" and local is not None and self.friction_coefficient > local:
+            said.append(
+                f"friction coefficient {self.friction_coefficient:.2g} is above the local {local:.2g}: Eq. Q6 pairs "
+                "k and x_s at random"
+            )
+        return tuple(said)
+
+    def _cautions_of_size(self) -> list[str]:
+        """Where scan, pixel and contacts do not fit into one another."""
+        size, pixel = self.moments.size, self.moments.pixel_size
+        if size is None or pixel is None:
+            return []
+        said, area = [], size[0] * size[1]
+        if max(size) > _LARGEST:
+            said.append(f"the scan is {max(size):.3g} m across: is the unit right?")
+        if self.contact_density * area < 1.0:
+            said.append(
+                f"the scan would hold {self.contact_density * area:.2g} contacts, fewer than one: what they bear "
+                "extrapolates the tail of its heights"
+            )
+        if self.patch_area is not None and self.patch_area < pixel[0] * pixel[1]:
+            said.append(
+                f"patch_area = {self.patch_area:.3g} m² is below the {pixel[0] * pixel[1]:.3g} m² of a pixel: the "
+                "scan knows of nothing so small"
+            )
+        if self.patch_area is not None and self.patch_area > area:
+            said.append(f"patch_area = {self.patch_area:.3g} m² is above the {area:.3g} m² of the scan: is it in m²?")
+        return said

@@ -1,0 +1,157 @@
+"""A seeded self-affine surface whose rms slope is known exactly, for use where no scan is at hand."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from origins.errors import InputError, between, positive, refuse, whole
+from origins.roughness.topography import Array, pixel_sizes
+
+_BYTES = 40  # at the most, on each point while a surface is made: 36 measured
+_MOST = 1e300
+_SLOPES = (1e-20, 1e20)  # any that heights in one unit can have
+
+
+def self_affine_surface(
+    shape: tuple[int, int],
+    pixel_size: float | tuple[float, float],
+    *,
+    hurst: float,
+    rms_slope: float,
+    seed: int,
+    long_cutoff: float | None = None,
+    short_cutoff: float | None = None,
+) -> Array:
+    """Heights of a periodic self-affine surface, in the unit of pixel_size.
+
+    Every Fourier mode has the amplitude its spectrum says and a random phase, so that only the phases depend on
+    the seed: the rms slope is `rms_slope` exactly, as the sum over modes of |a_q|² q². The power spectrum is
+    q^(-2-2H) between 2 pi/long_cutoff and 2 pi/short_cutoff, constant below and zero above.
+
+    Nearest-neighbour differences see a mode with q_x dx (2 sin(q_x dx/2)/(q_x dx)) in place of q_x dx: the mean
+    square slope by differences is the sum over modes of |a_q|² [(2 sin(q_x dx/2)/dx)² + (2 sin(q_y dy/2)/dy)²],
+    exactly, where differences go round the edges (spectral_moments with periodic=True); see difference_moments.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        Number of points along each axis, at least 4.
+    pixel_size : float or (dx, dy)
+        Distance between points.
+    hurst : float
+        Hurst exponent H, 0 to 1.
+    rms_slope : float
+        Root mean square slope of the surface, above zero.
+    seed : int
+        Seed of the phases, at least 0.
+    long_cutoff, short_cutoff : float
+        Wavelengths; left out, the longest and the shortest that the grid holds in every direction.
+
+    Returns
+    -------
+    heights : array of `shape`, with mean zero
+
+    Raises InputError for values outside these, for a short_cutoff below two pixels, where no mode is left, and for a
+    shape whose making, at 40 bytes a point, needs more than the memory of the machine.
+    """
+    amplitude = mode_amplitudes(shape, pixel_size, hurst, rms_slope, long_cutoff, short_cutoff)
+    if whole("seed", seed, 0) >= 2**64:
+        refuse("seed", seed, "must be below 2**64")
+    generator = np.random.Generator(np.random.Philox(key=seed))
+    noise = np.fft.rfft2(generator.standard_normal(shape))
+    return np.fft.irfft2(amplitude * noise / np.abs(noise), s=shape) * (shape[0] * shape[1])
+
+
+def difference_moments(
+    shape: tuple[int, int],
+    pixel_size: float | tuple[float, float],
+    *,
+    hurst: float,
+    rms_slope: float,
+    long_cutoff: float | None = None,
+    short_cutoff: float | None = None,
+) -> tuple[float, float, float]:
+    """(m0, m2, m4) that periodic nearest-neighbour differences find on every such surface, whatever its seed.
+
+    Sums over modes with the differences' own transfer factors; m2 and m4 are averages over both axes, m2 of the
+    squared profile slope and m4 of the squared profile curvature.
+    """
+    amplitude = mode_amplitudes(shape, pixel_size, hurst, rms_slope, long_cutoff, short_cutoff)
+    dx, dy = pixel_sizes(pixel_size)
+    power = amplitude**2 * _weights(shape)
+    slope_x = (2.0 * np.sin(np.pi * np.fft.fftfreq(shape[0])) / dx) ** 2
+    slope_y = (2.0 * np.sin(np.pi * np.fft.rfftfreq(shape[1])) / dy) ** 2
+    m2 = 0.5 * float((power * (slope_x[:, None] + slope_y[None, :])).sum())
+    m4 = 0.5 * float((power * (slope_x[:, None] ** 2 + slope_y[None, :] ** 2)).sum())
+    return float(power.sum()), m2, m4
+
+
+def mode_amplitudes(
+    shape: tuple[int, int],
+    pixel_size: float | tuple[float, float],
+    hurst: float,
+    rms_slope: float,
+    long_cutoff: float | None = None,
+    short_cutoff: float | None = None,
+) -> Array:
+    """|a_q| on the half plane of np.fft.rfft2, with h(r) = sum over all q of a_q e^{iqr}."""
+    if not isinstance(shape, tuple | list) or len(shape) != 2:
+        refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
+    n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
+    check_memory((n_x, n_y), _BYTES)
+    dx, dy = pixel_sizes(pixel_size)
+    if not 0.0 < positive("hurst", hurst) <= 1.0:
+        refuse("hurst", hurst, "must be above 0 and at most 1")
+    rms_slope = between("rms_slope", rms_slope, *_SLOPES, "it is metres per metre")
+    least = 2.0 * max(dx, dy)
+    shortest = least if short_cutoff is None else positive("short_cutoff", short_cutoff)
+    if shortest < least:
+        refuse("short_cutoff", short_cutoff, f"must be at least two pixels, {least:g}")
+    box = max(n_x * dx, n_y * dy)
+    longest = box if long_cutoff is None else positive("long_cutoff", long_cutoff)
+    if longest < shortest and long_cutoff is None:
+        refuse("short_cutoff", short_cutoff, f"must be at most the surface's length, {box:g}")
+    if longest < shortest:
+        refuse("long_cutoff", long_cutoff, f"must be at least the short cutoff, {shortest:g}")
+    q_x = 2.0 * np.pi * np.fft.fftfreq(n_x, dx)
+    q_y = 2.0 * np.pi * np.fft.rfftfreq(n_y, dy)
+    q = np.hypot(q_x[:, None], q_y[None, :])
+    kept = (q > 0.0) & (q <= 2.0 * np.pi / shortest * (1.0 + 1e-12))
+    # a mode at half the sampling rate has no derivative on the grid
+    kept[n_x // 2, :] &= n_x % 2 == 1
+    kept[:, n_y // 2] &= n_y % 2 == 1
+    if not kept.any():
+        raise InputError(f"short_cutoff = {shortest:g}: no mode of the grid is longer; the surface would be flat")
+    # in units of the roll-off, so that no unit of length overflows the power; none beyond the box is met
+    relative = np.maximum(q * min(longest, box) / (2.0 * np.pi), 1.0)
+    amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
+    slope = np.sqrt((amplitude**2 * q**2 * _weights((n_x, n_y))).sum())
+    return amplitude * (rms_slope / slope)
+
+
+def check_memory(shape: tuple[int, int], bytes_a_point: int) -> None:
+    """InputError where work of so many bytes on each point needs more than the memory of the machine."""
+    try:
+        there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):  # not told on every system
+        return
+    needed = shape[0] * shape[1] * bytes_a_point
+    if needed > there:
+        amount = f"{needed / 1e9:.3g}" if needed < _MOST else "over 1e300"
+        refuse(
+            "shape",
+            shape,
+            f"needs {amount} GB, {bytes_a_point} bytes a point, and this machine has {there / 1e9:.3g} GB; take a "
+            "smaller one, such as [4096, 4096]",
+        )
+
+
+def _weights(shape: tuple[int, int]) -> Array:
+    """How many modes of the full plane each mode of the half plane stands for."""
+    weights = np.full(shape[1] // 2 + 1, 2.0)
+    weights[0] = 1.0
+    if shape[1] % 2 == 0:
+        weights[-1] = 1.0
+    return weights[None, :]

@@ -1,0 +1,203 @@
+"""Profile spectral moments of a surface, by nearest-neighbour differences, and the summits they imply."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from origins.errors import InputError, positive, refuse, whole
+from origins.roughness.topography import Array, Topography, as_topography, detrended
+
+_LEAST_USED = 0.5
+_BANDWIDTH_LIMIT = 0.8968  # below it McCool's summit variance is negative
+
+
+@dataclass(frozen=True)
+class SpectralMoments:
+    """Moments of the profiles along both axes, and the summits of the isotropic Gaussian surface that has them.
+
+    Attributes
+    ----------
+    m0 : float
+        Mean square height about the trend, in m².
+    m2 : float
+        Mean square profile slope, averaged over both axes; half the mean square slope of the surface.
+    m4 : float
+        Mean square profile curvature, averaged over both axes, in 1/m².
+    m2_axes, m4_axes : (float, float)
+        The same for profiles along the first and along the second axis: how isotropic the surface is.
+    step : int or None
+        Pixels between the neighbours that were differenced; None where there was no scan.
+    pixel_size : (float, float) or None
+        Distances between those neighbours, in metres.
+    size : (float, float) or None
+        Lengths of the scan along both axes, in metres; None where there was no scan.
+    missing_fraction : float
+        Fraction of the points that are missing.
+    used_fraction : float
+        Fraction of the curvature stencils inside the scan that touch no missing point.
+    """
+
+    m0: float
+    m2_axes: tuple[float, float]
+    m4_axes: tuple[float, float]
+    step: int | None = None
+    pixel_size: tuple[float, float] | None = None
+    missing_fraction: float = 0.0
+    used_fraction: float = 1.0
+    size: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if not self.bandwidth > _BANDWIDTH_LIMIT:
+            raise InputError(
+                f"heights: alpha = m0 m4/m2² is {self.bandwidth:.4g}, and a Gaussian surface has at least 1.5; remove "
+                "less trend or use a larger scan"
+            )
+
+    @property
+    def m2(self) -> float:
+        """Mean square profile slope."""
+        return 0.5 * (self.m2_axes[0] + self.m2_axes[1])
+
+    @property
+    def m4(self) -> float:
+        """Mean square profile curvature, in 1/m²."""
+        return 0.5 * (self.m4_axes[0] + self.m4_axes[1])
+
+    @property
+    def rms_slope(self) -> float:
+        """Root mean square slope of the surface, h'_rms = (2 m2)^(1/2)."""
+        return float(np.sqrt(2.0 * self.m2))
+
+    @property
+    def rms_height(self) -> float:
+        """Root mean square height, in metres."""
+        return float(np.sqrt(self.m0))
+
+    @property
+    def bandwidth(self) -> float:
+        """Nayak's alpha = m0 m4/m2²."""
+        return self.m0 * self.m4 / self.m2**2
+
+    @property
+    def summit_radius(self) -> float:
+        """Mean radius of curvature of the summits, r = 0.375 (pi/m4)^(1/2), in metres (McCool 1986)."""
+        return float(0.375 * np.sqrt(np.pi / self.m4))
+
+    @property
+    def summit_density(self) -> float:
+        """Summits per area, (m4/m2)/(6 pi 3^(1/2)), in 1/m² (McCool 1986)."""
+        return float(self.m4 / self.m2 / (6.0 * np.pi * np.sqrt(3.0)))
+
+    @property
+    def summit_std(self) -> float:
+        """Standard deviation of the summits' heights, (m0 (1 - 0.8968/alpha))^(1/2), in metres (McCool 1986)."""
+        return float(np.sqrt(self.m0 * (1.0 - _BANDWIDTH_LIMIT / self.bandwidth)))
+
+    @property
+    def summit_offset(self) -> float:
+        """Height of the summits' mean plane above the surface's, 4 (m0/(pi alpha))^(1/2), in metres."""
+        return float(4.0 * np.sqrt(self.m0 / (np.pi * self.bandwidth)))
+
+
+def moments_of_summits(radius: float, std: float, density: float) -> SpectralMoments:
+    """The isotropic Gaussian surface whose summits have this radius (m), height spread (m) and density (1/m²).
+
+    McCool's relations backwards, for Greenwood and Williamson's parameters where they are known as such:
+    m4 = pi (0.375/r)², m2 = m4/(6 pi 3^(1/2) density), m0 = std² + 0.8968 m2²/m4.
+    Raises InputError for values not above zero.
+    """
+    m4 = np.pi * (0.375 / positive("radius", radius)) ** 2
+    m2 = float(m4 / (6.0 * np.pi * np.sqrt(3.0) * positive("density", density)))
+    m0 = positive("std", std) ** 2 + _BANDWIDTH_LIMIT * m2 * m2 / m4
+    return SpectralMoments(m0=float(m0), m2_axes=(m2, m2), m4_axes=(float(m4), float(m4)))
+
+
+def spectral_moments(
+    heights: object,
+    pixel_size: object = None,
+    *,
+    detrend: str = "curvature",
+    step: int = 1,
+    periodic: bool = False,
+) -> SpectralMoments:
+    """Profile spectral moments m0, m2, m4 of a scan (J. McCool, Wear 107, 37, 1986).
+
+    The slope at a point is the pair of differences to its next neighbour along x and along y; the curvature is
+    the pair of second differences about it. A point counts only where both members of the pair lie inside the
+    scan and touch no missing point, so that both axes are seen over one and the same set of points.
+
+    Parameters
+    ----------
+    heights, pixel_size
+        As in as_topography: metres, or a topography object that knows its unit.
+    detrend : "curvature", "tilt" or "centre"
+        Least-squares trend removed first.
+    step : int
+        Neighbours are `step` pixels apart: 2 is what an instrument of half the resolution would see, but from
+        all points. m0 does not change with it.
+    periodic : bool
+        Whether the surface continues on its opposite side, as generated ones do; only with detrend="centre".
+
+    Raises InputError for a flat surface, for one too small for the step, where missing points leave less than
+    half of the curvature stencils, and where alpha is below 0.8968, so that no Gaussian surface has such moments.
+    """
+    surface = as_topography(heights, pixel_size)
+    if periodic and detrend != "centre":
+        refuse("detrend", detrend, 'a periodic surface has neither tilt nor curvature; write detrend = "centre"')
+    step = whole("step", step, 1)
+    least = 2 * step + 1
+    if min(surface.heights.shape) < least:
+        refuse("step", step, f"the scan of {surface.heights.shape} points needs at least 2 step + 1 along each axis")
+    level = detrended(surface, detrend)
+    sizes = (step * level.pixel_size[0], step * level.pixel_size[1])
+    slopes = _slopes(level, step, periodic)
+    curvatures = _curvatures(level, step, periodic)
+    used = float(np.isfinite(curvatures[0]).mean())
+    if used < _LEAST_USED:
+        refuse(
+            "heights",
+            level.heights,
+            f"missing points ({level.missing_fraction:.1%}) leave {used:.1%} of the curvature stencils, less than "
+            "half; fill them in or cut out a part that is whole",
+        )
+    return SpectralMoments(
+        m0=float(np.nanmean(level.heights**2)),
+        m2_axes=(_mean_square(slopes[0], sizes[0]), _mean_square(slopes[1], sizes[1])),
+        m4_axes=(_mean_square(curvatures[0], sizes[0] ** 2), _mean_square(curvatures[1], sizes[1] ** 2)),
+        step=step,
+        pixel_size=sizes,
+        missing_fraction=level.missing_fraction,
+        used_fraction=used,
+        size=(level.heights.shape[0] * level.pixel_size[0], level.heights.shape[1] * level.pixel_size[1]),
+    )
+
+
+def _mean_square(differences: Array, unit: float) -> float:
+    return float(np.nanmean((differences / unit) ** 2))
+
+
+def _both(first: Array, second: Array) -> tuple[Array, Array]:
+    """NaN in both where either is missing."""
+    lost = np.isnan(first) | np.isnan(second)
+    return np.where(lost, np.nan, first), np.where(lost, np.nan, second)
+
+
+def _slopes(surface: Topography, step: int, periodic: bool) -> tuple[Array, Array]:
+    h = surface.heights
+    if periodic:
+        return _both(np.roll(h, -step, 0) - h, np.roll(h, -step, 1) - h)
+    here = h[:-step, :-step]
+    return _both(h[step:, :-step] - here, h[:-step, step:] - here)
+
+
+def _curvatures(surface: Topography, step: int, periodic: bool) -> tuple[Array, Array]:
+    h = surface.heights
+    if periodic:
+        return _both(
+            np.roll(h, -step, 0) - 2.0 * h + np.roll(h, step, 0), np.roll(h, -step, 1) - 2.0 * h + np.roll(h, step, 1)
+        )
+    inner = slice(step, -step)
+    here = 2.0 * h[inner, inner]
+    return _both(
+        h[2 * step :, inner] - here + h[: -2 * step, inner], h[inner, 2 * step :] - here + h[inner, : -2 * step]
+    )

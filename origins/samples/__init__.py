@@ -1,0 +1,1 @@
+"""Thresholds from samples: smooth laws of given values, and the sampling error they leave."""

@@ -1,0 +1,140 @@
+"""Sampling error of what is derived from thresholds that come from samples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import refuse, whole
+from origins.samples.from_samples import Sampled
+from origins.thresholds.continuous_mixture import ContinuousMixture
+from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.mixture import Mixture, mixture
+
+_CONFIDENCE = 1.96
+_DRAWN = 1 << 15
+_CELLS = 1 << 12
+
+
+@dataclass(frozen=True)
+class Bootstrapped:
+    """Statistics of a law from samples and their sampling errors, arrays of the statistics' shape.
+
+    Attributes
+    ----------
+    value : array
+        Of the law itself.
+    standard_error : array
+        Scatter over the resampled laws.
+    bias : array
+        Their mean less `value`: what smoothing and the choice of knots do.
+    resampled : array of shape (resamples, ...)
+        Of each resampled law.
+    """
+
+    value: Array
+    standard_error: Array
+    bias: Array
+    resampled: Array
+
+    @property
+    def error(self) -> Array:
+        """(standard_error^2 + bias^2)^(1/2), the error to state with `value`."""
+        return np.hypot(self.standard_error, self.bias)
+
+    @property
+    def interval(self) -> tuple[Array, Array]:
+        """Ends of the 95 % confidence interval, 1.96 errors to either side of `value`."""
+        return self.value - _CONFIDENCE * self.error, self.value + _CONFIDENCE * self.error
+
+
+def bootstrap(
+    thresholds: Thresholds,
+    statistic: Callable[[Thresholds], npt.ArrayLike],
+    resamples: int = 100,
+    seed: int = 0,
+) -> Bootstrapped:
+    """Sampling error of `statistic(thresholds)` for thresholds that come from from_samples.
+
+    statistic : a number or an array of any fixed shape made of a law: lambda law: law.pdf(x), or several numbers that
+        master.propensity and master.steady_state find.
+    resamples : how many laws bootstrap_laws gives, at least 2; the error is known to about 1 in (2 resamples)^(1/2).
+    seed : whole number; the same seed gives the same resamples.
+
+    Raises InputError for thresholds that are not from samples, and for a statistic that is not finite or changes shape.
+    """
+    laws = bootstrap_laws(thresholds, whole("resamples", resamples, 2), seed)
+    value = _checked(statistic(thresholds), None)
+    resampled = np.stack([_checked(statistic(law), value.shape) for law in laws])
+    return Bootstrapped(value, resampled.std(axis=0, ddof=1), resampled.mean(axis=0) - value, resampled)
+
+
+def bootstrap_laws(thresholds: Thresholds, resamples: int = 100, seed: int = 0) -> Iterator[Thresholds]:
+    """Laws that other samples would have given: as many as the effective ones, drawn from the smooth law `thresholds`
+    itself and smoothed in the same way (smoothed bootstrap, Silverman and Young, Biometrika 74, 469, 1987).
+
+    Drawing from the law, not from the samples, leaves no ties but those of its exact values, which stay where they are
+    and vary in weight, and shows what smoothing does to a statistic. What it cannot show is structure that the law
+    itself has missed.
+    In a mixture each part from samples is drawn anew, with its weight and all else as given.
+    Raises InputError for thresholds without samples of at least two values, and for a continuous_mixture, whose laws
+    may all be of the same samples.
+    """
+    if not sampled_parts(thresholds):
+        rule = "must come from from_samples, or be a mixture with such a law, with at least two different values"
+        refuse("thresholds", thresholds, rule)
+    if isinstance(thresholds, ContinuousMixture):
+        refuse("thresholds", thresholds, "must not be a continuous mixture: its laws may all be of the same samples")
+    count, seed = whole("resamples", resamples, 1), whole("seed", seed, 0)
+    return (_anew(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))
+
+
+def sampled_parts(thresholds: Thresholds) -> list[Sampled]:
+    """The laws from samples that `thresholds` is, or is a mixture of."""
+    parts = thresholds.parts if isinstance(thresholds, Mixture) else ()
+    return [law for _, law in parts if isinstance(law, Sampled)]
+
+
+def _anew(thresholds: Thresholds, generator: np.random.Generator) -> Thresholds:
+    if isinstance(thresholds, Sampled) or not isinstance(thresholds, Mixture):
+        return _resampled(thresholds, generator) if isinstance(thresholds, Sampled) else thresholds
+    weights = np.array([weight for weight, _ in thresholds.parts])
+    return mixture([_anew(law, generator) for _, law in thresholds.parts], weights / weights.sum())
+
+
+def _checked(found: npt.ArrayLike, shape: tuple[int, ...] | None) -> Array:
+    values = np.asarray(found, dtype=float)
+    if not np.isfinite(values).all():
+        refuse("statistic", values[~np.isfinite(values)].flat[0], "must be finite for the law and all resampled ones")
+    if shape is not None and values.shape != shape:
+        refuse("statistic", values.shape, f"must keep its shape {shape} for the resampled laws")
+    return values
+
+
+def _resampled(law: Sampled, generator: np.random.Generator) -> Sampled:
+    size = max(round(law.effective_samples), 2)
+    positions, weights = law.atoms
+    smooth = law.smooth_part
+    hits = generator.multinomial(size, np.append(weights, max(1.0 - weights.sum(), 0.0)))
+    x, counts = positions[hits[:-1] > 0], hits[:-1][hits[:-1] > 0].astype(float)
+    if smooth is not None:
+        drawn, each = _drawn(smooth, int(hits[-1]), generator)
+        x, counts = np.append(x, drawn), np.append(counts, each)
+    order = np.argsort(x, kind="stable")
+    return Sampled(x[order], counts[order] / size, size, float(size), known=positions)
+
+
+def _drawn(law: Thresholds, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
+    """As many samples of a law, and how many each stands for."""
+    if size <= _DRAWN:
+        return law.rvs(size, generator), np.ones(size)
+    # most are counted in cells of equal weight, at their medians; those in the two outermost are drawn one by one
+    counts = generator.multinomial(size, np.full(_CELLS, 1.0 / _CELLS))
+    inner = np.flatnonzero(counts[1:-1]) + 1
+    low = law.ppf(generator.random(counts[0]) / _CELLS)
+    high = law.isf(generator.random(counts[-1]) / _CELLS)
+    x = np.concatenate([low, law.ppf((inner + 0.5) / _CELLS), high])
+    return x, np.concatenate([np.ones(low.size), counts[inner], np.ones(high.size)])

@@ -1,0 +1,209 @@
+"""Thresholds from your own values, from molecular dynamics or from an experiment."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import InputError, finite_array, positive, refuse
+from origins.samples.repeats import distinct, exact
+from origins.samples.smoothed import Smoothed
+from origins.samples.smoothing import smooth
+from origins.thresholds.identical import identical
+from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.mixture import Mixture
+
+_DOUBT = 0.05
+_NARROWEST = 1e-9  # of the largest sample: what is closer together is one value
+_SMALLEST, _LARGEST = 1e-100, 1e100
+_NOTHING = 1e-6  # of one effective sample
+
+
+def from_samples(
+    x_s: npt.ArrayLike | None = None,
+    *,
+    f_s: npt.ArrayLike | None = None,
+    coefficient: float | None = None,
+    stiffness: npt.ArrayLike | None = None,
+    weights: npt.ArrayLike | None = None,
+) -> Thresholds:
+    """A smooth P_c through threshold values of your own; one value, or all equal to within 1e-9, gives identical().
+
+    Values that repeat are exact, atoms of the law, where rounding does not explain it: where one is there at least
+    10 times more often than 5 times what is beside it (the least of the two values to either side; on a grid, of
+    lengths or of forces c x_s^2, the larger of its two neighbours), and where there are at most 8 values in all, each
+    10 times or more, that do not follow each other at one step, or at most 3. Equal means to within 1e-12. Samples
+    rounded to a grid, whose neighbours repeat alike, stay smooth.
+
+    Samples beyond a gap wider than chance leaves keep their weight and mean: each group has a law of its own, and fewer
+    than five different values beyond a gap get a narrow bell each, of the relative width of the law next to them. Wider
+    than chance is a gap that an exponential and a power-law tail both leave once in 90 times or less (once in 20 where
+    one law across it would miss <x_s^2>/2<x_s> of the samples by over two sampling errors); samples that rounding makes
+    equal count each. P_c diverges at 0 only where the samples pile up there: half of the lowest tenth below half of
+    its reach.
+
+    x_s : array of shape (n,), lengths from 1e-100 to 1e100; or instead of it
+    f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
+    coefficient : c of the paper's quadratic law f_s = c x_s^2 (Eq. PxPf), so x_s = (f_s/c)^(1/2); force per length^2.
+    stiffness : k of x_s = f_s/k, one for all contacts or an array of shape (n,), force per length, above zero.
+    weights : array of shape (n,), above zero, on any scale: how much each sample counts; all the same when left out.
+        The lightest, which together count for less than a millionth of one effective sample, are left out. A heavy
+        sample is not an exact value: only repeats are.
+
+    The result carries its sampling error: `n_samples`, `effective_samples`, `cdf_error`, `cdf_misfit`, `beyond` (see
+    Sampled), and `origins.bootstrap` gives that of any number derived from it.
+    Raises InputError for values that are missing, not finite or not above zero, for arrays of different lengths,
+    unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given, and for samples
+    over more decades (some tens) than a logspline can follow.
+    """
+    if (x_s is None) == (f_s is None):
+        raise InputError("from_samples: give either x_s, the thresholds as lengths, or f_s, as forces, and not both")
+    if x_s is not None:
+        for name, value in (("coefficient", coefficient), ("stiffness", stiffness)):
+            if value is not None:
+                refuse(name, value, "turns forces f_s into lengths; leave it out with x_s")
+        lengths = _above_zero("x_s", x_s)
+        bad = np.flatnonzero(~_measurable(lengths))
+        if bad.size:
+            rule = f"must lie between {_SMALLEST:g} and {_LARGEST:g}; choose another unit of length"
+            refuse(f"x_s[{bad[0]}]", lengths[bad[0]], rule)
+    else:
+        lengths = _lengths(_above_zero("f_s", f_s), coefficient, stiffness)
+    counts = np.ones(lengths.size) if weights is None else _one_each("weights", weights, lengths.size)
+    lengths, shares = _that_count(lengths, counts)
+    if lengths[-1] - lengths[0] <= _NARROWEST * lengths[-1]:
+        return identical(float(shares @ lengths))
+    return Sampled(lengths, shares, counts.size, float(1.0 / (shares @ shares)))
+
+
+def _measurable(lengths: Array) -> npt.NDArray[np.bool_]:
+    """Which lengths have a third moment that floating point can hold."""
+    return (lengths >= _SMALLEST) & (lengths <= _LARGEST)
+
+
+def _that_count(lengths: Array, counts: Array) -> tuple[Array, Array]:
+    """Sorted lengths and their shares, without the lightest, which together count for less than a millionth of one
+    sample: by Cauchy and Schwarz they move the mean by less than a thousandth of its error."""
+    order = np.argsort(lengths, kind="stable")
+    lengths, shares = lengths[order], counts[order] / counts.max()
+    shares /= shares.sum()
+    by_share = np.sort(shares)
+    light = np.searchsorted(np.cumsum(by_share), _NOTHING * float(shares @ shares))
+    heavy = shares >= by_share[light]
+    lengths, shares = lengths[heavy], shares[heavy]
+    return lengths, shares / shares.sum()
+
+
+def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None) -> Array:
+    if (coefficient is None) == (stiffness is None):
+        raise InputError(
+            "from_samples: with f_s give either coefficient, for f_s = coefficient * x_s^2, or stiffness, for "
+            "x_s = f_s / stiffness, and not both"
+        )
+    if stiffness is None:
+        lengths = np.sqrt(forces / positive("coefficient", coefficient))
+    elif np.ndim(stiffness) == 0:
+        lengths = forces / positive("stiffness", stiffness)
+    else:
+        lengths = forces / _one_each("stiffness", stiffness, forces.size)
+    bad = np.flatnonzero(~_measurable(lengths))
+    if bad.size:
+        refuse(f"f_s[{bad[0]}]", forces[bad[0]], f"makes a length of {lengths[bad[0]]:g}; choose other units")
+    return lengths
+
+
+def _one_each(name: str, value: object, size: int) -> Array:
+    array = _above_zero(name, value, "")
+    if array.size != size:
+        refuse(name, array, f"must hold one value for each of the {size} samples")
+    return array
+
+
+def _above_zero(name: str, value: object, why: str = ": a contact holds until its threshold") -> Array:
+    array = finite_array(name, value)
+    bad = np.flatnonzero(array <= 0.0)
+    if bad.size:
+        refuse(f"{name}[{bad[0]}]", array[bad[0]], "must be above zero" + why)
+    return array
+
+
+class Sampled(Mixture):
+    """Logspline density: log P_c = m log x + a cubic spline with few knots, by maximum likelihood.
+
+    How many knots, and whether P_c begins as a power x^m, at a finite value at x = 0 or with an edge at the smallest
+    sample, and ends as an exponential or with an edge at the largest, is what Schwarz' criterion makes of the samples;
+    thresholds over many decades are counted by log(1 + x/median). Each side of a gap is a law of its own, a few samples
+    beyond one are narrow bells, and exact values atoms. Beyond the extreme samples there is about as much weight as
+    random samples leave there, one sample's worth. <x_s> is that of the samples to 1e-8: where the likeliest law has
+    another mean, it is tilted by e^{tilt x}.
+
+    n log n in the number of samples; memory for a few copies of them.
+
+    Attributes
+    ----------
+    n_samples : int
+    effective_samples : float
+        (sum of the weights)^2 / sum of their squares: what the errors count; n_samples without weights.
+    cdf_error : float
+        The cdf of the law the samples came from lies within this of their empirical cdf, everywhere at once, with
+        95 % confidence (Dvoretzky, Kiefer, Wolfowitz), by the effective samples.
+    cdf_misfit : float
+        Largest distance of this smooth cdf from the empirical one.
+    beyond : (float, float)
+        Weight below the smallest sample and above the largest.
+    samples, shares : arrays of shape (n,)
+        The different values, sorted, and how much each counts, of sum 1.
+    smooth_part : Thresholds or None
+        The law without its atoms.
+    onset_power, onset_power_error : float
+        m and its error over all models that the samples allow. Where P_c begins at a finite value, m = 0, and the error
+        is how far from 0 a fitted power would be, and its own; inf where the samples are too far from 0, or begin too
+        sharply, to tell.
+    """
+
+    def __init__(
+        self, ordered: Array, shares: Array, n_samples: int, effective_samples: float, known: Array | None = None
+    ) -> None:
+        """ordered : values, sorted, at least two of them different; shares : what each counts, of sum 1; known : which
+        values are exact, where that need not be found out."""
+        self.n_samples, self.effective_samples = n_samples, effective_samples
+        self.cdf_error = float(np.sqrt(np.log(2.0 / _DOUBT) / (2.0 * self.effective_samples)))
+        values, shares, counts = distinct(ordered, shares)
+        atom = exact(values, counts) if known is None else np.isin(values, known)
+        if (~atom).sum() == 1:  # nothing tells how wide it might be
+            atom[:] = True
+        laws: list[Thresholds] = [identical(float(value)) for value in values[atom]]
+        weights = shares[atom].tolist()
+        self.onset_power_error = 0.0
+        self.smooth_part: Thresholds | None = None
+        if not atom.all():
+            rest = float(shares[~atom].sum())
+            try:
+                with np.errstate(over="raise", divide="raise", invalid="raise"):
+                    pieces = smooth(values[~atom], shares[~atom] / rest, counts[~atom], self.effective_samples * rest)
+            except (FloatingPointError, np.linalg.LinAlgError):
+                ends, rule = f"{values[0]:g} to {values[-1]:g}", "that is more than one density can follow; split them"
+                raise InputError(f"from_samples: the samples reach from {ends}; {rule}, in a mixture") from None
+            inner = np.array([piece.share for piece in pieces])
+            self.smooth_part = Mixture([piece.law for piece in pieces], inner / inner.sum())
+            laws += self.smooth_part.components
+            weights += (rest * self.smooth_part.weights).tolist()
+        super().__init__(laws, np.array(weights) / np.sum(weights))
+        self.parts = ((1.0, self),)
+        self.samples, self.shares = values, shares
+        if not atom.all() and self.support()[0] == min(piece.law.support()[0] for piece in pieces):
+            # a piece above a gap reaches down to 0 as well, with next to nothing
+            lowest = pieces[0].law
+            self.onset_power = lowest.onset_power
+            self.onset_power_error = lowest.onset_power_error if isinstance(lowest, Smoothed) else np.inf
+        up_to, steps = self.cdf(values), np.cumsum(shares)
+        below = up_to.copy()
+        below[atom] -= self.atoms[1]
+        self.cdf_misfit = float(max((steps - up_to).max(), (below - steps + shares).max()))
+        self.beyond = float(below[0]), float(self.sf(values[-1]))
+
+    def _ppf(self, q: Array) -> Array:
+        return self.components[0].ppf(q) if len(self.components) == 1 else super()._ppf(q)
+
+    def _isf(self, q: Array) -> Array:
+        return self.components[0].isf(q) if len(self.components) == 1 else super()._isf(q)

@@ -1,0 +1,158 @@
+"""Laws averaged over a continuous parameter, such as the orientation of grains: a mixture at a quadrature's nodes."""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import cast
+
+import numpy as np
+
+from origins.errors import InputError, finite, positive, refuse
+from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.mixture import Mixture, mixture
+from origins.thresholds.quadrature import NODES, gauss
+from origins.thresholds.scipy_laws import as_thresholds
+
+_MOST = 512  # laws in the mixture
+_PILOTS = 16
+_SAME = 1e-9  # of a place: as near, it is one
+_BESIDE = 1e-9
+_JUMP = 1e-4  # in units of 1/<x_s>
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+_TAILS = 10.0 ** -np.array([8.0, 5.0, 3.0, 2.0, 1.0, 0.6, 0.3])
+
+
+def continuous_mixture(
+    law: Callable[[float], object],
+    lower: float,
+    upper: float,
+    density: Callable[[float], float] | None = None,
+    accuracy: float = 1e-10,
+) -> "ContinuousMixture":
+    """P_c(x) = integral of R(phi) P_c(x; phi) dphi from lower to upper (paper, Sec. VI, grains of all orientations).
+
+    Finitely many orientations are a mixture: mixture([law(phi_1), law(phi_2)], [R_1, R_2]).
+
+    Parameters
+    ----------
+    law : function of phi
+        The normalised law of one phi: Thresholds or a frozen scipy.stats distribution, smooth in phi. Where a misfit
+        multiplies the strength of all grains by s(phi), it is grains(rho, B=B / s(phi)).
+    lower, upper : float
+        Ends of phi, in any unit.
+    density : function of phi
+        R(phi) >= 0, normalised here; left out: all phi equal.
+    accuracy : float
+        Of the survival, absolute, and of <x_s>, relative. Intervals of phi are halved until the sum over all differs
+        from that over their halves by less.
+
+    Returns
+    -------
+    thresholds : ContinuousMixture
+        A mixture of the laws at the nodes, with `.quadrature_error`, that difference. A tail rarer than it is that of
+        the nodes' own laws.
+
+    Raises InputError for values outside these, where 512 laws do not reach the accuracy, and where P_c(x; phi) has
+    exact values or jumps that move with phi: the average has none, while any finite mixture keeps one for each law,
+    and a K* of its own with it.
+    """
+    lower, upper, accuracy = finite("lower", lower), finite("upper", upper), positive("accuracy", accuracy)
+    if not upper > lower:
+        refuse("upper", upper, f"must be above lower = {lower:g}")
+    if not callable(law):
+        refuse("law", law, "must be a function of phi, such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))")
+    if density is not None and not callable(density):
+        refuse("density", density, "must be a function of phi")
+    # never at an end of an interval, where sums would agree however rough the law is in between
+    places = lower + (upper - lower) * ((np.arange(_PILOTS) + 0.5) * _GOLDEN % 1.0)
+    nodes = _Nodes(law, density, places)
+    missed = {(lower, upper): nodes.missed(lower, upper)}
+    while (error := sum(missed.values()) / nodes.whole(missed)) > accuracy:
+        if NODES * (len(missed) + 1) > _MOST:
+            refuse("accuracy", accuracy, f"{_MOST} laws reach {error:.2g} only; ask for less, or smooth the law")
+        low, high = max(missed, key=lambda interval: missed[interval])
+        del missed[low, high]
+        middle = 0.5 * (low + high)
+        missed[low, middle], missed[middle, high] = nodes.missed(low, middle), nodes.missed(middle, high)
+    chosen = [nodes.at(*interval) for interval in sorted(missed)]
+    shares = np.concatenate([weights for _, weights, _ in chosen])
+    laws = [one for some, _, _ in chosen for one in some]
+    used = np.flatnonzero(shares)
+    flat = cast(Mixture, mixture([laws[i] for i in used], shares[used] / shares.sum()))
+    found = ContinuousMixture(flat.components, flat.weights, error)
+    found.parts = flat.parts
+    return found
+
+
+def _check_moving(laws: Sequence[Thresholds]) -> None:
+    """InputError where an exact value or a jump of the density stands at another place in every law."""
+    found = [_hard_points(one) for one in laws]
+    for i, points in enumerate(found):
+        others = np.concatenate([other for j, other in enumerate(found) if j != i])
+        for point in points:
+            if not (np.abs(others - point) <= _SAME * abs(point)).any():
+                raise InputError(
+                    f"law: an exact value or a jump of the density moves with phi, one stands at {point:.6g}: the "
+                    "average has none, a mixture of finitely many laws has them all and a K* of its own; write the "
+                    "average itself, as scipy.stats.uniform(1.0, 1.0) for identical(1.0 + phi), or a smooth law for "
+                    "each phi, as gaussian(1.0 + phi, 0.05)"
+                )
+
+
+def _hard_points(law: Thresholds) -> Array:
+    """Places of exact values, and those where the density jumps or diverges."""
+    points = law.breakpoints[law.breakpoints > 0.0]
+    if points.size:
+        beside = law.pdf(points[:, None] * (1.0 + np.array([-_BESIDE, _BESIDE])))
+        size = np.abs(np.diff(np.where(np.isfinite(beside), beside, np.inf), axis=1)[:, 0]) * law.mean()
+        points = points[~(size <= _JUMP)]
+    return np.concatenate([points, law.atoms[0]])
+
+
+class ContinuousMixture(Mixture):
+    """The mixture at the nodes; quadrature_error as in continuous_mixture."""
+
+    def __init__(self, components: Sequence[Thresholds], weights: Array, quadrature_error: float) -> None:
+        super().__init__(components, weights)
+        self.quadrature_error = quadrature_error
+
+
+class _Nodes:
+    """Laws at the nodes of intervals of phi, and the sums by which intervals are compared: weight, <x_s>, survivals."""
+
+    def __init__(
+        self, law: Callable[[float], object], density: Callable[[float], float] | None, pilots: Array
+    ) -> None:
+        self._law, self._density = law, density
+        few = [as_thresholds(law(float(phi))) for phi in pilots]
+        _check_moving(few)
+        self._x = np.unique([x for one in few for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
+        self._scale = max(one.mean() for one in few)
+        self._known: dict[tuple[float, float], tuple[list[Thresholds], Array, Array]] = {}
+
+    def at(self, low: float, high: float) -> tuple[list[Thresholds], Array, Array]:
+        """The laws at the nodes of an interval, their weights, and the sums."""
+        if (low, high) not in self._known:
+            places, weights = gauss(np.array(low), np.array(high))
+            laws = [as_thresholds(self._law(float(phi))) for phi in places]
+            weights = weights * [self._height(float(phi)) for phi in places]
+            rows = np.array([[1.0, one.mean() / self._scale, *one.sf(self._x)] for one in laws])
+            self._known[low, high] = laws, weights, weights @ rows
+        return self._known[low, high]
+
+    def missed(self, low: float, high: float) -> float:
+        """By how much the sums of an interval differ from those of its halves, at most."""
+        middle = 0.5 * (low + high)
+        halves = self.at(low, middle)[2] + self.at(middle, high)[2]
+        return float(np.abs(self.at(low, high)[2] - halves).max())
+
+    def whole(self, intervals: Iterable[tuple[float, float]]) -> float:
+        """The integral of R."""
+        total = float(sum(self.at(*interval)[2][0] for interval in intervals))
+        if not total > 0.0:
+            refuse("density", self._density, "is zero at all phi asked")
+        return total
+
+    def _height(self, phi: float) -> float:
+        height = 1.0 if self._density is None else finite("density", self._density(phi))
+        if height < 0.0:
+            refuse("density", height, f"must not be below zero, as at phi = {phi:g}")
+        return height

@@ -1,0 +1,165 @@
+"""Gaussian thresholds, the parent normal cut at x = 0 and normalised."""
+
+from typing import Literal
+
+import numpy as np
+from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
+
+from origins.errors import between, finite, positive, refuse
+from origins.thresholds.gaussian_chord import ChordGaussian
+from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.quadrature import gauss
+
+_LARGEST, _UNIT = 1e150, "choose another unit of length"  # so that squares are numbers
+_NARROWEST = 1e-15  # std over mean, which rounding takes for one value
+_ROOT_TWO = np.sqrt(2.0)
+_ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
+
+
+def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upper: float | None = None) -> Thresholds:
+    """Thresholds from the normal law of `mean` and `std`, both lengths (paper, Eq. Q14e).
+
+    form = "cut": the normal law conditional on x > 0.
+    form = "paper": the paper's corrected form on (0, upper), the normal density less the chord between its values
+    at 0 and at upper, cut where it is negative and normalised; needs 0 < mean < upper.
+    Raises InputError unless mean is finite, std is finite and above 1e-15 of its size (for one value, use identical()),
+    and `upper` is given for the paper's form and for it alone.
+    """
+    mean, std = finite("mean", mean), between("std", std, 1.0 / _LARGEST, _LARGEST, _UNIT)
+    if abs(mean) > _LARGEST:
+        refuse("mean", mean, f"must be at most {_LARGEST:g}; {_UNIT}")
+    if std < _NARROWEST * mean:
+        refuse("std", std, f"is below 1e-15 of the mean: one value to round-off; take identical, value = {mean:g}")
+    if std < -_NARROWEST * mean:
+        refuse("mean", mean, f"lies more than 1e15 widths below 0, where nothing is left of the law; std = {std:g}")
+    if form == "cut":
+        if upper is not None:
+            refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')
+        return CutGaussian(mean, std)
+    if form != "paper":
+        refuse("form", form, 'must be "cut" or "paper"')
+    if not mean > 0.0:
+        refuse("mean", mean, 'form = "paper" needs 0 < mean < upper')
+    if upper is None:
+        refuse("upper", upper, f'form = "paper" needs the end of its interval, such as upper = {3.0 * mean:g}')
+    upper = positive("upper", upper)
+    if not mean < upper:
+        refuse("mean", mean, f'form = "paper" needs 0 < mean < upper = {upper:g}')
+    return ChordGaussian(mean, std, upper)
+
+
+class CutGaussian(Thresholds):
+    """The normal law with parent mean and width, conditional on x > 0."""
+
+    onset_power = 0.0
+
+    def __init__(self, parent_mean: float, parent_std: float) -> None:
+        self.parent_mean = parent_mean
+        self.parent_std = parent_std
+        self._z0 = -parent_mean / parent_std
+        self._log_kept = float(log_ndtr(-self._z0))
+        self._kept = float(ndtr(-self._z0))
+        # P_c(0) by the form that stays finite however little of the parent is kept
+        edge = 2.0 / float(erfcx(self._z0 / _ROOT_TWO)) if self._z0 > 0.0 else np.exp(-0.5 * self._z0**2) / self._kept
+        self._at_zero = edge / (_ROOT_TWO_PI * parent_std)
+
+    def support(self) -> tuple[float, float]:
+        return 0.0, np.inf
+
+    def _z(self, x: Array) -> Array:
+        return (x - self.parent_mean) / self.parent_std
+
+    def _fall(self, x: Array) -> Array:
+        """log of P_c(x) / P_c(0), for a parent mean below 0."""
+        with np.errstate(over="ignore"):
+            u = x / self.parent_std
+            return -u * (0.5 * u + self._z0)
+
+    def _logpdf(self, x: Array) -> Array:
+        if self._z0 > 0.0:
+            return np.log(self._at_zero) + self._fall(x)
+        with np.errstate(over="ignore"):
+            return -0.5 * self._z(x) ** 2 - np.log(_ROOT_TWO_PI * self.parent_std * self._kept)
+
+    def _pdf(self, x: Array) -> Array:
+        return np.exp(self._logpdf(x))
+
+    def _logsf(self, x: Array) -> Array:
+        if self._z0 > 0.0:
+            out = self._fall(x) + np.log(erfcx(self._z(x) / _ROOT_TWO) / erfcx(self._z0 / _ROOT_TWO))
+        else:
+            out = log_ndtr(-self._z(x)) - self._log_kept
+        near = out > -0.5
+        if near.any():
+            out[near] = np.log1p(-self._cdf(x[near]))
+        return out
+
+    def _sf(self, x: Array) -> Array:
+        if self._z0 > 0.0:
+            return np.exp(self._logsf(x))
+        return np.minimum(ndtr(-self._z(x)) / self._kept, 1.0)
+
+    def _cdf(self, x: Array) -> Array:
+        z, out = self._z(x), np.empty(x.shape)
+        # just above 0 the difference cancels: integrate the density instead
+        near = x * max(1.0, abs(self._z0)) < 0.3 * self.parent_std
+        far = ~near
+        if self._z0 > 0.0:
+            with np.errstate(under="ignore"):
+                ratio = erfcx(z[far] / _ROOT_TWO) / erfcx(self._z0 / _ROOT_TWO)
+                out[far] = 1.0 - ratio * np.exp(self._fall(x[far]))
+        else:
+            out[far] = (ndtr(z[far]) - ndtr(self._z0)) / self._kept
+        if near.any():
+            nodes, weights = gauss(np.zeros(int(near.sum())), x[near])
+            out[near] = (weights * self._pdf(nodes)).sum(-1)
+        return np.minimum(out, 1.0)
+
+    def _from_hazard(self, hazard: Array) -> Array:
+        """For a parent mean below 0: two of Newton's steps from a guess that is off by 1e-6 at most."""
+        u = -ndtri_exp(self._log_kept - hazard) - self._z0
+        # near 0 that is round-off, and the hazard a straight line
+        near = ~(u > 1e-6 * (1.0 + self._z0))
+        u[near] = hazard[near] / (self._at_zero * self.parent_std)
+        x = self.parent_std * u
+        for _ in range(2):
+            log_survival = self._logsf(x)
+            x = np.maximum(x + (hazard + log_survival) * np.exp(log_survival - self._logpdf(x)), 0.5 * x)
+        return x
+
+    def _isf(self, q: Array) -> Array:
+        if self._z0 > 0.0:
+            return super()._isf(q)
+        x = self.parent_mean - self.parent_std * ndtri_exp(np.log(q) + self._log_kept)
+        return self._polish(x, q, self._sf, 1.0)
+
+    def _ppf(self, q: Array) -> Array:
+        if self._z0 > 0.0:
+            return super()._ppf(q)
+        x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * self._kept)
+        return self._polish(x, q, self._cdf, -1.0)
+
+    def _polish(self, x: Array, q: Array, function, sign: float) -> Array:  # type: ignore[no-untyped-def]
+        """Two Newton steps, for the digits lost where x is small beside the parent mean."""
+        for _ in range(2):
+            x = np.maximum(x, 0.0)
+            density = self._pdf(x)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = sign * (function(x) - q) / density
+            x = x + np.where(np.isfinite(step) & (np.abs(step) < 0.1 * self.parent_std), step, 0.0)
+        return np.maximum(x, 0.0)
+
+    def _moment(self, n: int) -> float:
+        if self.parent_mean < 0.0:
+            return super()._moment(n)
+        variance = self.parent_std**2
+        lower, moment = 1.0, self.parent_mean + variance * self._at_zero
+        for order in range(2, n + 1):
+            lower, moment = moment, self.parent_mean * moment + (order - 1) * variance * lower
+        return moment
+
+    def _variance(self) -> float:
+        if self.parent_mean < 0.0:
+            return super()._variance()
+        edge = self._at_zero * self.parent_std
+        return self.parent_std**2 * (1.0 + self._z0 * edge - edge * edge)

@@ -1,0 +1,69 @@
+"""Quantiles of a law that has no closed inverse: Newton steps that never leave a bracket."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from origins.thresholds.law import Thresholds
+
+Array = npt.NDArray[np.float64]
+
+_STEPS = 400
+# Newton squares what is missing: a step from this close is the last, unless it leads far, across a flat piece
+_MISS, _STEP = 1e-9, 1e-8
+_LAST_BIT = 4e-16
+
+
+def invert_hazard(thresholds: "Thresholds", hazard: Array, left: Array, right: Array, guess: Array) -> Array:
+    """Thresholds x in [left, right] with -log sf(x) = hazard; all arrays of one shape (n,).
+
+    Newton's step is taken for log hazard against log distance from the support's lower end, where every power
+    and every Weibull law is a straight line. It is replaced by a halving where it leaves the bracket or
+    gains too little. Where P_c has a gap the left end of the gap is taken, as scipy does.
+    """
+    origin, bends = thresholds.support()[0], np.sort(thresholds.breakpoints)
+    out = np.array(right, dtype=float)
+    goal, low, high = hazard, np.array(left, dtype=float), np.array(right, dtype=float)
+    place: npt.NDArray[np.intp] = np.flatnonzero(high > low)
+    goal, low, high = goal[place], low[place], high[place]
+    x = np.clip(guess[place], low, high)
+    outside = ~((x > low) & (x < high))
+    x[outside] = between(low, high)[outside]
+    for step in range(_STEPS):
+        inside = (x > low) & (x < high)
+        if not inside.all():
+            # nothing lies between the two ends any more: the upper one is the first that reaches the goal
+            out[place[~inside]] = high[~inside]
+            place, goal, low, high, x = place[inside], goal[inside], low[inside], high[inside], x[inside]
+        if not place.size:
+            break
+        log_survival = thresholds._logsf(x)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            miss = np.log(-log_survival / goal)
+            slope = (x - origin) * np.exp(thresholds._logpdf(x) - log_survival) / -log_survival
+            newton = origin + (x - origin) * np.exp(-miss / slope)
+        short = -log_survival < goal
+        low, high = np.where(short, x, low), np.where(short, high, x)
+        distance, gap = np.abs(newton - x), np.abs(miss)
+        # the slope on one side of a bend tells nothing of the other
+        across = np.searchsorted(bends, x) != np.searchsorted(bends, newton)
+        settled = (gap < _MISS) & (distance < _STEP * x) & ~across | (gap < 1e-3) & (distance <= _LAST_BIT * x)
+        out[place[settled]] = np.clip(newton, low, high)[settled]
+        bad = ~((newton > low) & (newton < high)) | (step % 4 == 3) & (step > 8)
+        x = np.where(bad, between(low, high), newton)
+        rest = ~settled
+        place, goal, low, high, x = place[rest], goal[rest], low[rest], high[rest], x[rest]
+    else:
+        out[place] = x
+    return out
+
+
+def between(left: Array, right: Array) -> Array:
+    """Arithmetic middle, geometric where the two differ by more than 4, so that tiny roots are reached fast."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        wide = (left > 0.0) & (right > 4.0 * left)
+        floor = np.where((left == 0.0) & (right > 1e-300), right * 2.0**-16, 0.0)
+        middle = np.where(wide, np.sqrt(left) * np.sqrt(right), left + 0.5 * (right - left))
+        return np.where(floor > 0.0, floor, middle)

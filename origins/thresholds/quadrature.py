@@ -1,0 +1,157 @@
+"""Panels on which a threshold density is smooth, found by bisection, and Gauss-Legendre sums over them.
+
+The panels follow the law at every scale it has: jumps sit on edges, an x^(1/3) onset is approached by
+halving, and a spike that every node misses betrays itself because the panel's mass differs from the cdf's.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from origins.thresholds.law import Thresholds
+
+Array = npt.NDArray[np.float64]
+
+NODES = 8
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(NODES)
+GAUSS_NODES = 0.5 * (GAUSS_NODES + 1.0)  # on (0, 1)
+GAUSS_WEIGHTS = 0.5 * GAUSS_WEIGHTS
+
+_SEEDS = np.array([1e-15, 1e-9, 1e-5, 1e-3, 0.03, 0.25, 0.5])
+_TAIL = 1e-18
+_DEPTH = 64
+_MOST = 8192  # panels still open: only a cdf that contradicts its density leaves so many
+_EPSILON = float(np.finfo(float).eps)
+# survivals at which a moment's tail is cut into further panels
+_FAR = 10.0 ** -np.array([18, 20, 22, 25, 29, 34, 40, 48, 58, 70, 85, 105, 130, 160, 200, 250, 300])
+
+
+def gauss(left: Array, right: Array) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes and weights on each [left, right]; both of shape left.shape + (8,)."""
+    width = (right - left)[..., None]
+    return left[..., None] + width * GAUSS_NODES, width * GAUSS_WEIGHTS
+
+
+def panel_edges(
+    thresholds: "Thresholds", upper: float = np.inf, accuracy: float = 1e-15, tail: float = _TAIL
+) -> Array:
+    """Edges of panels on each of which 8 nodes integrate P_c(x) and x P_c(x) to `accuracy` of the whole.
+
+    Covers the support up to `upper`, and an infinite tail to survival `tail`. Atoms are not looked at.
+    """
+    lower, end = thresholds.support()
+    known = thresholds.panels
+    if known is not None:
+        return np.append(known[known < upper], upper) if known[0] < upper < known[-1] else known[known <= upper]
+    far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
+    low, high = thresholds.rough_quantiles(_SEEDS, np.concatenate([_SEEDS, far, [tail]]))
+    # a quantile that a law cannot give is no seed
+    low, high = low[np.isfinite(low)], high[np.isfinite(high)]
+    seeds = [low, high[:-1], thresholds.breakpoints]
+    top = min(upper, end if np.isfinite(end) else _reach(thresholds, float(high.max()) if high.size else 1.0, tail))
+    if not top > lower:
+        return np.empty(0)
+    edges = np.unique(np.concatenate([[lower, top], *seeds]))
+    edges = edges[(edges >= lower) & (edges <= top)]
+    left, right = edges[:-1], edges[1:]
+    scale = float(low[-1] if low.size else top) or 1.0
+    middle = _middle(left, right)
+    # asked for all three at once: many a law takes longer to be asked than to answer
+    whole, first, second = _mass(thresholds, np.stack([left, left, middle]), np.stack([right, middle, right]), scale)
+    weight = _cdf_mass(thresholds, left, right)
+    finished_left, finished_right = [], []
+    done = np.zeros(2)
+    for _ in range(_DEPTH):
+        # rare but distant weight makes <x> large beside the median; and the nodes themselves are rounded, which no
+        # halving can see through
+        level = np.maximum(done + whole.sum(axis=1), 1.0)[:, None]
+        rounding = _EPSILON * np.abs(whole) * right / (right - left)
+        missed = np.abs(weight - whole[0]) > 1e-12 + 64.0 * rounding[0]
+        open_ = (np.abs(first + second - whole) > accuracy * level + rounding).any(axis=0) | missed
+        open_ &= (middle > left) & (middle < right)
+        done += whole[:, ~open_].sum(axis=1)
+        finished_left.append(left[~open_])
+        finished_right.append(right[~open_])
+        if not open_.any():
+            break
+        if open_.sum() > _MOST:
+            finished_left.append(left[open_])
+            finished_right.append(right[open_])
+            break
+        left, right = (
+            np.concatenate([left[open_], middle[open_]]),
+            np.concatenate([middle[open_], right[open_]]),
+        )
+        whole = np.concatenate([first[:, open_], second[:, open_]], axis=1)
+        # the cdf is asked again only where it told something: elsewhere the halves agree with the whole
+        again = np.tile(missed[open_], 2)
+        weight = whole[0].copy()
+        if again.any():
+            weight[again] = _cdf_mass(thresholds, left[again], right[again])
+        middle = _middle(left, right)
+        first, second = _mass(thresholds, np.stack([left, middle]), np.stack([middle, right]), scale)
+    else:
+        finished_left.append(left)
+        finished_right.append(right)
+    return np.unique(np.concatenate(finished_left + finished_right))
+
+
+def _middle(left: Array, right: Array) -> Array:
+    """Arithmetic, but geometric over several decades, so that a spike far down is reached."""
+    return np.where((left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right))
+
+
+def _reach(thresholds: "Thresholds", x: float, tail: float) -> float:
+    """x, or further out where survival is still above `tail`."""
+    while float(thresholds.sf(x)) > 1.01 * tail and x < 1e150:
+        x *= 2.0
+    return x
+
+
+def _mass(thresholds: "Thresholds", left: Array, right: Array, scale: float) -> Array:
+    """Weight and first moment (over scale) of panels, shape (m, 2, n) for ends of shape (m, n)."""
+    nodes, weights = gauss(left, right)
+    weights *= finite_density(thresholds, nodes)
+    return np.stack([weights.sum(-1), np.einsum("...i,...i->...", weights, nodes) / scale], axis=-2)
+
+
+def finite_density(thresholds: "Thresholds", nodes: Array) -> Array:
+    """P_c, but 0 where a node was rounded onto a point at which it diverges."""
+    density = thresholds.pdf(nodes)
+    return np.where(np.isfinite(density), density, 0.0)
+
+
+def _cdf_mass(thresholds: "Thresholds", left: Array, right: Array) -> Array:
+    """Weight between left and right, atoms left out."""
+    ends = np.stack([left, right])
+    below, above = thresholds.cdf(ends), thresholds.sf(ends)
+    mass = np.where(below[0] < 0.5, below[1] - below[0], above[0] - above[1])
+    for position, weight in zip(*thresholds.atoms, strict=True):
+        mass = mass - weight * ((left < position) & (position <= right))
+    return mass
+
+
+def moment(thresholds: "Thresholds", n: int, centre: float = 0.0) -> float:
+    """<(x_s - centre)^n> by panels, atoms added; for laws whose tail falls faster than any power.
+
+    Where the nodes' rounding spoils a panel, beside a density that diverges, the cdf gives its weight.
+    """
+    edges = panel_edges(thresholds)
+    atoms, weights = thresholds.atoms
+    total = float((weights * (atoms - centre) ** n).sum())
+    if not edges.size:
+        return total
+    if not np.isfinite(thresholds.support()[1]):
+        edges = np.unique(np.concatenate([edges, thresholds.isf(_FAR)]))
+    left, right = edges[:-1], edges[1:]
+    nodes, factors = gauss(left, right)
+    factors = factors * finite_density(thresholds, nodes)
+    mass, known = factors.sum(-1), _cdf_mass(thresholds, left, right)
+    spoilt = np.abs(mass - known) > 16.0 * _EPSILON
+    empty = spoilt & (mass <= 0.0)
+    factors[empty] = known[empty, None] * GAUSS_WEIGHTS
+    kept = spoilt & ~empty
+    factors[kept] *= (known[kept] / mass[kept])[:, None]
+    return total + float((factors * (nodes - centre) ** n).sum())

@@ -1,0 +1,71 @@
+"""The two solvers' difference over a path, in standard errors, where enough contacts have broken to tell."""
+
+import numpy as np
+import numpy.typing as npt
+
+from toolkit.results.records import Result, Simulated
+from toolkit.running.coupled import CoupledRecord
+
+Array = npt.NDArray[np.float64]
+
+_FEWEST = 30  # broken contacts: before, standard errors mean little
+_NONE = 1e-6  # of what one contact changes, where no contact differs from another
+
+
+def deviation(result: Result) -> tuple[Array, Array]:
+    """Path points (lengths) that tell, and there ensemble less master equation in standard errors; both shape (m,).
+
+    The master equation's own error and that of the ensemble's steps count too.
+
+    Raises ValueError for a result that lacks one of the two.
+    """
+    solved, eq = result.master, result.eq
+    if solved is None or eq is None:
+        raise ValueError("a result of both solvers is needed")
+    tell = np.flatnonzero(telling(result))
+    allowed = eq.force_standard_error[tell] + eq.step_error[tell] + solved.force_error * result.mean_threshold
+    return eq.path[tell], (eq.force[tell] - solved.force[tell]) / allowed
+
+
+def telling(result: Result) -> npt.NDArray[np.bool_]:
+    """Which points of the path tell; none without an ensemble."""
+    eq = result.eq
+    if eq is None:
+        return np.empty(0, dtype=bool)
+    if isinstance(eq, CoupledRecord):
+        # a slip comes at another X_T in each replica: in between their mean force is that of none of them
+        return np.zeros(eq.path.size, dtype=bool)
+    enough = eq.force_standard_error > np.sqrt(_FEWEST) * _of_one_contact(result, eq)
+    if result.master is not None:
+        # the paper's closure of ageing may end before the path does
+        enough[result.master.path.size :] = False
+    return np.isfinite(eq.force_standard_error) & enough
+
+
+def _of_one_contact(result: Result, eq: Simulated) -> Array:
+    """About what a single broken contact changes the force by, a length, at each point of the path."""
+    return np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
+
+
+def worst_deviation(result: Result) -> float | None:
+    """The largest of them in size; None where no point tells."""
+    off = np.abs(deviation(result)[1])
+    return float(off.max()) if off.size else None
+
+
+def why_not_compared(result: Result) -> str | None:
+    """Why no point of the path tells, in words; None where one does."""
+    path, _ = deviation(result)
+    eq = result.eq
+    if path.size or eq is None:
+        return None
+    if eq.breaks == 0:
+        return "no contact breaks on this path"
+    if isinstance(eq, CoupledRecord):
+        return "slips are compared one by one, not the force between them"
+    error = eq.force_standard_error
+    if not np.isfinite(error).any():
+        return "a single contact has no standard error"
+    if not (error > _NONE * _of_one_contact(result, eq)).any():
+        return "all contacts break at once, so that there is no standard error"
+    return f"too few contacts or breaks: below some {_FEWEST} standard errors mean little"

@@ -1,0 +1,76 @@
+"""The picture of precision: true error against run time, one marker per method, what it claims as a hollow one."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolkit.judge.precision import TELLING, Point, Precision
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_STYLES = {
+    "master": ("o", "#1f4e79", "master equation", "its bound"),
+    "explicit": ("s", "#5dade2", "the paper's explicit scheme", ""),
+    "ensemble": ("^", "#c0392b", "EQ ensemble, one seed", "its standard error"),
+    "closest": ("v", "#e59866", "the paper's closest contact, one seed", ""),
+}
+_LEAST = 1e-17
+
+
+def save_precision(measured: Precision, path: Path) -> None:
+    """The picture as a PNG, on a figure of its own: the session's backend is not touched."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 6), layout="constrained")
+    plot_precision(figure.subplots(), measured)
+    figure.savefig(path, dpi=130, format="png")
+
+
+def _once(points: list[Point]) -> list[Point]:
+    """The fastest of those that tolerances share: one answer, whose run times differ by chance."""
+    fastest: dict[tuple[float, float | None], Point] = {}
+    for point in points:
+        known = fastest.setdefault((point.error, point.claimed_error), point)
+        if point.run_time < known.run_time:
+            fastest[point.error, point.claimed_error] = point
+    return list(fastest.values())
+
+
+def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
+    """True error in units of <x_s> against run time in s, both as logarithms; grey is where the reference errs too.
+
+    Tolerances that give one and the same answer are drawn once. Points in the grey are drawn faint, and no lower than
+    the reference's own error.
+    """
+    own = max(measured.reference.error, _LEAST)
+    for method, (marker, ink, label, claim) in _STYLES.items():
+        points = [point for point in measured.points if point.method == method]
+        if not points:
+            continue
+        once = _once(points) if method == "master" else points
+        shown = f"{label}, equal results once" if len(once) < len(points) else label
+        points = once
+        run_time = np.array([point.run_time for point in points])
+        error = np.maximum([point.error for point in points], own)
+        faint = np.array([point.at_reference for point in points])
+        axes.plot(run_time[~faint], error[~faint], marker + "-", color=ink, lw=1, ms=6, label=shown)
+        axes.plot(run_time[faint], error[faint], marker, color=ink, ms=6, alpha=0.3)
+        claimed = np.array([np.nan if point.claimed_error is None else point.claimed_error for point in points])
+        if claim and (claimed > 0.0).any():
+            claimed[claimed < own] = np.nan
+            axes.plot(run_time, claimed, marker, mfc="none", mec=ink, ms=6, mew=0.9, label=f"{label}: {claim}")
+    axes.set(
+        xscale="log",
+        yscale="log",
+        xlabel="run time (s)",
+        ylabel=r"largest error of $F$ over the path, in $\langle x_s\rangle$",
+    )
+    bottom = own / 3.0
+    axes.axhspan(bottom, TELLING * own, color="0.93", zorder=0, label="the reference errs too")
+    axes.set_ylim(bottom=bottom)
+    axes.grid(alpha=0.3)
+    axes.set_title(f"{measured.title}\nagainst {measured.reference.source}, good to {own:.0e}", fontsize="medium")
+    axes.legend(fontsize="small")
+    return axes

@@ -1,0 +1,97 @@
+"""Pictures of a sweep: F_k, what holds and K* against a speed, a temperature, a rate of ageing or a delay."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from toolkit.pictures.abscissa import conditions
+from toolkit.pictures.axes import Lengths
+from toolkit.results.records import OWN_UNIT, Result
+from toolkit.scene.sweep import SweepRecord
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = npt.NDArray[np.float64]
+
+_NAMES = {
+    "velocity": ("speed", "v", "m/s"),
+    "temperature": ("temperature", r"k_BT/\langle k\rangle", "m²"),
+    "kelvin": ("temperature", "T", "K"),
+    "rate": ("rate of ageing", "D", "m²/s"),
+    "delay": ("delay", r"\tau_m", "s"),
+}
+_DECADES = 30.0  # a quantity that spans more is drawn on a logarithmic axis
+_LINES = 8  # as many as are told apart; of more some are drawn
+_FLAT = 1e-4
+_ALL = 1e-9  # of the contacts
+
+
+def plot_sweep(axes: "Axes", result: Result) -> "Axes":
+    """F_k/(N_c<k>) along the sweep, a line for each value of its second quantity."""
+    if result.sweep is not None:
+        _draw(axes, result, result.sweep, result.sweep.force)
+        force = Lengths.of(float(np.abs(result.sweep.force).max()), result.thresholds.unit != OWN_UNIT)
+        force.write(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$")
+        if result.master is None and result.eq is None:
+            axes.set_title("\n".join(filter(None, [result.title or result.name, conditions(result, result.sweep)])))
+        if len(result.sweep.along) > 1:
+            axes.legend(fontsize="small")
+    return axes
+
+
+def plot_swept_holding(axes: "Axes", result: Result) -> "Axes":
+    """The fraction of the contacts that hold along the sweep."""
+    if result.sweep is not None:
+        _draw(axes, result, result.sweep, result.sweep.holding)
+        axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
+    return axes
+
+
+def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
+    """K*/(N_c<k>) along the sweep: below it stick-slip."""
+    if result.sweep is not None and result.sweep.critical_spring is not None:
+        values = np.where(np.isfinite(result.sweep.critical_spring), result.sweep.critical_spring, np.nan)
+        _draw(axes, result, result.sweep, values)
+        axes.set_ylabel(r"$K^*/(N_c\langle k\rangle)$")
+        low, high = np.nanmin(values, initial=np.inf), np.nanmax(values, initial=0.0)
+        if not high - low > _FLAT * high:  # rounding is no shape
+            axes.set_ylim(0.0, 1.05 * float(high) or None)
+    return axes
+
+
+def sweep_panels(result: Result) -> list[tuple[Callable[["Axes", Result], "Axes"], bool]]:
+    """What a picture may show of a sweep, and whether there is anything to show."""
+    sweep = result.sweep
+    return [
+        (plot_sweep, sweep is not None),
+        (plot_swept_holding, sweep is not None and bool((sweep.holding < 1.0 - _ALL).any())),
+        (plot_critical_spring, sweep is not None and sweep.critical_spring is not None),
+    ]
+
+
+def _draw(axes: "Axes", result: Result, sweep: SweepRecord, values: Array) -> None:
+    """Lines against the sweep's first quantity, named by its second."""
+    from matplotlib import colormaps
+
+    si = result.thresholds.unit != OWN_UNIT
+    first, *second = sweep.along
+    x: Any = getattr(sweep, first)
+    rows = x.reshape(x.shape[0], -1)[:, 0]
+    table = values.reshape(rows.size, -1)
+    some = np.unique(np.linspace(0, table.shape[1] - 1, _LINES).round().astype(int))
+    marks = "." if rows.size < 2 * _LINES else ""
+    for k, column in enumerate(some):
+        label = None
+        if second:
+            _, symbol, unit = _NAMES[second[0]]
+            here = float(getattr(sweep, second[0])[0, column])
+            label = f"${symbol}$ = {here:.3g}" + (f" {unit}" if si or unit == "K" else "")
+        ink = colormaps["viridis"](0.85 * k / max(some.size - 1, 1)) if second else "#1f4e79"
+        axes.plot(rows, table[:, column], color=ink, lw=1.4, marker=marks, label=label)
+    name, symbol, unit = _NAMES[first]
+    axes.set_xlabel(f"{name} ${symbol}$" + (f" ({unit})" if si or unit == "K" else ""))
+    if rows.min() > 0.0 and rows.max() > _DECADES * rows.min():
+        axes.set_xscale("log")

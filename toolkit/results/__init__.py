@@ -1,0 +1,1 @@
+"""What a run leaves: records, files, folders and their description in words."""

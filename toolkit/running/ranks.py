@@ -1,0 +1,132 @@
+"""Ranks at work together: their communicator, what one does for all, and one end for all of them."""
+
+import math
+import os
+import sys
+import time
+import traceback
+import warnings
+from collections.abc import Callable
+from typing import Any, NoReturn, TypeVar
+
+from origins.errors import InputError
+from toolkit.running.launch import Launch
+from toolkit.running.terminated import Terminated, terminable
+
+T = TypeVar("T")
+
+_PASSED_ON = 0.2  # seconds, for the launcher to pass on what was said before it ends all
+_PATIENCE = 5.0  # seconds to wait for the other ranks to fail alike
+_GRACE = 10.0  # and to finish their blocks and write their checkpoints; schedulers kill some 30 s after their SIGTERM
+_NAP = 0.001  # seconds
+
+
+def communicator(launch: Launch) -> Any:
+    """mpi4py's COMM_WORLD, or None for a lone process, which never imports mpi4py.
+
+    Raises InputError where the ranks could not work together: N lone runs of one scene are never wanted.
+    """
+    if launch.size == 1:
+        return None
+    try:
+        with warnings.catch_warnings():
+            # that a launcher of another MPI was used is said below, in one line
+            warnings.simplefilter("ignore", RuntimeWarning)
+            from mpi4py import MPI
+    except (ImportError, RuntimeError) as error:
+        raise InputError(
+            f"{launch.by}: started {launch.size} ranks, but mpi4py cannot be imported ({error}); install it against "
+            f"the MPI that is there (docs/clusters.md), or the extra [mpi], or run without {launch.by}"
+        ) from error
+    if MPI.COMM_WORLD.Get_size() < launch.size:
+        cure = "use the mpirun that belongs to mpi4py's MPI, or build mpi4py against this one"
+        if launch.by == "srun":
+            cure = (
+                "say how Slurm is to connect them, srun --mpi=pmix or --mpi=pmi2 (srun --mpi=list tells which there "
+                "are), and build mpi4py against the cluster's own MPI (docs/clusters.md)"
+            )
+        raise InputError(
+            f"{launch.by}: started {launch.size} ranks, but mpi4py's MPI connects {MPI.COMM_WORLD.Get_size()}; {cure}"
+        )
+    return MPI.COMM_WORLD
+
+
+def on_root(comm: Any, work: Callable[[], T]) -> T:
+    """What `work` returns on rank 0, on every rank; its InputError is raised on every rank too."""
+    if comm is None or comm.Get_size() == 1:
+        return work()
+    outcome: tuple[T | None, str | None] = (None, None)
+    if comm.Get_rank() == 0:
+        try:
+            outcome = (work(), None)
+        except InputError as error:
+            outcome = (None, str(error))
+    _arrived(comm)
+    value, refused = comm.bcast(outcome, root=0)
+    if refused is not None:
+        raise InputError(refused)
+    return value
+
+
+def end_together(work: Callable[[Any], int], launched: Launch) -> int:
+    """Exit status of `work`, called with the communicator of all ranks launched (None: this process alone).
+
+    Bad input is one line and status 2, SIGINT one and 130, SIGTERM one and 143, each printed once. Any other exception
+    of one rank ends all ranks.
+    """
+    ending = None
+    try:
+        with terminable():
+            comm = communicator(launched)
+            # how ranks meet at the end must not be taken for how they meet at work
+            ending = None if comm is None else comm.Dup()
+            return work(comm)
+    except InputError as error:
+        alike = ending is None or _arrived(ending, _PATIENCE)
+        if launched.rank == 0 or not alike:
+            _say(error)
+        if not alike:
+            _abort(ending, 2)
+        return 2
+    except (KeyboardInterrupt, Terminated) as stop:
+        status, word = (143, "terminated") if isinstance(stop, Terminated) else (130, "interrupted")
+        alike = ending is None or _arrived(ending, _GRACE)
+        if launched.rank == 0 or not alike:
+            note = (getattr(stop, "__notes__", None) or ["nothing was written"])[0]
+            print(f"mesofriction: {word}; {note}", file=sys.stderr, flush=True)
+        if ending is None:
+            return status
+        if not alike:
+            _abort(ending, status)
+        # the launcher ends all ranks as soon as one has ended: none may before rank 0 has spoken
+        _arrived(ending, _GRACE)
+        sys.stdout.flush()
+        os._exit(status)  # what ranks waited for in vain does not matter any more
+    except BaseException:
+        if ending is None:
+            raise
+        # an exception that leaves one rank only would leave the others waiting for ever
+        traceback.print_exc()
+        _abort(ending, 1)
+
+
+def _abort(comm: Any, status: int) -> NoReturn:
+    sys.stderr.flush()
+    time.sleep(_PASSED_ON)
+    comm.Abort(status)
+    os._exit(status)  # some launchers take their time
+
+
+def _say(error: InputError) -> None:
+    print(f"mesofriction: {error}", file=sys.stderr, flush=True)
+
+
+def _arrived(comm: Any, patience: float = math.inf) -> bool:
+    """Whether every rank calls this within so many seconds. MPI's own waits keep a core busy, which another needs."""
+    request = comm.Ibarrier()
+    deadline = time.monotonic() + patience
+    while not request.Test():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(_NAP)
+    return True

@@ -1,0 +1,298 @@
+"""Run a scene: each solver it names, and no other."""
+
+from collections.abc import Callable, Mapping
+from contextlib import closing, nullcontext
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import toolkit
+from origins.contacts import Contacts
+from origins.errors import InputError
+from toolkit.results.folders import check_folder
+from toolkit.results.records import Result, Simulated, Solved, ageing_record, sample_curve, soft_record
+from toolkit.running.coupled import coupled_record
+from toolkit.running.ranks import on_root
+from toolkit.scene import laws
+from toolkit.scene.interfaces import of_interface, remarks
+from toolkit.scene.sampling import numerical_only
+from toolkit.scene.scene import EqTable, Scene, load_scene
+from toolkit.scene.sweep import solve_sweep
+
+if TYPE_CHECKING:
+    from eq_model import CoupledEnsemble, Ensemble
+    from toolkit.running.checkpoint import Checkpoint
+    from toolkit.running.progress import Refinement
+
+_HOT = 100.0  # k_BT/<k> in <x_s^2>
+_FEW = 1e-6  # of the thresholds
+_STIFF, _ABOVE = 1e3, 1e4  # springs, in N_c<k> and in K*, that are hardly meant
+_ROUGHLY = 1e-4
+_EPSILON = 8.0 * float(np.finfo(float).eps)
+_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {
+    name: name for name in ("seed", "histograms", "slip_fraction")
+}
+
+
+def run(
+    scene: Scene | Mapping[str, Any] | str | PathLike[str],
+    comm: Any = None,
+    progress: Callable[[int, int], None] | None = None,
+    folder: str | PathLike[str] | None = None,
+    checkpoint: float = 60.0,
+) -> Result:
+    """Solve what the scene asks for.
+
+    Parameters
+    ----------
+    scene : dict, path or name of a shipped scene
+    comm : mpi4py communicator, optional
+        Sampling of thresholds and the ensemble's work are shared among its ranks, all of which must call; None: this
+        process alone.
+        Every rank gets the whole result.
+    progress : callable, optional
+        Called as progress(done, expected) after each block of the ensemble, with contacts of the whole run; the other
+        ranks are taken to be as far as this one. With a tolerance what is expected changes on the way.
+    folder : path, optional
+        Where the result is written, as by `save`, and until then every `checkpoint` seconds what the ensemble has
+        found; a run that finds that of the same scene there goes on from it, to the same bits. None: nothing is
+        written.
+
+    Interrupted (SIGINT, SIGTERM), it finishes its block and writes its checkpoint first. In an interactive session an
+    interrupted ensemble's result is that of its finished blocks, with success = False; ranks that are not interrupted
+    come to their end first.
+    Raises InputError for a scene that cannot be run, and for a folder that cannot be written or that holds the
+    checkpoint of another scene.
+    """
+    scene = load_scene(scene, comm=comm)
+    if folder is None:
+        return solve(scene, comm, progress)[0]
+    kept = open_checkpoint(folder, scene, comm, checkpoint)
+    result, finished = solve(scene, comm, progress, kept)
+    write(result, folder, comm, kept if finished else None)
+    return result
+
+
+def open_checkpoint(folder: str | PathLike[str], scene: Scene, comm: Any, every: float) -> "Checkpoint":
+    """The checkpoint in a folder that can be written; every rank must call. Raises InputError where it cannot."""
+    from toolkit.running.checkpoint import Checkpoint
+
+    on_root(comm, lambda: check_folder(folder))
+    return Checkpoint(folder, scene, comm, every)
+
+
+def write(result: Result, folder: str | PathLike[str], comm: Any, done_with: "Checkpoint | None") -> None:
+    """Save the result, on rank 0, and only then remove the checkpoint that is done with."""
+
+    def on_first() -> None:
+        from toolkit.results.files import save
+
+        save(result, folder)
+        if done_with is not None:
+            done_with.remove()
+
+    on_root(comm, on_first)
+
+
+def solve(
+    scene: Scene,
+    comm: Any,
+    progress: Callable[[int, int], None] | None = None,
+    kept: "Checkpoint | None" = None,
+    refining: "Callable[[float], Refinement] | None" = None,
+) -> tuple[Result, bool]:
+    """Solve what the scene asks for, and whether nothing is left to go on with; `refining` makes of the master
+    equation's tolerance what shows its error after each refinement."""
+    interface, law = scene.contacts.interface, scene.contacts.thresholds
+    master = None
+    if scene.master is not None:
+        with closing(refining(scene.master.tolerance)) if refining is not None else nullcontext() as refined:
+            master = solve_master(scene, scene.master.tolerance, refined)
+    sweep = None if scene.sweep is None else solve_sweep(scene.contacts, scene.sweep)
+    eq, finished, before = None, True, 0
+    if scene.eq is not None:
+        eq, finished, before = _simulate(scene, scene.eq, comm, progress, kept)
+    result = Result(
+        name=scene.name,
+        title=scene.title,
+        text=scene.text,
+        version=toolkit.__version__,
+        mean_threshold=scene.contacts.mean_threshold,
+        thresholds=sample_curve(law),
+        master=master,
+        eq=eq,
+        notes=(
+            *(*remarks(law), *numerical_only(law), *foreseen(scene)),
+            *(*_all_hold(scene, master, eq), *_went_on(before)),
+        ),
+        interface=None if interface is None else of_interface(interface),
+        sweep=sweep,
+    )
+    return result, finished
+
+
+def foreseen(scene: Scene) -> list[str]:
+    """What to tell before a run: springs that are hardly meant, temperatures at which contacts hold nothing, stretches
+    beyond nearly all thresholds, and what the numbers of the surface leave out of the contacts."""
+    contacts = scene.contacts
+    return [*_too_stiff(scene), *_too_hot(contacts), *_too_far(contacts), *_left_out(contacts)]
+
+
+def _too_stiff(scene: Scene) -> list[str]:
+    """A spring that seems to be in N/m, where a surface knows contacts' stiffness."""
+    interface, drive = scene.contacts.interface, scene.given_drive
+    if interface is None or drive is None or drive.spring is None or drive.spring <= 1.0:
+        return []
+    import master
+
+    # at rest and cold, which is enough for decades
+    critical = master.propensity(Contacts(scene.contacts.thresholds), _ROUGHLY).critical_spring
+    if drive.spring <= min(_STIFF, _ABOVE * critical):
+        return []
+    each = interface.contact_density * interface.mean_stiffness
+    return [
+        f"drive.spring = {drive.spring:g} is K/(N_c<k>), a number, and K* is {critical:.1g}: a spring in N/m is to be "
+        f"divided by N_c<k> = contact_density * area * <k>, {each:.3g} N/m per m² of nominal area"
+    ]
+
+
+def _all_hold(scene: Scene, master: Solved | None, eq: Simulated | None) -> list[str]:
+    """A note where nothing breaks, which beside both solvers the comparison says."""
+    if (master is None) == (eq is None):
+        return []
+    contacts, to_within = scene.contacts, ""
+    if eq is not None:
+        broken = eq.breaks > 0
+    elif master is not None:
+        error = master.force_error * contacts.mean_threshold
+        moved = getattr(master, "position", master.path)
+        lost = moved - moved[0] - (master.force - master.force[0])
+        broken = not master.success or float(np.abs(lost).max()) > error + _EPSILON * float(np.abs(moved).max())
+        to_within = ", as far as the error tells"
+    if broken:
+        return []
+    reach = float(np.abs(scene.path).max()) / contacts.mean_threshold
+    return [
+        f"no contact breaks on this path{to_within}: it reaches {reach:.2g} <x_s>, and sliding takes several"
+    ]
+
+
+def _too_hot(contacts: Contacts) -> list[str]:
+    if contacts.thermal is None:
+        return []
+    share = contacts.thermal.temperature / contacts.thresholds.moment(2)
+    if not share > _HOT:
+        return []
+    return [
+        f"the temperature is {share:.3g} <x_s^2>: barriers are {0.5 / share:.1g} k_BT, so that contacts break as often "
+        "as they attempt, whatever their stretch and threshold; it is k_BT/<k>, a length squared"
+        + ("" if contacts.interface is None else ": of kelvins write temperature = { kelvin = 300.0 }")
+    ]
+
+
+def _too_far(contacts: Contacts) -> list[str]:
+    """Starts and re-forming where hardly any contact can hold."""
+    said = []
+    again = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
+    for law, they in [(contacts.start, "start"), *again]:
+        middle = law.mean() if law.is_single else float(law.ppf(0.5))
+        exceed = float(contacts.thresholds.sf(abs(middle)))
+        if exceed < _FEW:
+            said.append(
+                f"contacts {they} about x = {middle:.3g}, and only {exceed:.0e} of all thresholds are beyond that: "
+                "they have the thresholds of that tail, and break at once"
+            )
+    return said
+
+
+def _left_out(contacts: Contacts) -> list[str]:
+    laws_of = {"temperature": contacts.thermal, "ageing": contacts.ageing, "delay": contacts.delay}
+    there = [name for name, law in {**laws_of, "re-forming": contacts.reforming}.items() if law is not None]
+    if contacts.interface is None or not there:
+        return []
+    return [f"F_k/load and the stress of the surface are those of its thresholds alone, without {', '.join(there)}"]
+
+
+def _went_on(before: int) -> list[str]:
+    """What a run that goes on tells of those before it as of itself."""
+    if not before:
+        return []
+    return [
+        f"went on from a checkpoint of {before:,} contacts: the run time of eq is that of all launches together, and "
+        "breaks_per_rank counts the earlier ones' on rank 0"
+    ]
+
+
+def solve_master(scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None) -> Solved:
+    """The master equation's answer along the scene's drive.
+
+    Raises InputError where it has none, which says so where the scene's ensemble would run without it.
+    """
+    import master
+
+    drive, contacts, path = scene.drive, scene.contacts, scene.path
+    paced: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
+    if refined is not None:
+        paced["progress"] = refined
+    try:
+        with laws.inside("master", {"tolerance": "tolerance"}):
+            if drive.spring is None:
+                solved: Any = master.solve(contacts, path, tolerance, **paced)
+                return ageing_record(solved) if hasattr(solved, "mass_defect") else solved
+            soft: Any = master.solve(contacts, path, tolerance, **paced, spring=drive.spring, slip=drive.slip)
+            return soft_record(soft)
+    except InputError as error:
+        if scene.eq is None or contacts.each_by_itself() is not contacts:
+            raise
+        raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
+
+
+def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ensemble | CoupledEnsemble":
+    """The ensemble that the scene's table asks for; `other` arguments of its class take the place of its own.
+
+    Raises InputError with the scene's own keys.
+    """
+    import eq_model
+
+    drive = scene.drive
+    arguments: dict[str, Any] = {
+        "velocity": drive.velocity,
+        "time": drive.time,
+        "n_contacts": asked.contacts,
+        "n_replicas": asked.replicas,
+        "seed": asked.seed,
+        "wall_time": asked.wall_time,
+    }
+    if drive.spring is not None:
+        arguments |= {"spring": drive.spring, "slip": drive.slip}
+        if asked.slip_fraction is not None:
+            arguments["slip_fraction"] = asked.slip_fraction
+        with laws.inside("eq", _EQ_KEYS):
+            return eq_model.CoupledEnsemble(scene.contacts, scene.path, comm=comm, **(arguments | other))
+    arguments |= {"tolerance": asked.tolerance, "histograms": scene.histogram_points()}
+    with laws.inside("eq", _EQ_KEYS):
+        # single contacts know no mean rate and no common P_c: beside [master] they tell how far off these are
+        contacts = scene.contacts if scene.master is None else scene.contacts.each_by_itself()
+        return eq_model.Ensemble(contacts, scene.path, comm=comm, **(arguments | other))
+
+
+def _simulate(
+    scene: Scene,
+    asked: EqTable,
+    comm: Any,
+    progress: Callable[[int, int], None] | None,
+    kept: "Checkpoint | None",
+) -> tuple[Simulated, bool, int]:
+    """The ensemble's answer, whether nothing is left to go on with, and contacts that were done before."""
+    from eq_model import CoupledResult
+    from toolkit.running.blocks import follow, unfinished
+
+    earlier = [] if kept is None else kept.earlier()
+    done_before = sum(state.contacts for state in earlier)
+    ensemble = make_ensemble(scene, asked, comm, earlier=earlier)
+    del earlier  # the ensemble has its own of what was counted, which takes room
+    with laws.inside("eq", _EQ_KEYS):
+        result = follow(ensemble, progress, kept, done_before)
+    record = coupled_record(result) if isinstance(result, CoupledResult) else result
+    return record, not unfinished(ensemble, result), done_before

@@ -1,0 +1,1 @@
+"""Scene files: what their tables and keys say, checked, and turned into calls."""

@@ -1,0 +1,134 @@
+"""A scene's [drive]: where the slider goes, and when, as points of a path."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.drive import Drive
+from origins.errors import InputError, finite, positive, refuse, whole
+from toolkit.scene import laws
+
+if TYPE_CHECKING:
+    from toolkit.scene.scene import DriveTable
+
+Array = npt.NDArray[np.float64]
+
+_MOST_POINTS = 10_000_000
+_LISTED = 4
+_LEAST_SCALE = 1e-14  # of times, whose rounding it would be
+
+
+def make_drive(table: "DriveTable") -> Drive:
+    """The checked drive of a scene. Raises InputError with the path of the bad key."""
+    points = whole("drive.points", table.points, least=2)
+    if points > _MOST_POINTS:
+        refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
+    if (table.to is None) == (table.turns is None):
+        both = "both are given" if table.to is not None else "neither is given"
+        raise InputError(f"drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; {both}")
+    if table.slip is not None and table.spring is None:
+        rule = "is what a slip of a soft slider does, and without drive.spring the slider is rigid; give one or neither"
+        refuse("drive.slip", table.slip, rule)
+    places, clock = _corners(table)
+    if points < places.size:
+        refuse("drive.turns", table.turns, f"must hold positions fewer than drive.points = {points}")
+    path, time = _path(places, clock, points, table.hold_scale)
+    with laws.inside("drive", {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}):
+        return Drive(path, table.velocity, time, table.spring, table.slip or "reset")
+
+
+@dataclass(frozen=True)
+class Speed:
+    """A speed of smooth sliding, length per time, and in words which of a scene's it is; nothing where it has one."""
+
+    value: float
+    chosen: str = ""
+
+
+def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
+    """That at which a scene slides: of its first leg that is no hold; without a drive the first of `swept`; else 1."""
+    from master.soft.in_time.track import pieces
+
+    if drive is None:
+        if swept is None:
+            return Speed(1.0, "as none is given")
+        several = np.ptp(swept) > 0.0
+        return Speed(float(swept.flat[0]), "the sweep's first" if several else "")
+    if drive.time is None:
+        return Speed(drive.velocity)
+    legs = [piece for piece in pieces(drive, float(drive.path[0])) if piece.travel != 0.0]
+    if not legs:
+        return Speed(drive.velocity, "as all legs are holds")
+    speeds = [float(f"{abs(leg.travel) / leg.duration:.12g}") for leg in legs]  # less what times round
+    others = [f"{speed:.4g}" for speed in dict.fromkeys(speeds) if speed != speeds[0]]
+    more = "" if len(others) <= _LISTED else " and more"
+    said = f"the first leg's, others slide at {', '.join(others[:_LISTED])}{more}" if others else ""
+    return Speed(speeds[0], said)
+
+
+def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
+    """Where the points begin, 0 unless said, and all ends in turn; and when each is reached, where that is said."""
+    given = table.begin is not None
+    begin = 0.0 if table.begin is None else finite("drive.from", table.begin)
+    ends = [_end(table.to)] if table.turns is None else table.turns
+    places = np.array([begin, *(finite(f"drive.turns[{k}]", end) for k, end in enumerate(ends))])
+    if places.size < 2:
+        refuse("drive.turns", ends, "must hold a position at least")
+    if table.times is None:
+        if table.hold_scale is not None:
+            refuse("drive.hold_scale", table.hold_scale, "is of holds, and without drive.times there is none")
+        same = np.flatnonzero(np.diff(places) == 0.0)
+        if same.size and given and not same[0]:
+            refuse("drive.from", begin, "is where the path ends or turns first; leave it out, or put it elsewhere")
+        if same.size:
+            rule = "is where the path already stands; leave it out, or give drive.times for a hold"
+            refuse(f"drive.turns[{same[0]}]", ends[same[0]], rule)
+        return places, None
+    own = "drive.from and each of drive.turns" if given else "each of drive.turns"
+    if len(table.times) != len(ends) + given:
+        refuse("drive.times", table.times, f"must hold one time for {own}, {len(ends) + given}")
+    clock = np.array([finite(f"drive.times[{k}]", at) for k, at in enumerate(table.times)])
+    back = np.flatnonzero(np.diff(clock, prepend=[] if given else 0.0) <= 0.0) + given
+    if back.size:
+        rule = "must be later than the time before" + ("" if given else ", 0 the first of them")
+        refuse(f"drive.times[{back[0]}]", clock[back[0]], rule)
+    return places, clock if given else np.append(0.0, clock)
+
+
+def _end(to: float | None) -> float:
+    end = finite("drive.to", to)
+    if end <= 0.0:
+        refuse("drive.to", end, f"must be above zero; for the other way write turns = [{end or -1.0:g}]")
+    return end
+
+
+def _path(places: Array, clock: Array | None, points: int, hold_scale: float | None) -> tuple[Array, Array | None]:
+    """Straight from one corner to the next, all of them among the points, and when; points as even as that allows, with
+    times as many to each piece, and even in ln(1 + t/hold_scale) where one is a hold."""
+    if clock is None:
+        number = _numbers(np.append(0.0, np.abs(np.diff(places)).cumsum()), points)
+        return np.interp(np.arange(points), number, places), None
+    number = _numbers(np.arange(places.size, dtype=float), points)
+    path, time = (np.interp(np.arange(points), number, values) for values in (places, clock))
+    if hold_scale is not None:
+        scale, holds = positive("drive.hold_scale", hold_scale), np.flatnonzero(np.diff(places) == 0.0)
+        if not holds.size:
+            refuse("drive.hold_scale", hold_scale, "is of holds, and none of drive.turns is where the path stands")
+        if scale < _LEAST_SCALE * clock[-1]:
+            refuse("drive.hold_scale", hold_scale, f"is lost beside the last of drive.times, {clock[-1]:g}")
+        for leg in holds:
+            share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
+            later = scale * np.expm1(share * np.log1p((clock[leg + 1] - clock[leg]) / scale))
+            time[number[leg] + 1 : number[leg + 1]] = clock[leg] + later
+    return path, time
+
+
+def _numbers(travelled: Array, points: int) -> npt.NDArray[np.int64]:
+    """Which of the points are corners, these having travelled so far."""
+    number = np.round(travelled / travelled[-1] * (points - 1)).astype(int)
+    # each leg has a point of its own at least, whichever way rounding went
+    corner = np.arange(travelled.size)
+    number = np.maximum.accumulate(number - corner) + corner
+    return np.minimum(number, points - 1 - corner[::-1])

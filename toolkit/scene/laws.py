@@ -1,0 +1,144 @@
+"""Named laws: a scene's table with a `kind` becomes the call of one function.
+
+A kind is one entry here. Its keys are the function's own parameters, so a scene cannot drift from the function.
+"""
+
+import inspect
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import origins
+from origins.errors import InputError, finite, refuse
+
+THRESHOLDS = {
+    "identical": "origins:identical",
+    "gaussian": "origins:gaussian",
+    "rectangular": "origins:rectangular",
+    "mixture": "origins:mixture",
+    "gw-elastic": "origins:gw_elastic",
+    "gw-plastic": "origins:gw_plastic",
+    "gw-gaussian": "origins:gw_gaussian",
+    "persson": "origins:persson",
+    "lubricated": "origins:lubricated",
+    "grains": "origins:grains",
+    "growing-grains": "origins:growing_grains",
+    "domains": "toolkit.scene.islands:domains",
+    "from-samples": "toolkit.scene.measured:from_samples",
+    "from-topography": "toolkit.scene.surfaces:from_topography",
+}
+
+START = {
+    "identical": "toolkit.scene.laws:identical_start",
+    "gaussian": "origins:gaussian_start",
+}
+REFORMING = {**START, "boltzmann": "origins:boltzmann_reforming"}
+
+_PYTHON = re.compile(r"^([\w.\[\]]+)( = None: (?:is missing; )?| = True: | = False: )")
+_TOML = {
+    " = None: ": ": is missing; ",
+    " = None: is missing; ": ": is missing; ",
+    " = True: ": " = true: ",
+    " = False: ": " = false: ",
+}
+
+
+def identical_start(value: float) -> float:
+    """All contacts start at one stretch (a length)."""
+    return finite("value", value)
+
+
+def ageing(
+    folder: Path, final: Mapping[str, Any], rate: float, closure: str = "exact", comm: Any = None
+) -> origins.Ageing:
+    """Ageing towards the law that the table `final` names, of a kind of THRESHOLDS; see origins.Ageing."""
+    law = build(THRESHOLDS, as_table("final", final), "final", folder, comm)
+    return origins.Ageing(law, rate, closure)  # type: ignore[arg-type]
+
+
+def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path, comm: Any = None) -> Any:
+    """What the table's kind makes of the table's other keys.
+
+    The components of a mixture, tables with a kind of their own, are built first. A function
+    with a parameter `folder` is given `folder`, from where the scene's file names count, and one with a parameter
+    `comm` the communicator whose ranks, all of which must call, share its work.
+    Raises InputError with the path of the bad key, counted from `where`.
+    """
+    kind = table.get("kind")
+    if kind is None:
+        raise InputError(f"{where}.kind: is missing; must be one of {', '.join(kinds)}")
+    if not isinstance(kind, str) or kind not in kinds:
+        refuse(f"{where}.kind", kind, f"must be one of {', '.join(kinds)}")
+    module, name = kinds[kind].split(":")
+    function = getattr(import_module(module), name)
+    arguments = {key: value for key, value in table.items() if key != "kind"}
+    if "components" in arguments:
+        arguments["components"] = _components(kinds, arguments["components"], f"{where}.components", folder, comm)
+    return call(function, arguments, where, kind, folder=folder, comm=comm)
+
+
+def _components(kinds: Mapping[str, str], value: object, where: str, folder: Path, comm: Any) -> list[Any]:
+    if not isinstance(value, list) or not value or not all(isinstance(item, Mapping) for item in value):
+        refuse(where, value, 'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]')
+    return [build(kinds, item, f"{where}[{index}]", folder, comm) for index, item in enumerate(value)]
+
+
+def call(
+    function: Callable[..., Any], arguments: Mapping[str, Any], where: str, title: str = "it", **given: object
+) -> Any:
+    """function(**arguments), whose keys come from the table `where` of a scene.
+
+    Of `given`, which is not for a scene to say, the function gets what it has a parameter for.
+    """
+    parameters = dict(inspect.signature(function).parameters)
+    given = {key: value for key, value in given.items() if parameters.pop(key, None) is not None}
+    for key, value in arguments.items():
+        if key not in parameters:
+            refuse(f"{where}.{key}", value, f"unknown key; {title} takes {', '.join(parameters)}")
+    for key, parameter in parameters.items():
+        if parameter.default is parameter.empty and key not in arguments:
+            raise InputError(f"{where}.{key}: is missing; {title} takes {', '.join(parameters)}")
+    with inside(where, {name: name for name in parameters}):
+        return function(**arguments, **given)
+
+
+def without_kelvin(table: Mapping[str, Any], where: str, thresholds: origins.Thresholds) -> Mapping[str, Any]:
+    """The table with its `temperature` as k_BT/<k>, a length squared, where it is given as { kelvin = 300.0 }: for
+    thresholds from a rough surface, whose contacts have a stiffness in N/m. Raises InputError for others."""
+    given = table.get("temperature")
+    if not isinstance(given, Mapping):
+        return table
+    where = f"{where}.temperature"
+    if set(given) != {"kelvin"}:
+        refuse(where, dict(given), "must be a number, k_BT/<k>, or { kelvin = 300.0 }")
+    if thresholds.interface is None:
+        rule = "needs <k> in N/m, which thresholds from a rough surface know; give k_BT/<k>, the square of a length"
+        refuse(f"{where}.kelvin", given["kelvin"], rule)
+    with inside(where, {"kelvin": "kelvin"}):
+        return {**table, "temperature": thresholds.interface.temperature(kelvin=given["kelvin"])}
+
+
+def as_table(name: str, value: object) -> Mapping[str, Any]:
+    """`value` if it is a table, else InputError."""
+    if not isinstance(value, Mapping):
+        refuse(name, value, "must be a table")
+    return value
+
+
+@contextmanager
+def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
+    """Put `where` before any InputError raised within; where it begins with an argument, by the scene's key for it.
+
+    An argument that is None is a key that is missing, and True is written true.
+    """
+    try:
+        yield
+    except InputError as error:
+        told = _PYTHON.sub(lambda found: found[1] + _TOML[found[2]], str(error), count=1)
+        found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", told)
+        if found and found[1] in keys:
+            raise InputError(f"{where}.{keys[found[1]]}{found[2]}") from error
+        raise InputError(f"{where}: {told}") from error

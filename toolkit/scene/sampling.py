@@ -1,0 +1,127 @@
+"""Sampling errors of what a comparison and a table state, for thresholds that come from samples."""
+
+import numpy as np
+
+from origins import Contacts, bootstrap
+from origins.samples.bootstrap import sampled_parts
+from origins.samples.from_samples import Sampled
+from origins.samples.repeats import OFTEN
+from origins.thresholds.continuous_mixture import ContinuousMixture
+from origins.thresholds.law import Array, Thresholds
+
+FEW = 30  # samples, in effect
+RESAMPLES = 20  # an error known to a sixth of itself
+_CONFIDENCE = 0.95
+_TOLERANCE = 1e-4  # far below any sampling error
+NAMES = (
+    "mean",
+    "standard_deviation",
+    "second_moment",
+    "third_moment",
+    "one_in_a_hundred_below",
+    "median",
+    "one_in_a_hundred_above",
+    "kinetic_force",
+    "critical_spring",
+    "static_to_kinetic",
+    "decoherence_length",
+)
+_LEAST_IS_ONE = ("critical_spring", "static_to_kinetic")  # as 1/(1 + K*), and F_s/F_k
+
+
+def sampling_errors(contacts: Contacts) -> dict[str, float]:
+    """One standard error of each of NAMES, bias of the smoothing included; lengths in the unit of the thresholds.
+
+    inf for K* and F_s/F_k where all resampled laws have the least value there is, 0 and 1: then no error can be read
+    off (see unseen). Empty where the thresholds do not come from samples.
+    """
+    law = contacts.thresholds
+    if not sampled_parts(law) or isinstance(law, ContinuousMixture):
+        return {}
+    start = contacts.start
+
+    def statistic(law: Thresholds) -> Array:
+        import master
+
+        resampled = Contacts(law, start=start)
+        found = master.propensity(resampled, tolerance=_TOLERANCE)
+        moments = [law.mean(), law.std(), law.moment(2), law.moment(3)]
+        quantiles = [float(law.ppf(0.01)), float(law.ppf(0.5)), float(law.isf(0.01))]
+        # K* and X* may be infinite: their inverses are not
+        derived = [1.0 / (1.0 + found.critical_spring), found.static_to_kinetic, 1.0 / found.decoherence_length]
+        return np.array([*moments, *quantiles, law.moment(2) / (2.0 * law.mean()), *derived])
+
+    spread = bootstrap(contacts.thresholds, statistic, resamples=RESAMPLES)
+    errors = dict(zip(NAMES, np.array(spread.error).tolist(), strict=True))
+    values = dict(zip(NAMES, spread.value.tolist(), strict=True))
+    resampled = dict(zip(NAMES, spread.resampled.T, strict=True))
+    errors["critical_spring"] = _of_spring(values["critical_spring"], resampled["critical_spring"])
+    rate = values["decoherence_length"]
+    if errors["decoherence_length"] > 0.0:
+        errors["decoherence_length"] = errors["decoherence_length"] / rate**2 if rate > 0.0 else np.inf
+    for name in _LEAST_IS_ONE:
+        if values[name] == 1.0 and (resampled[name] == 1.0).all():
+            errors[name] = np.inf
+    return errors
+
+
+def _of_spring(inverse: float, resampled: Array) -> float:
+    """Error of K* from 1/(1 + K*), of the law and of the resampled ones: 0 where K* is infinite for all of them."""
+    inverses = np.append(inverse, resampled)
+    if not inverses.all():
+        return np.inf if inverses.any() else 0.0
+    springs = 1.0 / resampled
+    return float(np.hypot(springs.std(ddof=1), springs.mean() - 1.0 / inverse))
+
+
+def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
+    """A note where no resampled law shows an instability, so that the error of K* = 0 is not known; else nothing."""
+    if critical_spring > 0.0 or np.isfinite(errors.get("critical_spring", 0.0)):
+        return []
+    chance = 1.0 - (1.0 - _CONFIDENCE) ** (1.0 / RESAMPLES)
+    return [
+        f"K* = 0 in all {RESAMPLES} resampled laws too: other samples would give K* > 0 in less than {chance:.0%} of "
+        f"cases ({_CONFIDENCE:.0%} confidence), and how large it would be is not known"
+    ]
+
+
+def misfit(law: Thresholds) -> list[str]:
+    """A note for each law of few samples, or that lies further from its samples than these can be from their own law,
+    and one where sampling errors are missing; else nothing."""
+    notes = [_of_one(part) for part in sampled_parts(law) if _few(part) or _misses(part)]
+    if sampled_parts(law) and isinstance(law, ContinuousMixture):
+        notes.append("sampling errors are missing: the laws of this continuous mixture may all be of the same samples")
+    return notes
+
+
+def numerical_only(law: Thresholds) -> list[str]:
+    """A note that errors of a run know nothing of the sampling, where there is any."""
+    if not sampled_parts(law):
+        return []
+    return [
+        "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
+        "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"
+    ]
+
+
+def _misses(part: Sampled) -> bool:
+    return part.cdf_misfit > part.cdf_error
+
+
+def _few(part: Sampled) -> bool:
+    return round(part.effective_samples) < FEW
+
+
+def _of_one(part: Sampled) -> str:
+    allowed = min(part.cdf_error, 1.0)
+    told = f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows {allowed:.2g}"
+    alike, advice = part.effective_samples > 0.99 * part.n_samples, []
+    if _few(part):
+        count = "" if alike else f", which their weights make {part.effective_samples:.2g}"
+        told = f"few thresholds, {part.n_samples} samples{count}: {told}"
+        advice.append("take more samples")
+    if _misses(part):
+        advice.append("they are rounded coarsely, or hold structure that it misses; give that apart, in a mixture")
+    if alike and part.smooth_part is not None and part.samples.size < part.n_samples:
+        advice.append(f"values that repeat are exact from {OFTEN} times on; those you know to be exact are `identical`")
+    return "; ".join([told, *advice])

@@ -1,0 +1,151 @@
+"""A scene's [sweep]: F_k, what holds, and K* along speeds, temperatures, rates of ageing or delays, in one call."""
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.brief import brief
+from origins.contacts import Contacts
+from origins.errors import InputError, non_negative, positive, refuse, whole
+from toolkit.scene import laws
+
+if TYPE_CHECKING:
+    from toolkit.scene.scene import RangeTable, SweepTable
+
+Array = npt.NDArray[np.float64]
+
+QUANTITIES = ("velocity", "temperature", "rate", "delay")
+_MOST_POINTS = 100_000
+_MOST_AXES = 2
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a sweep goes along: arrays of one shape, (n,) or (n, m), the quantity of most values first.
+
+    `temperature`, `rate` and `delay` are None where the contacts' own holds, `kelvin` is the temperature as it was
+    given, None where it was not given in K; `along` names the quantities of several values, the longest first.
+    """
+
+    along: tuple[str, ...]
+    critical_spring: bool
+    velocity: Array
+    temperature: Array | None
+    kelvin: Array | None
+    rate: Array | None
+    delay: Array | None
+
+
+@dataclass(frozen=True)
+class SweepRecord:
+    """Smooth sliding at all points of a sweep: arrays of one shape, (n,) or (n, m).
+
+    `force` = F_k/(N_c<k>) (a length), `force_error` (in <x_s>), `holding`, the fraction that holds, and its error;
+    where it was asked for, `critical_spring` = K*/(N_c<k>) and its error, else None. `velocity`, `temperature`, `rate`,
+    `delay` at each point, None for a law that the contacts have not; `kelvin` where temperatures were given so. `along`
+    names the quantities of several values, that of the first axis first. `success`, of all points, and `message` are
+    those of master.kinetic_curve and master.phase_line.
+    """
+
+    along: tuple[str, ...]
+    velocity: Array
+    force: Array
+    force_error: Array
+    holding: Array
+    holding_error: Array
+    run_time: float
+    temperature: Array | None = None
+    kelvin: Array | None = None
+    rate: Array | None = None
+    delay: Array | None = None
+    critical_spring: Array | None = None
+    critical_spring_error: Array | None = None
+    success: bool = True
+    message: str = ""
+
+    __repr__ = brief
+
+
+def make_sweep(table: "SweepTable", contacts: Contacts, velocity: float) -> Sweep:
+    """The checked sweep of a scene, at `velocity` where it names none. Raises InputError with the path of a bad key."""
+    if table.temperature is not None and table.kelvin is not None:
+        raise InputError("sweep: has temperature and kelvin; give one of them")
+    for name, law in (("temperature", contacts.thermal), ("kelvin", contacts.thermal), ("rate", contacts.ageing)):
+        if getattr(table, name) is not None and law is None:
+            lacking = "ageing" if name == "rate" else "thermal"
+            raise InputError(f"sweep.{name}: the contacts have no law for it; add [contacts.{lacking}]")
+    asked = {name: getattr(table, name) for name in (*QUANTITIES, "kelvin")}
+    asked["velocity"] = velocity if table.velocity is None else table.velocity
+    given = {name: _values(f"sweep.{name}", value) for name, value in asked.items() if value is not None}
+    along = sorted((name for name in given if given[name].size > 1), key=lambda name: -given[name].size)
+    if not along:
+        raise InputError("sweep: goes along nothing; give velocity = { from = 1e-2, to = 1e2, points = 50 }, or a list")
+    if len(along) > _MOST_AXES:
+        raise InputError(f"sweep: {', '.join(along)} have several values each; give two of them at most")
+    points = int(np.prod([given[name].size for name in along]))
+    if points > _MOST_POINTS:
+        raise InputError(f"sweep: has {points:,} points; take {_MOST_POINTS:,} at most")
+    axes = np.meshgrid(*(given[name] for name in along), indexing="ij")
+    made = {name: np.full(axes[0].shape, values[0]) for name, values in given.items()} | dict(
+        zip(along, axes, strict=True)
+    )
+    if (kelvin := made.get("kelvin")) is not None:
+        if contacts.interface is None:
+            rule = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
+            raise InputError(f"sweep.kelvin: {rule}")
+        made["temperature"] = kelvin * contacts.interface.temperature(kelvin=1.0)
+    others = (made.get(name) for name in ("temperature", "kelvin", "rate", "delay"))
+    return Sweep(tuple(along), table.critical_spring, made["velocity"], *others)
+
+
+def _values(name: str, value: "float | list[float] | RangeTable") -> Array:
+    """One value, those of a list, or those of a range, all of them checked."""
+    check = positive if name == "sweep.velocity" else non_negative
+    if isinstance(value, int | float):
+        return np.array([check(name, value)])
+    if isinstance(value, list):
+        if not value:
+            refuse(name, value, "must hold a value at least")
+        return np.array([check(f"{name}[{k}]", one) for k, one in enumerate(value)])
+    points = whole(f"{name}.points", value.points, least=2)
+    if points > _MOST_POINTS:
+        refuse(f"{name}.points", points, f"must be at most {_MOST_POINTS:,}")
+    begin, end = (check(f"{name}.{key}", one) for key, one in (("from", value.begin), ("to", value.to)))
+    if begin == end:
+        refuse(f"{name}.to", value.to, f"is where {name} begins; put it elsewhere, or give one number")
+    if value.spacing == "even":
+        return np.linspace(begin, end, points)
+    if begin == 0.0 or end == 0.0:
+        refuse(f"{name}.{'from' if begin == 0.0 else 'to'}", 0.0, 'has no logarithm; write spacing = "even"')
+    return np.geomspace(begin, end, points)
+
+
+def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
+    """F_k and what holds at all points in one call, and K* in another where it is asked for."""
+    import master
+
+    began = time.perf_counter()
+    others: dict[str, Any] = {"temperature": asked.temperature, "rate": asked.rate, "delay": asked.delay}
+    with laws.inside("sweep", dict(zip(QUANTITIES, QUANTITIES, strict=True))):
+        curve = master.kinetic_curve(contacts, asked.velocity, **others)
+        line = master.phase_line(contacts, asked.velocity, **others) if asked.critical_spring else None
+    return SweepRecord(
+        asked.along,
+        curve.velocity,
+        curve.force,
+        curve.force_error,
+        curve.holding,
+        curve.holding_error,
+        time.perf_counter() - began,
+        curve.temperature,
+        asked.kelvin,
+        curve.rate,
+        curve.delay,
+        None if line is None else line.critical_spring,
+        None if line is None else line.critical_spring_error,
+        bool(curve.success.all() and (line is None or line.success.all())),
+        curve.message if line is None else f"{curve.message}; {line.message}",
+    )
