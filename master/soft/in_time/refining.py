@@ -18,7 +18,7 @@ from master.outcome import Progress
 from master.soft.in_time.carried import Allowed, TooLongError
 from master.soft.in_time.make import Maker
 from master.soft.in_time.pulled import Pulled, Task
-from master.soft.in_time.track import Piece, Read, Track, pieces, reached
+from master.soft.in_time.track import Read, Track, pieces, reached
 from origins import Contacts, Drive
 from origins.errors import refuse
 
@@ -31,8 +31,6 @@ MOST_STEPS, MOST_WORK = 6e3, 1e9
 TELLING, LAST, MORE = 2, 4, 1.5
 # Of the tolerance, the share of a step to which its balance is found; no less and no more than.
 CLOSE, CLOSEST = 1e-2, (1e-10, 1e-6)
-# Breaks per mean threshold of the drive's way beyond which contacts are far hotter than it is fast.
-OFTEN = 5.0
 # Round-off of the force for each step, in mean thresholds.
 ROUND_OFF = 1e-13
 # Thresholds near 0 are felt where more of them than this lie below a tenth of the mean.
@@ -100,8 +98,7 @@ def refined(
             if levels.best is not None:
                 return levels.best._replace(reason=reason)
             if time.monotonic() <= until:
-                hot = _hot(contacts, cohorts.memory.scales.rate, course)
-                refuse("path[-1]", drive.path[-1], f"{reason}; {hot}end the path sooner")
+                refuse("path[-1]", drive.path[-1], f"{reason}; end the path sooner")
             return levels.add(pulled, asked[asked <= here.now], np.inf)._replace(reason=reason)
         plan = pulled.stretches
         stiff = drive.spring or 0.0
@@ -249,15 +246,3 @@ def uneven(contacts: Contacts) -> bool:
     bends = law.atoms[0].size > 0 or bool((law.breakpoints > 0.0).any())
     other = contacts.ageing is not None or contacts.grains is not None
     return begins or bends or other or not law.knows_breakpoints
-
-
-def _hot(contacts: Contacts, rate: float, course: list[Piece]) -> str:
-    """Why steps are so many, and what else to ask, where fresh contacts break far sooner than they
-    are stretched."""
-    if not rate * contacts.mean_threshold > OFTEN * max(piece.speed for piece in course):
-        return ""
-    return (
-        f"fresh contacts break within a time of {1.0 / rate:.1g}, long before they reach their "
-        "thresholds, and F soon stays near F_k, which steady_state and kinetic_curve tell; ask "
-        "these, or "
-    )

@@ -28,26 +28,9 @@ SAME = 1e-12
 
 @dataclass(frozen=True)
 class TimedSolution:
-    """F along a rigid slider's path in time, with the error it is good to; fields as in Solution.
+    """F along a rigid slider's path in time; fields as in master.solution.Solution.
 
-    Attributes
-    ----------
-    path, time : arrays of shape (n,)
-        Slider positions X (lengths), and when they are reached.
-    force : array of shape (n,)
-        F/(N_c <k>), the mean stretch of the contacts (a length).
-    force_error : float
-        Estimate of the largest error of `force` over the path, in units of the mean threshold.
-    holding : array of shape (n,)
-        Fraction of contacts that hold.
-    run_time : float
-        Seconds that the solution took.
-    nodes : int
-        Steps of the best solution.
-    success : bool
-        Whether force_error is at or below the tolerance asked for.
-    message : str
-        In words: what was reached, or why not; what was cut off from the start.
+    `nodes` are steps, and `force_error` is an estimate.
     """
 
     path: Array
