@@ -43,6 +43,9 @@ SIDE, HALVINGS = 0.8, 3
 MOST_CELLS = 100_000
 # Numbers of nodes times frequencies that are looked at, at most.
 MOST_WORK = 1e8
+# Turn of arg D along an edge (rad) from which on the edge is cut, and how often: an edge that meets
+# a root within rounding keeps an open turn, and its cells count no whole number.
+FAR_TURN, CUTS = 1.5, 40
 # Steps of Newton's method, and its last step over |s|.
 STEPS, LAST = 40, 1e-13
 # Distance of roots, over their size, below which they are one.
@@ -160,17 +163,48 @@ def _roots(transform: Transform, wait: float, whole: float) -> Complex | None:
         values = (
             transform.grid(real, float(side), rows) * np.exp(-s * wait) - np.expm1(-s * wait) / s
         )
-        across = np.angle(values[:, 1:] / values[:, :-1])
-        up = np.angle(values[1:] / values[:-1])
+        across = _turned(transform, wait, s[:, :-1], s[:, 1:], values[:, :-1], values[:, 1:])
+        up = _turned(transform, wait, s[:-1], s[1:], values[:-1], values[1:])
         turns = across[:-1] + up[:, 1:] - across[1:] - up[:, :-1]
         number = np.rint(turns / (2.0 * np.pi)).astype(int)
-        if number.min() >= 0 and number.max() <= 1:
+        sure = np.abs(turns - 2.0 * np.pi * number).max() < 1e-6
+        if sure and number.min() >= 0 and number.max() <= 1:
             cells = np.nonzero(number)
             found = _polished(transform, wait, s[cells] + 0.5 * side * (1.0 + 1.0j), side)
             if found is not None:
                 return found[(found.real > -decay) & (found.imag < imaginary[-1])]
         side *= 0.5
     return None
+
+
+def _turned(
+    transform: Transform, wait: float, begin: Complex, end: Complex, first: Complex, last: Complex
+) -> Array:
+    """How far arg D turns along straight edges; all arrays of one shape.
+
+    Where it turns far, a root lies beside the edge: on which side is told by cutting the edge.
+
+    first, last : D at `begin` and `end`
+    """
+    turned = np.angle(last / first)
+    steep = np.nonzero(np.abs(turned) > FAR_TURN)
+    turned[steep] = 0.0
+    edge, parts = np.arange(steep[0].size), [part[steep] for part in (begin, end, first, last)]
+    sums = np.zeros(edge.size)
+    for _ in range(CUTS):
+        if not edge.size:
+            break
+        begin, end, first, last = parts
+        middle = 0.5 * (begin + end)
+        half = conserved(transform, wait, middle)[0]
+        edge, begin, end = np.tile(edge, 2), np.append(begin, middle), np.append(middle, end)
+        first, last = np.append(first, half), np.append(half, last)
+        turn = np.angle(last / first)
+        far = np.abs(turn) > FAR_TURN
+        np.add.at(sums, edge[~far], turn[~far])
+        edge, parts = edge[far], [part[far] for part in (begin, end, first, last)]
+    turned[steep] = sums
+    return turned
 
 
 def _polished(transform: Transform, wait: float, s: Complex, side: float) -> Complex | None:

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from master.lives.life import Life
-from master.lives.make import life_of
+from master.lives.make import steady_life
 from master.renewal import rule
 from master.steady.forward import Forward, births_table
 from master.steady.steady import births_of, check_finite, cycle_of
@@ -35,9 +35,6 @@ from origins import Contacts, InputError
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive, refuse, whole
-
-if TYPE_CHECKING:
-    from master._old.decoherence_spectrum import DecoherenceSpectrum as OldSpectrum
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -147,7 +144,7 @@ class DecoherenceSpectrum:
 
 def decoherence_spectrum(
     contacts: Contacts, *, velocity: float = 1.0, n_roots: int = 8
-) -> DecoherenceSpectrum | OldSpectrum:
+) -> DecoherenceSpectrum:
     """The slowest terms of F(X) - F_k of contacts that a rigid slider moves forward.
 
     Parameters
@@ -168,16 +165,11 @@ def decoherence_spectrum(
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
-    life = life_of(contacts)
-    if life is None:
-        # ageing and growing grains, until they are lives
-        from master._old.decoherence_spectrum import decoherence_spectrum as old_spectrum
-
-        return old_spectrum(contacts, velocity=velocity, n_roots=n_roots)
     check_finite(contacts)
+    life = steady_life(contacts, velocity)
     travel = Travel(life, births_of(contacts), velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
-    found = _leading(contacts, travel, wait, n_roots + 1)
+    found = _leading(contacts, travel, velocity, n_roots + 1)
     kept = found.first(n_roots)
     next_root = found.roots[n_roots : n_roots + 1]
     gamma = float(-next_root[0].real) if next_root.size else found.searched
@@ -200,16 +192,19 @@ def decoherence_spectrum(
     return replace(spectrum, _left=left, run_time=time.perf_counter() - began)
 
 
-def _leading(contacts: Contacts, travel: Travel, wait: float, count: int) -> Roots:
+def _leading(contacts: Contacts, travel: Travel, velocity: float, count: int) -> Roots:
     """The leading roots, or InputError where there is none that can be told."""
+    wait = velocity * contacts.waiting_time
     if wait > LONGEST * travel.length:
-        assert contacts.delay is not None
-        refuse(
-            "delay",
-            contacts.delay.time,
-            f"contacts wait for {wait / travel.length:.3g} times as long as they hold: roots are told "
-            f"up to {LONGEST:g} times; use a shorter one",
-        )
+        times = f"wait for {wait / travel.length:.3g} times as long as they hold"
+        if contacts.delay is None:
+            refuse(
+                "velocity",
+                velocity,
+                f"grains grow, unpinned, for so long that contacts {times}; slide more slowly",
+            )
+        told = f"contacts {times}: roots are told up to {LONGEST:g} times; use a shorter one"
+        refuse("delay", contacts.delay.time, told)
     crowd = crowding_rate(travel, wait)
     if crowd == 0.0:
         raise InputError(
