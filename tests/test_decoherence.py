@@ -204,7 +204,7 @@ def test_what_has_no_spectrum_is_said() -> None:
 
 @pytest.mark.parametrize("law", ["soft", "stiff"])
 def test_no_root_is_left_out_beside_the_rate_of_an_exact_value(law: str) -> None:
-    """Roots of the transform of E, by quadrature, from starts near 2πin: some hardly decay, some nearly as the crowd."""
+    """Roots of the transform of E, by quadrature, from starts near 2πin: some hardly decay, some as the crowd."""
     contacts = Contacts(identical(1.0), thermal=Thermal(law, 0.05))
     nodes, weights = np.polynomial.legendre.leggauss(60)
     edges = np.concatenate([np.linspace(0.0, 0.9, 10), 1.0 - np.geomspace(0.1, 1e-9, 20)[1:], [1.0]])

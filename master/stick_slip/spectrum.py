@@ -20,16 +20,8 @@ from master.steady.forward import Forward, births_table
 from master.steady.steady import births_of, check_finite, cycle_of
 from master.steady.travel import Travel
 from master.stick_slip.decoherence import BROAD, LONGEST
-from master.stick_slip.roots import (
-    NEAR,
-    NO_ROOTS,
-    Roots,
-    conserved,
-    crowding_rate,
-    leading_roots,
-    root_errors,
-    tail_rate,
-)
+from master.stick_slip.roots import NEAR, NO_ROOTS, Roots, conserved, leading_roots, root_errors
+from master.stick_slip.tails import crowding_rate, tail_rate
 from master.stick_slip.transform import Transform
 from origins import Contacts, InputError
 from origins.brief import brief
