@@ -239,7 +239,9 @@ def _terms(contacts: Contacts, life: Life, velocity: float, wait: float, found: 
     """Errors of roots, and amplitudes."""
     again, start = births_of(contacts), contacts.start
     alike = start.is_single and start.span == again.span
-    begins = None if alike else Travel(life, start, velocity)
+    # of a start with a width every survival takes long: one table for all roots
+    deepest = found.transforms[found.level.max()].decay if found.level.size else 0.0
+    begins = None if alike or not deepest else Transform(Travel(life, start, velocity), deepest)
     parts = [_Terms(np.empty(0), np.empty(0, dtype=complex), np.empty(0))]
     for level, transform in enumerate(found.transforms):
         s = found.roots[found.level == level]
@@ -247,7 +249,7 @@ def _terms(contacts: Contacts, life: Life, velocity: float, wait: float, found: 
             continue
         values, slope = transform(s), conserved(transform, wait, s)[1]
         roots_error = root_errors(transform, wait, s)
-        first = values if begins is None else Transform(begins, transform.decay)(s)
+        first = values if begins is None else begins(s)
         broken = 1.0 / s - first.held
         amplitude = 2.0 * values.force * np.exp(-s * wait) * broken / slope
         turned = 3.0 * np.abs(values.bend / values.slope) + wait + 1.0 / np.abs(s)
