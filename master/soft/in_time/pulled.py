@@ -145,12 +145,13 @@ class Pulled:
 
     def _slide(self, end: float) -> bool:
         """Until `end`, or until the slider lets go: which of them."""
-        here, steps, planned = self.contacts, self._steps, self._planned()
-        track = Track()
+        here, steps, track = self.contacts, self._steps, Track()
         self.tracks.append(track)
         here.bend()
         self._write(track, 0.0)
         steps.start(end, track)
+        # the time is all there is to a rigid slider's steps
+        planned = self._planned(steps.clock.count(end) if steps.rigid else 0.0)
         total, shares, taken, let_go = 0.0, [0.5], 0, False
         while not let_go and here.now < end:
             taken += 1
@@ -185,10 +186,14 @@ class Pulled:
             self._write(track, total + size)
         return size
 
-    def _planned(self) -> Planned:
-        """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take."""
+    def _planned(self, length: float = 0.0) -> Planned:
+        """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take.
+
+        length : in steps of the coarsest, where that is known beforehand
+        """
         number, finer = len(self.stretches), 2**self._level
-        length = self._plan[number] if number < len(self._plan) else 0.0
+        if not length and number < len(self._plan):
+            length = self._plan[number]
         if not length:
             return Planned(np.inf, 1.0 / finer)
         count = int(np.ceil(length)) * finer

@@ -38,8 +38,9 @@ LOW, FELT = 0.1, 1e-6
 # Extrapolations of one answer: each takes one more power of the square of the step away.
 COLUMNS = 2
 # Changes that fall by a quarter, or a little less, are those of answers that fall as the square of
-# the step; of their extrapolations' change a quarter is left at most.
-EVEN, LEFT = 0.27, 0.25
+# the step; of their extrapolations' change a quarter is left at most; of one that falls slowly, by
+# a half or less with each level, as much as twice.
+EVEN, LEFT, SLOWLY = 0.27, 0.25, 2.0
 
 
 class Refined(NamedTuple):
@@ -81,7 +82,7 @@ def refined(
         stands = [np.full(asked.size, row[0]) for row in (cohorts.pull, cohorts.held)]
         return Refined(np.empty((5, 0)), stands[0], stands[1], cohorts.memory.error, 0, "")
     # a rigid slider has no slips, whose X_T would count
-    levels = Levels(unit, drive.spring or 1.0, drive.path, uneven(contacts))
+    levels = Levels(unit, drive.spring or 1.0, drive.path, left_over(contacts))
     close, wait = float(np.clip(CLOSE * tolerance, *CLOSEST)), contacts.waiting_time
     plan: list[float] = []
     level, extra = 0, 1.0
@@ -138,9 +139,9 @@ class Levels:
         The last levels that have as many slips.
     """
 
-    def __init__(self, unit: float, spring: float, path: Array, rough: bool) -> None:
-        self._unit, self._spring, self._path, self._rough = unit, spring, path, rough
-        self._table, self._drives = Extrapolation(rough), list[Array]()
+    def __init__(self, unit: float, spring: float, path: Array, left: float) -> None:
+        self._unit, self._spring, self._path, self._left = unit, spring, path, left
+        self._table, self._drives = Extrapolation(left), list[Array]()
         self._last = np.empty((2, 0))
         self.best: Refined | None = None
         self.error = np.inf
@@ -156,7 +157,7 @@ class Levels:
         force, holding = _read(pulled.tracks, asked)
         told = np.stack([force / unit, holding])
         if self._drives and self._drives[-1].size != slips.shape[1]:
-            self._table, self._drives = Extrapolation(self._rough), []
+            self._table, self._drives = Extrapolation(self._left), []
         self._drives.append(slips[0])
         count, n = slips.shape[1], asked.size
         scale = np.array([self._spring, 1.0, 1.0, 1.0, 1.0])[:, None] / unit
@@ -198,11 +199,12 @@ class Levels:
 class Extrapolation:
     """Answers on steps halved each time, whose errors are series in the square of the step (Romberg).
 
-    uneven : whether errors may fall in another way: then the last change is taken as the error.
+    left : share of the last change that is left as error; where it is below 1, if answers are seen
+        to fall as the square of the step.
     """
 
-    def __init__(self, uneven: bool) -> None:
-        self._uneven = uneven
+    def __init__(self, left: float) -> None:
+        self._left = left
         self._row: list[Array] = []
         self._change = np.inf
 
@@ -217,9 +219,9 @@ class Extrapolation:
         ]
         best, error = answer, np.inf
         if len(changes) > 1:
-            even = not self._uneven and changes[0] < EVEN * self._change
+            even = changes[0] < EVEN * self._change
             k = 1 + int(np.argmin(changes[1:]))
-            best, error = row[k], changes[k] * (LEFT if even else 1.0)
+            best, error = row[k], changes[k] * (self._left if even else max(self._left, 1.0))
         self._row, self._change = row, changes[0] if changes else np.inf
         return error, best
 
@@ -235,14 +237,16 @@ def _read(tracks: list[Track], asked: Array) -> Read:
     return out
 
 
-def uneven(contacts: Contacts) -> bool:
-    """Whether errors do not fall as powers of the squared step.
+def left_over(contacts: Contacts) -> float:
+    """Share of the last change of extrapolated answers that may be left as their error.
 
-    As where P_c jumps or bends, also where it begins at 0, so that births do; and thresholds that
-    age or grow are followed in steps of another order.
+    Errors do not fall as powers of the squared step where P_c jumps or bends, also where it begins
+    at 0, so that births do; and thresholds that age or grow are followed in steps of another order,
+    whose changes fall slowly.
     """
     law = contacts.thresholds
+    if contacts.ageing is not None or contacts.grains is not None:
+        return SLOWLY
     begins = law.support()[0] == 0.0 and float(law.cdf(LOW * contacts.mean_threshold)) > FELT
     bends = law.atoms[0].size > 0 or bool((law.breakpoints > 0.0).any())
-    other = contacts.ageing is not None or contacts.grains is not None
-    return begins or bends or other or not law.knows_breakpoints
+    return 1.0 if begins or bends or not law.knows_breakpoints else LEFT
