@@ -10,7 +10,6 @@ import pytest
 from rate_laws import Careless, Endless, Even, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
 from scipy import stats
 
-import master
 import origins
 from eq_model.closest import closest
 from master.paper.explicit import explicit
@@ -202,7 +201,6 @@ def test_a_short_way_back_from_the_threshold() -> None:
 
 PATH = np.linspace(0.0, 1.0, 5)
 SOLVERS = {
-    "master.decoherence_spectrum": master.decoherence_spectrum,
     "master.paper.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }
