@@ -10,11 +10,26 @@ import numpy as np
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
 from toolkit.judge.deviation import deviation, telling, why_not_compared
-from toolkit.pictures.abscissa import along, clock, conditions, curves, grows, write_along
-from toolkit.pictures.axes import INK, Lengths, heights, spans_decades
+from toolkit.pictures.abscissa import (
+    along,
+    clock,
+    conditions,
+    curves,
+    grows,
+    with_slips,
+    write_along,
+)
+from toolkit.pictures.axes import INK, Lengths, heights, plain, spans_decades
 from toolkit.pictures.coupled import plot_replicas, plot_slips
 from toolkit.pictures.sweep import plot_sweep, sweep_panels
-from toolkit.results.records import OWN_UNIT, AgeingRecord, Result, SoftRecord, ThresholdCurve, sample_curve
+from toolkit.results.records import (
+    OWN_UNIT,
+    AgeingRecord,
+    Result,
+    SoftRecord,
+    ThresholdCurve,
+    sample_curve,
+)
 from toolkit.running.coupled import CoupledRecord, slips_beside
 from toolkit.scene import laws
 
@@ -24,7 +39,12 @@ if TYPE_CHECKING:
 _STEPS = 2000  # as many as a picture can show
 _NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
 _ALL = 1e-9  # of the contacts
-_ELSEWHERE = ("from-topography", "from-samples", "domains", "mixture")  # files, or work, of their own
+_ELSEWHERE = (
+    "from-topography",
+    "from-samples",
+    "domains",
+    "mixture",
+)  # files, or work, of their own
 _LEGEND = 0.13  # of the height, room for each of its rows above the curve
 _BARS = 61  # as many error bars as leave the line in sight
 
@@ -49,7 +69,9 @@ def plot(result: Result, axes: Any = None) -> Any:
     if axes is None:
         from matplotlib import pyplot
 
-        _, axes = pyplot.subplots(1, 2, figsize=(10, 4), width_ratios=(2.2, 1), layout="constrained")
+        _, axes = pyplot.subplots(
+            1, 2, figsize=(10, 4), width_ratios=(2.2, 1), layout="constrained"
+        )
     if curves(result):
         plot_force(axes[0], result)
     else:
@@ -58,7 +80,9 @@ def plot(result: Result, axes: Any = None) -> Any:
     if (final := _final(result)) is not None:
         _plot_final(axes[1], result.thresholds, final)
     if grows(result):
-        axes[1].set_title(f"thresholds at $X$ = 0, age {result.asked.contacts.thresholds['age']:.3g}")
+        axes[1].set_title(
+            f"thresholds at $X$ = 0, age {result.asked.contacts.thresholds['age']:.3g}"
+        )
     return axes
 
 
@@ -69,10 +93,21 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
         path, force = along(result, result.master), result.master.force
         label, dashes = "master equation", "-"
         if not result.master.success:
-            label, dashes = f"{label}, error {result.master.force_error:.1e} $\\langle x_s\\rangle$: not as asked", "--"
+            label, dashes = (
+                f"{label}, error {result.master.force_error:.1e} $\\langle x_s\\rangle$: not as asked",
+                "--",
+            )
+        if isinstance(result.master, SoftRecord):
+            path, force = with_slips(path, force, result.master)
         axes.plot(path, force, color=INK["master"], lw=1.4, ls=dashes, zorder=3, label=label)
         if isinstance(result.master, AgeingRecord) and result.master.outrun < path[-1]:
-            axes.axvspan(result.master.outrun, path[-1], color="0.9", lw=0, label="contacts outrun $P_c$ (Q15)")
+            axes.axvspan(
+                result.master.outrun,
+                path[-1],
+                color="0.9",
+                lw=0,
+                label="contacts outrun $P_c$ (Q15)",
+            )
     if isinstance(result.eq, CoupledRecord):
         plot_replicas(axes, result, result.eq)
     elif result.eq is not None:
@@ -92,8 +127,12 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
         )
     highest = max((float(np.abs(curve.force).max()) for curve in curves(result)), default=0.0)
     write_along(axes, result)
-    Lengths.of(highest, _in_metres(result.thresholds)).write(axes.yaxis, r"force $F/(N_c\langle k\rangle)$")
-    axes.set_title("\n".join(filter(None, [result.title or result.name, conditions(result)])))
+    Lengths.of(highest, _in_metres(result.thresholds)).write(
+        axes.yaxis, r"force $F/(N_c\langle k\rangle)$"
+    )
+    axes.set_title(
+        "\n".join(filter(None, [plain(result.title or result.name), conditions(result)]))
+    )
     # slips and cycles leave no corner free
     handles, _ = axes.get_legend_handles_labels()
     bottom, top = axes.get_ylim()
@@ -112,17 +151,32 @@ def plot_position(axes: "Axes", result: Result) -> "Axes":
         axes.legend(fontsize="small")
     write_along(axes, result)
     name = "position" if soft else "slider\nposition $X$"
-    Lengths.of(float(np.abs(curve.path).max()), _in_metres(result.thresholds)).write(axes.yaxis, name)
+    Lengths.of(float(np.abs(curve.path).max()), _in_metres(result.thresholds)).write(
+        axes.yaxis, name
+    )
     return axes
 
 
 def plot_holding(axes: "Axes", result: Result) -> "Axes":
     """The fraction of the contacts that hold; the others wait to form again."""
     if result.master is not None:
-        axes.plot(along(result, result.master), result.master.holding, color=INK["master"], lw=1.2, label="ME")
+        axes.plot(
+            along(result, result.master),
+            result.master.holding,
+            color=INK["master"],
+            lw=1.2,
+            label="ME",
+        )
     if result.eq is not None:
         some = np.unique(np.linspace(0, result.eq.path.size - 1, _BARS).round().astype(int))
-        axes.plot(along(result, result.eq)[some], result.eq.holding[some], ".", ms=4, color=INK["eq"], label="EQ")
+        axes.plot(
+            along(result, result.eq)[some],
+            result.eq.holding[some],
+            ".",
+            ms=4,
+            color=INK["eq"],
+            label="EQ",
+        )
     if result.master is not None and result.eq is not None:
         axes.legend(fontsize="small", ncols=2, loc="lower right", borderpad=0.2)
     axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
@@ -134,7 +188,9 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
     off = deviation(result)[1]
     if (reason := why_not_compared(result)) is not None:
-        axes.text(0.5, 0.5, f"not compared: {reason}", transform=axes.transAxes, ha="center", va="center")
+        axes.text(
+            0.5, 0.5, f"not compared: {reason}", transform=axes.transAxes, ha="center", va="center"
+        )
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     if result.eq is not None:
         axes.plot(along(result, result.eq)[telling(result)], off, ".", ms=3.5, color=INK["eq"])
@@ -148,10 +204,29 @@ def plot_defects(axes: "Axes", result: Result) -> "Axes":
     """What the paper's closure of ageing does not keep: mass of P_c less 1, and weight below 0."""
     if isinstance(result.master, AgeingRecord):
         path = along(result, result.master)
-        axes.plot(path, result.master.mass_defect, color=INK["master"], lw=1.2, label="mass of $P_c$ less 1")
-        axes.plot(path, result.master.positivity_defect, color=INK["eq"], lw=1.2, ls="--", label="weight below 0")
-        largest = max(float(np.abs(result.master.mass_defect).max()), float(result.master.positivity_defect.max()))
-        axes.set(ylabel="defects\nof (Q15)", ylim=(-0.15 * max(largest, _NO_DEFECT), 1.3 * max(largest, _NO_DEFECT)))
+        axes.plot(
+            path,
+            result.master.mass_defect,
+            color=INK["master"],
+            lw=1.2,
+            label="mass of $P_c$ less 1",
+        )
+        axes.plot(
+            path,
+            result.master.positivity_defect,
+            color=INK["eq"],
+            lw=1.2,
+            ls="--",
+            label="weight below 0",
+        )
+        largest = max(
+            float(np.abs(result.master.mass_defect).max()),
+            float(result.master.positivity_defect.max()),
+        )
+        axes.set(
+            ylabel="defects\nof (Q15)",
+            ylim=(-0.15 * max(largest, _NO_DEFECT), 1.3 * max(largest, _NO_DEFECT)),
+        )
         axes.legend(fontsize="small")
         write_along(axes, result)
     return axes
@@ -162,7 +237,9 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     finite = np.isfinite(curve.density)
     if curve.density[finite].any():
         _upright(axes, curve, curve.density)
-        axes.fill_between(curve.x[finite], curve.density[finite], color=INK["thresholds"], alpha=0.25, lw=0)
+        axes.fill_between(
+            curve.x[finite], curve.density[finite], color=INK["thresholds"], alpha=0.25, lw=0
+        )
         axes.plot(curve.x[finite], curve.density[finite], color=INK["thresholds"], lw=1.2)
     _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
     if curve.atoms.size:
@@ -180,17 +257,30 @@ def _final(result: Result) -> ThresholdCurve | None:
     ageing = result.asked.contacts.ageing
     if ageing is None or ageing["final"].get("kind") in _ELSEWHERE or "file" in ageing["final"]:
         return None
-    return sample_curve(laws.build(laws.THRESHOLDS, ageing["final"], "contacts.ageing.final", Path()))
+    return sample_curve(
+        laws.build(laws.THRESHOLDS, ageing["final"], "contacts.ageing.final", Path())
+    )
 
 
 def _plot_final(axes: "Axes", new: ThresholdCurve, final: ThresholdCurve) -> None:
     """What the thresholds of new contacts become, dashed beside them."""
     shown = np.isfinite(final.density)
-    if not final.density[shown].any() or not np.isfinite(new.density).all() or axes.get_yscale() == "log":
+    if (
+        not final.density[shown].any()
+        or not np.isfinite(new.density).all()
+        or axes.get_yscale() == "log"
+    ):
         return
     (line,) = axes.get_lines()
     line.set_label("new")
-    axes.plot(final.x[shown], final.density[shown], color=INK["thresholds"], lw=1.2, ls="--", label="final")
+    axes.plot(
+        final.x[shown],
+        final.density[shown],
+        color=INK["thresholds"],
+        lw=1.2,
+        ls="--",
+        label="final",
+    )
     first, last = (ends for ends in zip(_reach(new), _reach(final), strict=True))
     axes.set_xlim(min(first), max(last))
     bottom, top = axes.get_ylim()
@@ -212,7 +302,14 @@ def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
     if isinstance(thresholds, Sampled):
         x, above = thresholds.samples, 1.0 - np.cumsum(thresholds.shares)
         some = np.unique(np.linspace(0, x.size - 1, _STEPS).round().astype(int))
-        axes.step(x[some], above[some], where="post", color="0.25", lw=0.6, label=f"{thresholds.n_samples} samples")
+        axes.step(
+            x[some],
+            above[some],
+            where="post",
+            color="0.25",
+            lw=0.6,
+            label=f"{thresholds.n_samples} samples",
+        )
         axes.legend()
     return axes
 
@@ -234,7 +331,9 @@ def _upright(axes: "Axes", curve: ThresholdCurve, values: Any) -> None:
     axes.set(yscale="log" if found.logarithmic else "linear", ylim=(found.bottom, found.top))
 
 
-def _label(axes: "Axes", curve: ThresholdCurve, title: str, name: str, inverse: str | None = None) -> None:
+def _label(
+    axes: "Axes", curve: ThresholdCurve, title: str, name: str, inverse: str | None = None
+) -> None:
     """Title, the axis of x and, where it is one of inverse lengths, that of y."""
     first, last = _reach(curve)
     axes.set_title(title)
@@ -305,7 +404,9 @@ def save_picture(result: Result, path: Path) -> None:
     figure.savefig(path, dpi=150, format="png")
 
 
-def save_thresholds_picture(curve: ThresholdCurve, thresholds: Thresholds, title: str, path: Path) -> None:
+def save_thresholds_picture(
+    curve: ThresholdCurve, thresholds: Thresholds, title: str, path: Path
+) -> None:
     """P_c, survival, that of the samples if there are any over it, and hazard side by side as a PNG."""
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -316,5 +417,5 @@ def save_thresholds_picture(curve: ThresholdCurve, thresholds: Thresholds, title
     plot_density(axes[0], curve)
     plot_samples(plot_survival(axes[1], curve), thresholds)
     plot_hazard(axes[2], curve)
-    figure.suptitle(title)
+    figure.suptitle(plain(title))
     figure.savefig(path, dpi=150, format="png")

@@ -135,8 +135,16 @@ class SoftRecord(SolvedRecord):
     def regime(self) -> "Regime":
         from master.soft.regime import Regime
 
-        own = {"slips": int(self.slip_drive.size), "trend": None if np.isnan(self.trend) else self.trend}
-        return Regime(**{field.name: own.get(field.name, getattr(self, field.name)) for field in fields(Regime)})
+        own = {
+            "slips": int(self.slip_drive.size),
+            "trend": None if np.isnan(self.trend) else self.trend,
+        }
+        return Regime(
+            **{
+                field.name: own.get(field.name, getattr(self, field.name))
+                for field in fields(Regime)
+            }
+        )
 
 
 @dataclass(frozen=True)
@@ -153,7 +161,9 @@ class AgeingRecord(SolvedRecord):
 
 def ageing_record(solution: "AgeingTransient") -> AgeingRecord:
     """What is kept of a transient in the paper's closure of ageing."""
-    return AgeingRecord(**{field.name: getattr(solution, field.name) for field in fields(AgeingRecord)})
+    return AgeingRecord(
+        **{field.name: getattr(solution, field.name) for field in fields(AgeingRecord)}
+    )
 
 
 def soft_record(solution: "SoftSolution") -> SoftRecord:
@@ -289,7 +299,9 @@ class Result:
     @property
     def success(self) -> bool:
         """Whether every solver reached what was asked of it."""
-        return all(answer is None or answer.success for answer in (self.master, self.eq, self.sweep))
+        return all(
+            answer is None or answer.success for answer in (self.master, self.eq, self.sweep)
+        )
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
@@ -298,7 +310,9 @@ def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
     tail = np.geomspace(1e-6, 0.5, 100)
     quantiles = np.concatenate([thresholds.ppf(tail), thresholds.isf(tail)])
     upper = 1.05 * quantiles.max()
-    edges = np.unique(np.concatenate([[0.0], panel_edges(thresholds, upper), thresholds.breakpoints, [upper]]))
+    edges = np.unique(
+        np.concatenate([[0.0], panel_edges(thresholds, upper), thresholds.breakpoints, [upper]])
+    )
     within = np.linspace(edges[:-1], edges[1:], _PER_PANEL).ravel()
     jumps = thresholds.breakpoints
     x = np.unique(np.concatenate([quantiles, within, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))

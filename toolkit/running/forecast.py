@@ -23,9 +23,15 @@ from toolkit.scene.scene import EqTable, Scene
 if TYPE_CHECKING:
     from eq_model import EnsembleResult
 
-_FIRST, _GROWTH = 64, 4  # contacts of each rank in the first pilot, and how many times as many in the next
+_FIRST, _GROWTH = (
+    64,
+    4,
+)  # contacts of each rank in the first pilot, and how many times as many in the next
 _LONG_ENOUGH = 0.05  # seconds of a pilot
-_LOOSEST, _ENOUGH = 1e-2, 1.0  # tolerance of the first pilot of the master equation; seconds of all of them
+_LOOSEST, _ENOUGH = (
+    1e-2,
+    1.0,
+)  # tolerance of the first pilot of the master equation; seconds of all of them
 _SPEED = 2.0  # other users, another clock rate, tables that leave the cache: a machine is this much faster or slower
 _AFTERWARDS = 160.0  # MB at most for result files and pictures, once the ensemble is done
 _COMPILED = 0.6  # of a pilot's peak, if it compiled what the run finds compiled
@@ -84,7 +90,9 @@ class Forecast:
     pilot_time: float
 
 
-def forecast(scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | None = None) -> Forecast:
+def forecast(
+    scene: Scene, comm: Any = None, done: int = 0, seconds: Seconds | None = None
+) -> Forecast:
     """Run pilots of the scene's ensemble, each larger than the one before, for some tenths of a second in all; `done`
     contacts need not be followed again.
 
@@ -158,9 +166,14 @@ class _Few:
 
 
 def _follow_few(scene: Scene, asked: EqTable, comm: Any, n: int, seconds: Seconds | None) -> _Few:
-    ensemble: Any = make_ensemble(scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None)
+    ensemble: Any = make_ensemble(
+        scene, asked, comm, n_contacts=n, n_replicas=1, tolerance=None, wall_time=None
+    )
     ready = ensemble.state.run_time
-    finished, whole = set[int](), layout.make_blocks(asked.contacts, asked.replicas, ensemble.seconds)
+    finished, whole = (
+        set[int](),
+        layout.make_blocks(asked.contacts, asked.replicas, ensemble.seconds),
+    )
     result: Any = follow(ensemble, lambda done, expected: finished.add(done))
     if seconds is not None:
         told = _largest(comm, seconds(result, len(finished)))
@@ -205,7 +218,10 @@ def pilot(scene: Scene, most_seconds: float = _ENOUGH) -> Pilot:
             while True:
                 before = time.perf_counter()
                 solved = solve_master(scene, tolerance, hear)
-                error, run_time = min(error, float(solved.force_error)), time.perf_counter() - before
+                error, run_time = (
+                    min(error, float(solved.force_error)),
+                    time.perf_counter() - before,
+                )
                 if tolerance <= asked or not solved.success:
                     return Pilot(error, run_time, asked, ended=not solved.success)
                 tolerance = max(0.1 * tolerance, asked)
@@ -237,7 +253,9 @@ def _no_longer_than(seconds: float) -> Iterator[None]:
 def pilot_lines(told: Pilot) -> list[str]:
     """The same as lines of text."""
     if not math.isfinite(told.error) and not told.ended:
-        return [f"master          no error is known after {told.run_time:.2g} s; how long it takes is not foreseen"]
+        return [
+            f"master          no error is known after {told.run_time:.2g} s; how long it takes is not foreseen"
+        ]
     reached = f"master          error {told.error:.1e} of <x_s> after {told.run_time:.2g} s"
     if told.error <= told.asked:
         return [f"{reached}, within the {told.asked:.0e} asked for"]
@@ -261,12 +279,21 @@ def lines(told: Forecast) -> list[str]:
         f"standard error  {_range(error, '.2g')} of <x_s>, the largest over the path",
     ]
     if told.tolerance is not None:
-        met = "yes" if error.high <= told.tolerance else "no" if error.low > told.tolerance else "perhaps"
+        met = (
+            "yes"
+            if error.high <= told.tolerance
+            else "no"
+            if error.low > told.tolerance
+            else "perhaps"
+        )
         met = "yes" if contacts.high < told.most else met
         out.append(f"tolerance       {told.tolerance:.1e} reached: {met}")
     if told.wall_time is not None and seconds.high > told.wall_time:
         out.append(f"wall time       {told.wall_time:g} s stops it before, if it takes longer")
-    return [*out, f"from a pilot of {told.pilot_contacts:,} contacts in {told.pilot_time:.2g} s; nothing was written"]
+    return [
+        *out,
+        f"from a pilot of {told.pilot_contacts:,} contacts in {told.pilot_time:.2g} s; nothing was written",
+    ]
 
 
 def _on_disk(told: Forecast) -> list[str]:

@@ -10,6 +10,7 @@ from typing import Any
 _PATIENCE, _LOG_PATIENCE = 1.0, 10.0
 _LOG_PACE = 30.0
 _PACE = 0.1
+_LONG = 60.0  # seconds: what takes longer is said as soon as that is known
 _NOT_YET = 1e-9  # that a bar is not drawn before it knows when it began
 
 
@@ -25,6 +26,7 @@ class Progress:
         usual = _PATIENCE if self._terminal else _LOG_PATIENCE
         self._next = self._begun + (usual if patience is None else patience)
         self._first: tuple[float, int] | None = None
+        self._warned = False
 
     def __call__(self, done: int, expected: int) -> None:
         now = time.monotonic()
@@ -45,9 +47,21 @@ class Progress:
             self._bar.start_t -= now - self._begun
             self._bar.initial = self._first[1]
             self._bar.refresh()
-        elif now >= self._next:
+        elif now < self._next:
+            self._warn(now, done, expected)
+        else:
             self._next = now + _LOG_PACE
             _log(self._line(now, done, expected))
+
+    def _warn(self, now: float, done: int, expected: int) -> None:
+        """Say once that it will take long, as soon as the pace is known."""
+        begun, before = self._first or (now, done)
+        if self._warned or done == before or now - begun < _PATIENCE:
+            return
+        left = (expected - done) * (now - begun) / (done - before)
+        self._warned = left > _LONG
+        if self._warned:
+            _log(f"eq: will take some {_clock(left)} more")
 
     def _line(self, now: float, done: int, expected: int) -> str:
         """What there is to tell in words."""
@@ -69,11 +83,19 @@ class Refinement:
     """Call as refinement(error) with the error that a solution has; it shows how many of the powers of ten from the
     first one to the tolerance are gone, and the time since it was made, also while nothing is called.
 
+    tolerance : that was asked for; None for work that knows no error on its way.
+    what : the work in words.
     patience : seconds before anything is shown; None: those of a terminal or of a log file.
     done : an event for which it waits between what it shows, and which ends it; None: one of its own."""
 
-    def __init__(self, tolerance: float, patience: float | None = None, done: threading.Event | None = None) -> None:
-        self._tolerance = tolerance
+    def __init__(
+        self,
+        tolerance: float | None,
+        patience: float | None = None,
+        done: threading.Event | None = None,
+        what: str = "master equation",
+    ) -> None:
+        self._tolerance, self._what = tolerance, what
         self._first = self._best = math.inf
         self._bar: Any = None
         self._patience, self._done = patience, done or threading.Event()
@@ -91,24 +113,38 @@ class Refinement:
         wait = wait if self._patience is None else self._patience
         while not self._done.wait(wait):
             wait = pace
-            said = f"error {self._best:.1e} of {self._tolerance:.1e} asked"
-            said = said if math.isfinite(self._best) else "no error estimate yet"
+            said = self._said()
             if not terminal:
-                _log(f"master equation: {said}, after {_clock(time.monotonic() - begun)}")
+                _log(f"{self._what}: {said}, after {_clock(time.monotonic() - begun)}")
                 continue
             if self._bar is None:
                 from tqdm import tqdm
 
-                form = "master equation: {bar} {postfix}, {elapsed}"
-                self._bar = tqdm(leave=False, total=1.0, bar_format=form, mininterval=0.0, delay=_NOT_YET)
+                form = self._what + ": {bar} {postfix}, {elapsed}"
+                self._bar = tqdm(
+                    leave=False, total=1.0, bar_format=form, mininterval=0.0, delay=_NOT_YET
+                )
                 self._bar.start_t -= time.monotonic() - begun
             self._bar.n = self._share()
             self._bar.set_postfix_str(said)
 
+    def _said(self) -> str:
+        if self._tolerance is None:
+            return "at work"
+        if not math.isfinite(self._best):
+            return "no error estimate yet"
+        return f"error {self._best:.1e} of {self._tolerance:.1e} asked"
+
     def _share(self) -> float:
-        if not math.isfinite(self._first) or self._first <= self._tolerance:
+        if (
+            self._tolerance is None
+            or not math.isfinite(self._first)
+            or self._first <= self._tolerance
+        ):
             return 0.0
-        return min(1.0, math.log(self._first / self._best) / math.log(self._first / self._tolerance))
+        return min(
+            1.0, math.log(self._first / self._best) / math.log(self._first / self._tolerance)
+        )
 
     def close(self) -> None:
         """Take the bar away."""

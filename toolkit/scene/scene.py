@@ -16,9 +16,19 @@ import numpy.typing as npt
 import origins
 from origins.contacts import Contacts, too_cold
 from origins.drive import Drive
-from origins.errors import InputError, check_tolerance, positive, refuse, shown, whole, without_point
+from origins.errors import (
+    InputError,
+    check_tolerance,
+    positive,
+    refuse,
+    shown,
+    whole,
+    without_point,
+)
+from toolkit.running.ranks import on_root
 from toolkit.scene import laws
-from toolkit.scene.drive import Speed, make_drive, sliding_speed
+from toolkit.scene.drive import Speed, make_drive, sliding_speed, spring_number
+from toolkit.scene.given_files import read_text
 from toolkit.scene.histogram_points import histogram_points
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.toml import to_toml
@@ -58,8 +68,9 @@ class DriveTable(Table, frozen=True):
     times: list[float] | None = None
     hold_scale: float | None = None
     velocity: float = 1.0
-    spring: float | None = None
+    spring: float | str | None = None
     slip: Literal["reset", "reform-after", "instant"] | None = None
+    area: float | None = None
 
 
 class MasterTable(Table, frozen=True):
@@ -103,6 +114,7 @@ class SceneTable(Table, frozen=True):
     master: MasterTable | None = None
     eq: EqTable | None = None
     sweep: SweepTable | None = None
+    wall_time: float | None = None
 
 
 @dataclass(frozen=True)
@@ -111,7 +123,8 @@ class Scene:
 
     `text` is the TOML it came from, `folder` where its file names count from; `drive.path` are positions of the
     slider, or of the drive where there is a spring, (n,), lengths in the unit of the thresholds. `given_drive`,
-    `master`, `eq` and `sweep` are None where the scene has no such table.
+    `master`, `eq` and `sweep` are None where the scene has no such table. `wall_time`: seconds for all of them
+    together, None for no limit; `tolerance_given`: whether the scene names master.tolerance.
     """
 
     name: str
@@ -123,12 +136,16 @@ class Scene:
     master: MasterTable | None
     eq: EqTable | None
     sweep: Sweep | None
+    wall_time: float | None = None
+    tolerance_given: bool = True
 
     @property
     def drive(self) -> Drive:
         """The drive; InputError for a scene without [drive]."""
         if self.given_drive is None:
-            raise InputError("drive: is missing; say where the slider goes, such as to = 5.0 with points = 501")
+            raise InputError(
+                "drive: is missing; say where the slider goes, such as to = 5.0 with points = 501"
+            )
         return self.given_drive
 
     @property
@@ -172,23 +189,35 @@ def load_scene(
     """
     if isinstance(scene, Scene):
         return scene
-    if isinstance(scene, Mapping):
-        text = to_toml(scene)
-        return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
-    file = _find(scene)
     try:
-        text = file.read_text(encoding="utf-8")
-        tables = tomllib.loads(text)
-    except OSError as error:
-        raise InputError(f"scene = {str(scene)!r}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"scene = {str(scene)!r}: is not TOML: {error}") from error
-    return _checked(file.stem, text, tables, file.parent, solved, comm)
+        if isinstance(scene, Mapping):
+            text = to_toml(scene)
+            return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
+        file = on_root(comm, lambda: _find(scene))
+        text = read_text("scene", file, comm, scene, "is not TOML")
+        return _checked(file.stem, text, tomllib.loads(text), file.parent, solved, comm)
+    except RecursionError as error:
+        raise InputError(
+            "scene: its lists or tables are nested too deeply; a scene needs a few levels"
+        ) from error
+    except InputError:
+        raise
+    except ValueError as error:  # of tomllib: bad TOML, and whole numbers of thousands of digits
+        raise InputError(f"scene = {shown(str(scene))}: is not TOML: {error}") from error
 
 
 def _find(scene: object) -> Path:
     if not isinstance(scene, str | PathLike):
         refuse("scene", scene, "must be a dict, a scene file or the name of a shipped scene")
+    try:
+        return _found(scene)
+    except (OSError, ValueError) as error:  # a name too long for the disk, or with a NUL
+        if isinstance(error, InputError):
+            raise
+        refuse("scene", str(scene), f"cannot be read: {getattr(error, 'strerror', None) or error}")
+
+
+def _found(scene: str | PathLike[str]) -> Path:
     if isinstance(scene, str) and scene in shipped_scenes():
         return SHIPPED / f"{scene}.toml"
     file = Path(scene)
@@ -208,16 +237,34 @@ def _checked(
     name: str, text: str, tables: Mapping[str, Any], folder: Path, solved: bool, comm: Any
 ) -> Scene:
     table = read_table(tables)
+    _check_names(name, table.title)
     if solved and table.master is None and table.eq is None and table.sweep is None:
-        raise InputError("scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one")
+        raise InputError(
+            "scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one"
+        )
     if table.master is not None:
         check_tolerance("master.tolerance", table.master.tolerance)
+    if table.wall_time is not None:
+        positive("wall_time", table.wall_time, "such as 3600.0")
     if table.eq is not None:
         _check_ensemble(table.eq)
     contacts = _contacts(table.contacts, folder, comm)
-    drive = None if table.drive is None else make_drive(table.drive)
-    sweep = None if table.sweep is None else make_sweep(table.sweep, contacts, sliding_speed(drive).value)
-    scene = Scene(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep)
+    drive = (
+        None
+        if table.drive is None
+        else make_drive(table.drive, spring_number(table.drive, contacts))
+    )
+    sweep = (
+        None
+        if table.sweep is None
+        else make_sweep(table.sweep, contacts, sliding_speed(drive).value)
+    )
+    given = "tolerance" in tables.get("master", {})
+    scene = Scene(
+        *(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep),
+        wall_time=table.wall_time,
+        tolerance_given=given,
+    )
     if solved and (table.master is not None or table.eq is not None):
         _check_reach(scene, table.drive)
     if table.eq is not None:
@@ -226,13 +273,26 @@ def _checked(
     return scene
 
 
+def _check_names(name: str, title: str) -> None:
+    """Raise InputError for a name or a title that no result file could hold."""
+    bad = [letter for letter in title if not letter.isprintable() and letter not in "\t\n"]
+    if bad:
+        refuse("title", title, f"holds {bad[0]!r}, which no picture can show; leave it out")
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        refuse("scene", name, "its name is no UTF-8; rename the file")
+
+
 def _check_ensemble(table: EqTable) -> None:
     whole("eq.contacts", table.contacts, least=1)
     whole("eq.replicas", table.replicas, least=1)
     whole("eq.seed", table.seed, least=0)
     for name in ("tolerance", "wall_time"):
         if (value := getattr(table, name)) is not None:
-            positive(f"eq.{name}", value, "such as 1e-4" if name == "tolerance" else "such as 3600.0")
+            positive(
+                f"eq.{name}", value, "such as 1e-4" if name == "tolerance" else "such as 3600.0"
+            )
 
 
 def _check_coupled(scene: Scene, table: EqTable) -> None:
@@ -241,28 +301,36 @@ def _check_coupled(scene: Scene, table: EqTable) -> None:
 
     if scene.drive.spring is None:
         if table.slip_fraction is not None:
-            refuse("eq.slip_fraction", table.slip_fraction, "is of a soft slider; give drive.spring, or leave it out")
+            refuse(
+                "eq.slip_fraction",
+                table.slip_fraction,
+                "is of a soft slider; give drive.spring, or leave it out",
+            )
         return
     for name in ("tolerance", "histograms", "histogram_times"):
         if (value := getattr(table, name)) is not None:
             rule = "is of independent contacts; with drive.spring leave it out, and give replicas"
             refuse(f"eq.{name}", value, rule)
     if (np.diff(scene.path) < 0.0).any():
-        raise InputError("drive.turns: the ensemble [eq] of a soft slider takes a drive that does not turn back")
+        raise InputError(
+            "drive.turns: the ensemble [eq] of a soft slider takes a drive that does not turn back"
+        )
     with laws.inside("scene", {}):
         check_coupled(scene.contacts, scene.drive)
 
 
 def _check_reach(scene: Scene, table: DriveTable | None) -> None:
+    """Raise InputError where the ensemble's contacts would break millions of times each, which takes too long."""
     reach, mean = float(np.abs(scene.path).max()), scene.contacts.mean_threshold
-    if reach > _FURTHEST * mean:
-        unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
-        rule = f"is {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}"
-        assert table is not None
-        key, value = ("to", table.to) if table.turns is None else ("turns", table.turns)
-        if abs(table.begin or 0.0) == reach:
-            key, value = "from", table.begin
-        refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most")
+    if scene.eq is None or reach <= _FURTHEST * mean:
+        return
+    unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
+    rule = f"is {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}"
+    assert table is not None
+    key, value = ("to", table.to) if table.turns is None else ("turns", table.turns)
+    if abs(table.begin or 0.0) == reach:
+        key, value = "from", table.begin
+    refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most, or leave [eq] out")
 
 
 def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
@@ -273,11 +341,19 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.build(kinds, own, f"contacts.{name}", folder)
-    for name, law in (("thermal", origins.Thermal), ("ageing", laws.ageing), ("delay", origins.Delay)):
+    for name, law in (
+        ("thermal", origins.Thermal),
+        ("ageing", laws.ageing),
+        ("delay", origins.Delay),
+    ):
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
-    if "thermal" in made and thresholds.interface is not None and "attempt_frequency" not in (table.thermal or {}):
+    if (
+        "thermal" in made
+        and thresholds.interface is not None
+        and "attempt_frequency" not in (table.thermal or {})
+    ):
         raise InputError(
             "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such "
             "as 1e12, and has no default"
@@ -342,4 +418,7 @@ def _choices(kind: Any) -> list[str]:
 def _field_type(kind: Any, key: str) -> Any:
     """The table, or the type, that `key` of table `kind` holds; of `Table | None` the table."""
     types = {field.encode_name: field.type for field in msgspec.structs.fields(kind)}
-    return next((one for one in get_args(types[key]) if isinstance(one, type) and issubclass(one, Table)), types[key])
+    return next(
+        (one for one in get_args(types[key]) if isinstance(one, type) and issubclass(one, Table)),
+        types[key],
+    )
