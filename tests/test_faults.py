@@ -124,6 +124,13 @@ def test_a_path_that_ends_where_it_begins_is_one_line(monkeypatch: pytest.Monkey
         toolkit.run(soft)
 
 
+def test_kelvins_in_place_of_a_length_squared_are_told() -> None:
+    import origins
+
+    with pytest.warns(UserWarning, match=r"temperature is 299 <x_s\^2>: .* it is k_BT/<k>, a length squared"):
+        origins.Contacts(origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", temperature=300.0))
+
+
 def test_missing_points_of_a_scan_are_told_with_their_rule() -> None:
     heights = np.random.default_rng(1).normal(size=(64, 64)) * 1e-9
     heights[::9, ::9] = np.nan

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import toolkit
-from origins.contacts import Contacts
+from origins.contacts import Contacts, too_hot
 from origins.errors import InputError, refuse
 from toolkit.results.folders import check_folder, only_writer
 from toolkit.results.records import (
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from toolkit.running.checkpoint import Checkpoint
     from toolkit.running.progress import Refinement
 
-_HOT = 100.0  # k_BT/<k> in <x_s^2>
 _FEW = 1e-6  # of the thresholds
 _GOOD_ENOUGH = 1e-3  # of <x_s>: an error that a picture hardly shows
 _FAR = 1e6  # mean thresholds: a longer drive is hardly meant
@@ -247,20 +246,9 @@ def _all_hold(scene: Scene, master: Solved | None, eq: Simulated | None) -> list
 
 
 def _too_hot(contacts: Contacts) -> list[str]:
-    if contacts.thermal is None:
-        return []
-    share = contacts.thermal.temperature / contacts.thresholds.moment(2)
-    if not share > _HOT:
-        return []
-    return [
-        f"the temperature is {share:.3g} <x_s^2>: barriers are {0.5 / share:.1g} k_BT, so that contacts break as often "
-        "as they attempt, whatever their stretch and threshold; it is k_BT/<k>, a length squared"
-        + (
-            ""
-            if contacts.interface is None
-            else ": of kelvins write temperature = { kelvin = 300.0 }"
-        )
-    ]
+    thermal = contacts.thermal
+    told = "" if thermal is None else too_hot(thermal.temperature, contacts.thresholds)
+    return [told] if told else []
 
 
 def _too_far(contacts: Contacts) -> list[str]:
