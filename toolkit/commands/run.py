@@ -95,8 +95,8 @@ def _foretold(scene: Any, folder: str, comm: Any) -> list[str]:
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
-    from toolkit.results.records import AgeingRecord, SoftRecord
-    from toolkit.running.coupled import CoupledRecord, slip_lines
+    from toolkit.results.records import AgeingRecord, CoupledRecord, SoftRecord
+    from toolkit.running.coupled import slip_lines
     from toolkit.scene.interfaces import in_a_line, with_error
 
     lines = [result.title or result.name]

@@ -10,7 +10,7 @@ import numpy as np
 from origins.errors import InputError
 from toolkit.judge.deviation import why_not_compared, worst_deviation
 from toolkit.results.describe import conditions
-from toolkit.results.records import Result, Simulated
+from toolkit.results.records import Result, SimulatedRecord
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import run
 from toolkit.scene.interfaces import HEIGHT_INTEGRALS, remarks, why_infinite, with_error
@@ -182,7 +182,7 @@ def _not_drawn(scene: Scene) -> list[str]:
     return []
 
 
-def _evidence(result: Result, eq: Simulated, kinetic: float) -> Evidence:
+def _evidence(result: Result, eq: SimulatedRecord, kinetic: float) -> Evidence:
     curve = eq if result.master is None else result.master
     at = int(np.argmax(curve.force))
     expected = deviation = reason = None

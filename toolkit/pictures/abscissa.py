@@ -14,8 +14,8 @@ from toolkit.scene.drive import make_drive
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from toolkit.scene.scene import DriveTable
     from toolkit.scene.sweep import SweepRecord
+    from toolkit.scene.tables import DriveTable
 
 Array = npt.NDArray[np.float64]
 

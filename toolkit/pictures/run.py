@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origins.samples.from_samples import Sampled
-from origins.thresholds.law import Thresholds
 from toolkit.judge.deviation import deviation, telling, why_not_compared
 from toolkit.pictures.abscissa import (
     along,
@@ -19,32 +17,47 @@ from toolkit.pictures.abscissa import (
     with_slips,
     write_along,
 )
-from toolkit.pictures.axes import INK, Lengths, heights, plain, spans_decades
+from toolkit.pictures.axes import INK, Lengths, plain
 from toolkit.pictures.coupled import plot_replicas, plot_slips
 from toolkit.pictures.sweep import plot_sweep, sweep_panels
+from toolkit.pictures.thresholds import (
+    final_law,
+    in_metres,
+    plot_density,
+    plot_final,
+    plot_hazard,
+    plot_samples,
+    plot_survival,
+    save_thresholds_picture,
+)
 from toolkit.results.records import (
-    OWN_UNIT,
     AgeingRecord,
+    CoupledRecord,
     Result,
     SoftRecord,
-    ThresholdCurve,
-    sample_curve,
 )
-from toolkit.running.coupled import CoupledRecord, slips_beside
-from toolkit.scene import laws
+from toolkit.running.coupled import slips_beside
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_STEPS = 2000  # as many as a picture can show
+__all__ = [
+    "plot",
+    "plot_defects",
+    "plot_density",
+    "plot_deviation",
+    "plot_force",
+    "plot_hazard",
+    "plot_holding",
+    "plot_position",
+    "plot_samples",
+    "plot_survival",
+    "save_picture",
+    "save_thresholds_picture",
+]
+
 _NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
 _ALL = 1e-9  # of the contacts
-_ELSEWHERE = (
-    "from-topography",
-    "from-samples",
-    "domains",
-    "mixture",
-)  # files, or work, of their own
 _LEGEND = 0.13  # of the height, room for each of its rows above the curve
 _BARS = 61  # as many error bars as leave the line in sight
 
@@ -77,8 +90,8 @@ def plot(result: Result, axes: Any = None) -> Any:
     else:
         plot_sweep(axes[0], result)
     plot_density(axes[1], result.thresholds)
-    if (final := _final(result)) is not None:
-        _plot_final(axes[1], result.thresholds, final)
+    if (final := final_law(result)) is not None:
+        plot_final(axes[1], result.thresholds, final)
     if grows(result):
         axes[1].set_title(
             f"thresholds at $X$ = 0, age {result.asked.contacts.thresholds['age']:.3g}"
@@ -127,7 +140,7 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
         )
     highest = max((float(np.abs(curve.force).max()) for curve in curves(result)), default=0.0)
     write_along(axes, result)
-    Lengths.of(highest, _in_metres(result.thresholds)).write(
+    Lengths.of(highest, in_metres(result.thresholds)).write(
         axes.yaxis, r"force $F/(N_c\langle k\rangle)$"
     )
     axes.set_title(
@@ -151,7 +164,7 @@ def plot_position(axes: "Axes", result: Result) -> "Axes":
         axes.legend(fontsize="small")
     write_along(axes, result)
     name = "position" if soft else "slider\nposition $X$"
-    Lengths.of(float(np.abs(curve.path).max()), _in_metres(result.thresholds)).write(
+    Lengths.of(float(np.abs(curve.path).max()), in_metres(result.thresholds)).write(
         axes.yaxis, name
     )
     return axes
@@ -232,139 +245,9 @@ def plot_defects(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
-def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
-    """P_c(x), with exact single values as lines as high as their weight."""
-    finite = np.isfinite(curve.density)
-    if curve.density[finite].any():
-        _upright(axes, curve, curve.density)
-        axes.fill_between(
-            curve.x[finite], curve.density[finite], color=INK["thresholds"], alpha=0.25, lw=0
-        )
-        axes.plot(curve.x[finite], curve.density[finite], color=INK["thresholds"], lw=1.2)
-    _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
-    if curve.atoms.size:
-        # a weight is no density: beside one it has an axis of its own
-        own = axes.twinx() if curve.density[finite].any() else axes
-        own.vlines(curve.atoms, 0.0, curve.atom_weights, color=INK["thresholds"], lw=2)
-        own.set_ylabel("weight at one value")
-        own.set_ylim(0.0, 1.05 * float(curve.atom_weights.max()))
-        own.yaxis.set_major_formatter("{x:g}")
-    return axes
-
-
-def _final(result: Result) -> ThresholdCurve | None:
-    """The law of old contacts, where they age and the scene's text alone says what it is."""
-    ageing = result.asked.contacts.ageing
-    if ageing is None or ageing["final"].get("kind") in _ELSEWHERE or "file" in ageing["final"]:
-        return None
-    return sample_curve(
-        laws.build(laws.THRESHOLDS, ageing["final"], "contacts.ageing.final", Path())
-    )
-
-
-def _plot_final(axes: "Axes", new: ThresholdCurve, final: ThresholdCurve) -> None:
-    """What the thresholds of new contacts become, dashed beside them."""
-    shown = np.isfinite(final.density)
-    if (
-        not final.density[shown].any()
-        or not np.isfinite(new.density).all()
-        or axes.get_yscale() == "log"
-    ):
-        return
-    (line,) = axes.get_lines()
-    line.set_label("new")
-    axes.plot(
-        final.x[shown],
-        final.density[shown],
-        color=INK["thresholds"],
-        lw=1.2,
-        ls="--",
-        label="final",
-    )
-    first, last = (ends for ends in zip(_reach(new), _reach(final), strict=True))
-    axes.set_xlim(min(first), max(last))
-    bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, max(top, heights(final, final.density).top))
-    Lengths.of(max(last), _in_metres(new)).write(axes.xaxis, "threshold $x$")
-    axes.legend(fontsize="small")
-
-
-def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
-    """S(x), the probability that a threshold exceeds x."""
-    axes.plot(curve.x, curve.survival, color=INK["thresholds"], lw=1.2)
-    axes.set(ylabel="$S(x)$", ylim=(0, 1.05))
-    _label(axes, curve, "survival", "threshold $x$")
-    return axes
-
-
-def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
-    """Over S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
-    if isinstance(thresholds, Sampled):
-        x, above = thresholds.samples, 1.0 - np.cumsum(thresholds.shares)
-        some = np.unique(np.linspace(0, x.size - 1, _STEPS).round().astype(int))
-        axes.step(
-            x[some],
-            above[some],
-            where="post",
-            color="0.25",
-            lw=0.6,
-            label=f"{thresholds.n_samples} samples",
-        )
-        axes.legend()
-    return axes
-
-
-def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
-    """P_c(x)/S(x), the rate of breaking per length at stretch x, up to where one contact in a thousand holds."""
-    shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
-    hazard = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
-    if shown.any():
-        _upright(axes, curve, hazard)
-    axes.plot(curve.x[shown], hazard[shown], color=INK["thresholds"], lw=1.2)
-    _label(axes, curve, "hazard", "stretch $x$", "$P_c(x)/S(x)$")
-    return axes
-
-
-def _upright(axes: "Axes", curve: ThresholdCurve, values: Any) -> None:
-    """The limits of y."""
-    found = heights(curve, values)
-    axes.set(yscale="log" if found.logarithmic else "linear", ylim=(found.bottom, found.top))
-
-
-def _label(
-    axes: "Axes", curve: ThresholdCurve, title: str, name: str, inverse: str | None = None
-) -> None:
-    """Title, the axis of x and, where it is one of inverse lengths, that of y."""
-    first, last = _reach(curve)
-    axes.set_title(title)
-    if spans_decades(curve):
-        first = float(curve.x[curve.x > 0.0].min())
-        axes.set_xscale("log")
-    axes.set_xlim(first, last)
-    if last - first < 1e-2 * last:
-        axes.locator_params(axis="x", nbins=3)  # long numbers
-    lengths = Lengths.of(last, _in_metres(curve))
-    lengths.write(axes.xaxis, name)
-    if inverse is not None:
-        lengths.write_inverse(axes.yaxis, inverse)
-
-
 def _waits(result: Result) -> bool:
     """Whether contacts wait before they form again."""
     return any(bool((curve.holding < 1.0 - _ALL).any()) for curve in curves(result))
-
-
-def _in_metres(curve: ThresholdCurve) -> bool:
-    return curve.unit != OWN_UNIT
-
-
-def _reach(curve: ThresholdCurve) -> tuple[float, float]:
-    """A little beyond all but a thousandth of the thresholds, from 0 unless they all lie far from it."""
-    first = float(curve.x[curve.survival < 1.0 - 1e-3].min())
-    last = float(curve.x[curve.survival > 1e-3].max(initial=first))
-    # one exact value has no width of its own
-    margin = 0.15 * (last - first) if last - first > 1e-9 * last else 0.5 * last
-    return (first - margin if first > 0.5 * last else 0.0), last + margin
 
 
 def save_picture(result: Result, path: Path) -> None:
@@ -401,21 +284,4 @@ def save_picture(result: Result, path: Path) -> None:
         own.sharex(places["F"])
         above.set_xlabel("")
         above = own
-    figure.savefig(path, dpi=150, format="png")
-
-
-def save_thresholds_picture(
-    curve: ThresholdCurve, thresholds: Thresholds, title: str, path: Path
-) -> None:
-    """P_c, survival, that of the samples if there are any over it, and hazard side by side as a PNG."""
-    from matplotlib.figure import Figure
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
-
-    # room between the panels: the first has a second axis where there are exact values
-    figure = Figure(figsize=(11.5, 3.6), layout=ConstrainedLayoutEngine(wspace=0.1))
-    axes = figure.subplots(1, 3)
-    plot_density(axes[0], curve)
-    plot_samples(plot_survival(axes[1], curve), thresholds)
-    plot_hazard(axes[2], curve)
-    figure.suptitle(plain(title))
     figure.savefig(path, dpi=150, format="png")

@@ -3,29 +3,29 @@
 import json
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origins.errors import InputError, refuse
+from origins.errors import refuse
 from toolkit.results.folders import write_folder
+from toolkit.results.opened import RESULT, opened
 from toolkit.results.records import (
     OWN_UNIT,
     AgeingRecord,
+    CoupledRecord,
     Result,
     SimulatedRecord,
     SoftRecord,
     SolvedRecord,
     ThresholdCurve,
 )
-from toolkit.results.sealed import read_sealed, write_sealed
+from toolkit.results.sealed import write_sealed
 from toolkit.results.summary import summary
-from toolkit.running.coupled import CoupledRecord
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 
@@ -34,20 +34,7 @@ if TYPE_CHECKING:
 
     from eq_model.histogram import Histogram
 
-Record = TypeVar(
-    "Record",
-    SolvedRecord,
-    SoftRecord,
-    AgeingRecord,
-    SimulatedRecord,
-    CoupledRecord,
-    SweepRecord,
-    ThresholdCurve,
-    "Histogram",
-)
-
-RESULT, SUMMARY, PICTURE, TABLE = "result.h5", "summary.json", "picture.png", "sweep.csv"
-_HDF5 = b"\x89HDF"
+SUMMARY, PICTURE, TABLE = "summary.json", "picture.png", "sweep.csv"
 
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
@@ -102,7 +89,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
             str(folder),
             f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one",
         )
-    with _opened(file) as store:
+    with opened(file) as store:
         return Result(
             name=str(store.attrs["name"]),
             title=str(store.attrs["title"]),
@@ -116,46 +103,6 @@ def load(folder: str | os.PathLike[str]) -> Result:
             interface=_read_interface(store["interface"]) if "interface" in store else None,
             sweep=_read(store["sweep"], SweepRecord) if "sweep" in store else None,
         )
-
-
-@contextmanager
-def _opened(file: Path, checked: bool = False) -> Iterator["h5py.File"]:
-    """A result file, open for reading; `checked` says that these bytes were read before.
-
-    What is damaged is refused before HDF5 sees it, which would crash on some bytes. Files of older versions begin as
-    HDF5 does, and have no checksum. Raises InputError.
-    """
-    import h5py
-
-    try:
-        with file.open("rb") as stream:
-            old = stream.read(len(_HDF5)) == _HDF5
-        if not old and not checked and read_sealed(file) is None:
-            raise OSError("its checksum is wrong")
-        with h5py.File(file, "r") as store:
-            _check_links(store)
-            yield store
-    except InputError:
-        raise
-    except Exception as error:  # whatever h5py and numpy make of bytes that nobody wrote so
-        why = " ".join(str(error).split())
-        raise InputError(
-            f"folder = {str(file.parent)!r}: its {RESULT} is not one of mesofriction: {why}"
-        ) from error
-
-
-def _check_links(group: "h5py.Group") -> None:
-    """Raise OSError for data that are elsewhere: in another file, or under another name."""
-    import h5py
-
-    for name in group:
-        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-            raise OSError(f"{name} is a link")
-        item = group[name]
-        if isinstance(item, h5py.Group):
-            _check_links(item)
-        elif item.external or item.is_virtual:
-            raise OSError(f"the data of {name} are in another file")
 
 
 def write_json(content: dict[str, Any], path: Path) -> None:
@@ -203,26 +150,24 @@ def _fill(result: Result, store: "h5py.File") -> None:
     if result.interface is not None:
         _write_interface(store.create_group("interface"), result.interface)
     if result.master is not None:
-        solved = result.master
-        for kind in (SoftRecord, AgeingRecord, SolvedRecord):
-            if isinstance(solved, kind) or kind is SolvedRecord:
-                _write(store.create_group("master"), solved, kind, unit)
-                break
+        _write(
+            store.create_group("master"), result.master, _kind_of(result.master, SolvedRecord), unit
+        )
     if result.sweep is not None:
         _write(store.create_group("sweep"), result.sweep, SweepRecord, unit)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
         group = store.create_group("eq")
-        _write(
-            group,
-            result.eq,
-            CoupledRecord if isinstance(result.eq, CoupledRecord) else SimulatedRecord,
-            unit,
-        )
+        _write(group, result.eq, _kind_of(result.eq, SimulatedRecord), unit)
         _write_histograms(group, result.eq.histograms, unit)
 
 
-def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str) -> None:
+def _kind_of(answer: object, plain: type) -> type:
+    """The record that an answer is, or else `plain`, whose fields it has."""
+    return type(answer) if isinstance(answer, plain) else plain
+
+
+def _write(group: "h5py.Group", answer: object, record: type[Any], unit: str) -> None:
     """The fields of `record`, as found on `answer`: arrays as data sets, the rest as attributes."""
     units = _units(unit)
     for field in fields(record):
@@ -300,7 +245,7 @@ def _read_simulated(group: "h5py.Group", file: Path) -> SimulatedRecord:
                 str(file.parent),
                 f"its {RESULT} is another one since it was loaded; load it again",
             )
-        with _opened(file, checked=True) as store:
+        with opened(file, checked=True) as store:
             return _read(store[f"{group_name}/{_HISTOGRAMS}/{index}"], Histogram)
 
     group_name = group.name
@@ -315,8 +260,8 @@ def _seen(file: Path) -> tuple[int, int, int]:
 
 
 def _read(
-    group: "h5py.Group", record: type[Record], given: Mapping[str, Any] = MappingProxyType({})
-) -> Record:
+    group: "h5py.Group", record: type[Any], given: Mapping[str, Any] = MappingProxyType({})
+) -> Any:
     """The fields of `record`, but for those `given`."""
     values: dict[str, Any] = {name: data[()] for name, data in group.items() if name not in given}
     for name, value in group.attrs.items():

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.results.records import AgeingRecord, Result, SoftRecord
-from toolkit.running.coupled import CoupledRecord, slips_beside
+from toolkit.results.records import AgeingRecord, CoupledRecord, Result, SoftRecord
+from toolkit.running.coupled import slips_beside
 
 
 def summary(result: Result) -> dict[str, Any]:

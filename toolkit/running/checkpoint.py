@@ -29,7 +29,8 @@ from origins.errors import InputError, positive
 from origins.thresholds.law import Thresholds
 from toolkit.running.ranks import on_root
 from toolkit.running.state_file import BLOCKS, read_state, write_state
-from toolkit.scene.scene import Scene, read_table
+from toolkit.scene.scene import Scene
+from toolkit.scene.tables import read_table
 
 if TYPE_CHECKING:
     from eq_model.coupled.result import CoupledState

@@ -8,7 +8,7 @@ from pathlib import Path
 from origins.errors import InputError, refuse
 from toolkit.results.files import TABLE, load
 from toolkit.results.records import Result
-from toolkit.scene.scene import read_table
+from toolkit.scene.tables import read_table
 
 THRESHOLDS = ("thresholds.json", "thresholds.png")
 

@@ -50,7 +50,7 @@ class Progress:
         elif now < self._next:
             self._warn(now, done, expected)
         else:
-            self._next = now + _LOG_PACE
+            self._next, self._warned = now + _LOG_PACE, True
             _log(self._line(now, done, expected))
 
     def _warn(self, now: float, done: int, expected: int) -> None:

@@ -7,22 +7,17 @@ from dataclasses import replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 import toolkit
-from origins.contacts import Contacts, too_hot
 from origins.errors import InputError, refuse
 from toolkit.results.folders import check_folder, only_writer
 from toolkit.results.records import (
     Result,
-    Simulated,
-    Solved,
-    ageing_record,
+    SolvedRecord,
+    record_of,
     sample_curve,
-    soft_record,
 )
 from toolkit.running.blocks import follow, unfinished
-from toolkit.running.coupled import coupled_record
+from toolkit.running.notes import all_hold, foreseen, went_on
 from toolkit.running.ranks import on_root
 from toolkit.running.signals import TimeIsUp, no_longer_than
 from toolkit.scene import laws
@@ -36,10 +31,7 @@ if TYPE_CHECKING:
     from toolkit.running.checkpoint import Checkpoint
     from toolkit.running.progress import Refinement
 
-_FEW = 1e-6  # of the thresholds
 _GOOD_ENOUGH = 1e-3  # of <x_s>: an error that a picture hardly shows
-_FAR = 1e6  # mean thresholds: a longer drive is hardly meant
-_EPSILON = 8.0 * float(np.finfo(float).eps)
 _EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {
     name: name for name in ("seed", "histograms", "slip_fraction")
 }
@@ -150,7 +142,7 @@ def solve(
     if ensemble is not None:
         with laws.inside("eq", _EQ_KEYS):
             found = follow(ensemble, progress, kept, before, deadline)
-        eq = coupled_record(found) if hasattr(found, "slips") else found  # type: ignore[arg-type]
+        eq = record_of(found)
         finished = not unfinished(ensemble, found)
     result = Result(
         name=scene.name,
@@ -163,7 +155,7 @@ def solve(
         eq=eq,
         notes=(
             *(*remarks(law), *numerical_only(law), *foreseen(scene)),
-            *(*_all_hold(scene, master, eq), *_went_on(before)),
+            *(*all_hold(scene, master, eq), *went_on(before)),
         ),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
@@ -188,7 +180,7 @@ def _until(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
         refuse("wall_time", scene.wall_time, rule)
 
 
-def _as_good_as_asked(solved: Solved, scene: Scene) -> Solved:
+def _as_good_as_asked(solved: SolvedRecord, scene: Scene) -> SolvedRecord:
     """The answer; a success also where it misses a tolerance that nobody asked for, as its error is beside it."""
     whole = solved.path.size == scene.path.size
     if (
@@ -199,100 +191,12 @@ def _as_good_as_asked(solved: Solved, scene: Scene) -> Solved:
     ):
         return solved
     said = f"error {solved.force_error:.1e} of <x_s>; no tolerance was asked for"
-    return replace(solved, success=True, message=said)  # type: ignore[type-var]
-
-
-def foreseen(scene: Scene) -> list[str]:
-    """What to tell before a run: drives as far as in another unit, temperatures at which contacts hold nothing,
-    stretches beyond nearly all thresholds, and what the numbers of the surface leave out of the contacts."""
-    contacts = scene.contacts
-    return [*_too_far_driven(scene), *_too_hot(contacts), *_too_far(contacts), *_left_out(contacts)]
-
-
-def _too_far_driven(scene: Scene) -> list[str]:
-    """A drive that seems to be in another unit than the thresholds."""
-    if scene.given_drive is None:
-        return []
-    mean = scene.contacts.mean_threshold
-    reach = float(np.abs(scene.path).max()) / mean
-    unit = " m" if scene.contacts.interface is not None else ""
-    far = f"the drive goes as far as {reach:.1g} mean thresholds of {mean:.3g}{unit}; is it meant in that unit?"
-    return [far] if reach > _FAR else []
-
-
-def _all_hold(scene: Scene, master: Solved | None, eq: Simulated | None) -> list[str]:
-    """A note where nothing breaks, which beside both solvers the comparison says."""
-    if (master is None) == (eq is None):
-        return []
-    contacts, to_within = scene.contacts, ""
-    if eq is not None:
-        broken = eq.breaks > 0
-    elif master is not None:
-        error = master.force_error * contacts.mean_threshold
-        moved = getattr(master, "position", master.path)
-        if not moved.size:  # the path is cut at its first point
-            return []
-        lost = moved - moved[0] - (master.force - master.force[0])
-        broken = not master.success or float(np.abs(lost).max()) > error + _EPSILON * float(
-            np.abs(moved).max()
-        )
-        to_within = ", as far as the error tells"
-    if broken:
-        return []
-    reach = float(np.abs(scene.path).max()) / contacts.mean_threshold
-    return [
-        f"no contact breaks on this path{to_within}: it reaches {reach:.2g} <x_s>, and sliding takes several"
-    ]
-
-
-def _too_hot(contacts: Contacts) -> list[str]:
-    thermal = contacts.thermal
-    told = "" if thermal is None else too_hot(thermal.temperature, contacts.thresholds)
-    return [told] if told else []
-
-
-def _too_far(contacts: Contacts) -> list[str]:
-    """Starts and re-forming where hardly any contact can hold."""
-    said = []
-    again = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
-    for law, they in [(contacts.start, "start"), *again]:
-        middle = law.mean() if law.is_single else float(law.ppf(0.5))
-        exceed = float(contacts.thresholds.sf(abs(middle)))
-        if exceed < _FEW:
-            said.append(
-                f"contacts {they} about x = {middle:.3g}, and only {exceed:.0e} of all thresholds are beyond that: "
-                "they have the thresholds of that tail, and break at once"
-            )
-    return said
-
-
-def _left_out(contacts: Contacts) -> list[str]:
-    laws_of = {"temperature": contacts.thermal, "ageing": contacts.ageing, "delay": contacts.delay}
-    there = [
-        name
-        for name, law in {**laws_of, "re-forming": contacts.reforming}.items()
-        if law is not None
-    ]
-    if contacts.interface is None or not there:
-        return []
-    return [
-        f"F_k/load and the stress of the surface are those of its thresholds alone, without {', '.join(there)}"
-    ]
-
-
-def _went_on(before: int) -> list[str]:
-    """What a run that goes on tells of those before it as of itself."""
-    if not before:
-        return []
-    return [
-        f"went on from a checkpoint of {before:,} contacts: the run time of eq is that of all launches together, and "
-        "breaks_per_rank counts the earlier ones' on rank 0"
-    ]
+    return replace(solved, success=True, message=said)
 
 
 def solve_master(
     scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None
-) -> Solved:
+) -> SolvedRecord:
     """The master equation's answer along the scene's drive.
 
     Raises InputError where it has none, which says so where the scene's ensemble would run without it.
@@ -307,13 +211,13 @@ def solve_master(
         with laws.inside("master", {"tolerance": "tolerance"}):
             if drive.spring is None:
                 solved: Any = master.solve(contacts, path, tolerance, **paced)
-                return ageing_record(solved) if hasattr(solved, "mass_defect") else solved
+                return record_of(solved)
             soft: Any = master.solve(
                 contacts, path, tolerance, **paced, spring=drive.spring, slip=drive.slip
             )
             if not soft.path.size:
                 raise InputError(soft.message)
-            return soft_record(soft)
+            return record_of(soft)
     except InputError as error:
         if scene.eq is None or contacts.each_by_itself() is not contacts:
             raise

@@ -12,7 +12,7 @@ from origins.errors import InputError, finite, positive, refuse, whole
 from toolkit.scene import laws
 
 if TYPE_CHECKING:
-    from toolkit.scene.scene import DriveTable
+    from toolkit.scene.tables import DriveTable
 
 Array = npt.NDArray[np.float64]
 

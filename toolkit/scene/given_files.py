@@ -21,29 +21,27 @@ def read_text(
     return on_root(comm, lambda: _read(key, file, str(shown_as), bad))
 
 
-def check_regular(key: str, file: Path, shown_as: str, bad: str, what: str = "file") -> None:
+def check_regular(key: str, file: Path, shown_as: str, what: str = "file") -> None:
     """Raise InputError unless there is a plain file of this name: a pipe or a device might never end."""
     try:
         status = file.stat()
-    except FileNotFoundError as error:
-        raise InputError(
-            f"{key} = {shown(shown_as)}: {bad}: no such file in {file.parent.resolve()}"
-        ) from error
+        if stat.S_ISDIR(status.st_mode):
+            rule = f"is a folder; name a {what} in it"
+        elif not stat.S_ISREG(status.st_mode):
+            rule = "is no plain file; name one"
+        elif status.st_size > _MOST:
+            rule = f"has {status.st_size:.2g} bytes; {_MOST:.2g} are the most"
+        else:
+            return
+    except FileNotFoundError:
+        rule = f"no such file in {file.parent.resolve()}"
     except (OSError, ValueError) as error:  # a name too long for the disk, or with a NUL
-        why = getattr(error, "strerror", None) or error
-        raise InputError(f"{key} = {shown(shown_as)}: {bad}: {why}") from error
-    if stat.S_ISDIR(status.st_mode):
-        raise InputError(f"{key} = {shown(shown_as)}: is a folder; name a {what} in it")
-    if not stat.S_ISREG(status.st_mode):
-        raise InputError(f"{key} = {shown(shown_as)}: is no plain file; name one")
-    if status.st_size > _MOST:
-        raise InputError(
-            f"{key} = {shown(shown_as)}: has {status.st_size:.2g} bytes; {_MOST:.2g} are the most"
-        )
+        rule = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    raise InputError(f"{key} = {shown(shown_as)}: {rule}")
 
 
 def _read(key: str, file: Path, shown_as: str, bad: str) -> str:
-    check_regular(key, file, shown_as, bad)
+    check_regular(key, file, shown_as)
     try:
         return file.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:

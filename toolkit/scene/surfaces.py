@@ -120,7 +120,7 @@ def open_scan(
 
 def _read_scan(folder: Path, file: str, channel: int, given: Mapping[str, Any]) -> Topography:
     """The heights of one channel, in metres; `given` are what the scene says of the file, None where nothing."""
-    check_regular("file", folder / file, file, "cannot be read as a scan", "scan")
+    check_regular("file", folder / file, file, "scan")
     try:
         from SurfaceTopography import open_topography
         from SurfaceTopography.Exceptions import CannotDetectFileFormat, MetadataAlreadyFixedByFile

@@ -13,7 +13,7 @@ from origins.errors import InputError, non_negative, positive, refuse, whole
 from toolkit.scene import laws
 
 if TYPE_CHECKING:
-    from toolkit.scene.scene import RangeTable, SweepTable
+    from toolkit.scene.tables import RangeTable, SweepTable
 
 Array = npt.NDArray[np.float64]
 
