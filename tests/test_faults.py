@@ -5,6 +5,7 @@ import os
 import shutil
 import signal
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -124,8 +125,12 @@ def test_a_path_that_ends_where_it_begins_is_one_line(monkeypatch: pytest.Monkey
 def test_kelvins_in_place_of_a_length_squared_are_told() -> None:
     import origins
 
-    with pytest.warns(UserWarning, match=r"temperature is 299 <x_s\^2>: .* it is k_BT/<k>, a length squared"):
-        origins.Contacts(origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", temperature=300.0))
+    with pytest.warns(
+        UserWarning, match=r"temperature is 299 <x_s\^2>: .* it is k_BT/<k>, a length squared"
+    ):
+        origins.Contacts(
+            origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", temperature=300.0)
+        )
 
 
 def test_missing_points_of_a_scan_are_told_with_their_rule() -> None:
@@ -393,22 +398,40 @@ def test_the_wall_time_is_that_of_all_solvers(what: str, monkeypatch: pytest.Mon
         toolkit.load_scene(SCENE | {"wall_time": 0.0})
 
 
-def test_what_takes_over_a_minute_is_said_at_once(
-    capsys: Any, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("total", [1_000, 10])
+def test_what_takes_over_a_minute_is_said_early(
+    total: int, capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    clock = iter([0.0, 0.5, 2.0, 3.0])
+    seconds = iter([0.0, 0.5, *[2.5] * 9])
     monkeypatch.setattr(
-        "toolkit.running.progress.time", SimpleNamespace(monotonic=lambda: next(clock))
+        "toolkit.running.progress.time", SimpleNamespace(monotonic=lambda: next(seconds))
     )
-    bar = Progress()
+    waits: list[float] = []
+
+    class Once(threading.Event):
+        def wait(self, timeout: float | None = None) -> bool:
+            while bar.done < 3:
+                pass
+            waits.append(timeout or 0.0)
+            return len(waits) > 1
+
+    class Counted(Progress):
+        done = 0
+
+        def __call__(self, done: int, expected: int) -> None:  # type: ignore[override]
+            super().__call__(done, expected)
+            self.done = done
+
+    bar = Counted.__new__(Counted)
+    bar.__init__(patience=10.0, done=Once())  # type: ignore[misc]
     for done in (1, 2, 3):
-        bar(done, 1000)
-    assert capsys.readouterr().err == "mesofriction: eq: will take some 0:24:57 more\n"
+        bar(done, total)
+    bar.close()
+    said = "mesofriction: eq: 3 of 1,000 contacts (0%), 1 a second, 0:16:37 left, after 0:00:02\n"
+    assert capsys.readouterr().err == (said if total == 1_000 else "") and waits[0] == 2.0
 
 
 def test_work_that_knows_no_error_is_shown_too(capsys: Any) -> None:
-    import threading
-
     turns = threading.Event()
     bar = Refinement(None, patience=0.0, done=turns, what="sweep")
     while not (told := capsys.readouterr().err):
