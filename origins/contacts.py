@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from copy import copy
 from typing import Any, Literal
 
@@ -27,6 +28,7 @@ from origins.thresholds.scipy_laws import as_thresholds
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 
 _UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
+_HOTTEST = 100.0  # k_BT/<k> of <x_s²>: barriers are below k_BT/200
 _COLDEST = 1e-20  # k_BT/<k> of <x_s>²: barriers are beyond all that rates could tell
 
 
@@ -184,6 +186,8 @@ class Contacts:
     def _check_laws(self) -> None:
         if isinstance(self.thermal, Thermal) and (rule := too_cold(self.thermal.temperature, self.thresholds)):
             refuse("thermal.temperature", self.thermal.temperature, rule)
+        if isinstance(self.thermal, Thermal) and (told := too_hot(self.thermal.temperature, self.thresholds)):
+            warnings.warn(told, TooHot, stacklevel=4)
         if self.ageing is not None and not isinstance(self.ageing, Ageing):
             refuse("ageing", self.ageing, "must be an origins.Ageing, such as Ageing(gaussian(1.0, 0.02), rate=5e-4)")
         if self.delay is not None and not isinstance(self.delay, Delay):
@@ -257,6 +261,22 @@ def check_contacts(
         raise InputError(
             f'contacts.thermal: {solver} does not take the rate law "{contacts.thermal.law}" yet; use {known}'
         )
+
+
+class TooHot(UserWarning):
+    """The temperature is far above all barriers, as if it were given in kelvins."""
+
+
+def too_hot(temperature: float, thresholds: Thresholds) -> str:
+    """What to tell of a temperature k_BT/<k> (a length squared) at which contacts hold nothing; "" of a lower one."""
+    share = temperature / thresholds.moment(2)
+    if not share > _HOTTEST:
+        return ""
+    kelvin = "" if thresholds.interface is None else ": of kelvins write temperature = { kelvin = 300.0 }"
+    return (
+        f"the temperature is {share:.3g} <x_s^2>: barriers are {0.5 / share:.1g} k_BT, so that contacts break as often "
+        f"as they attempt, whatever their stretch and threshold; it is k_BT/<k>, a length squared{kelvin}"
+    )
 
 
 def too_cold(temperature: float, thresholds: Thresholds) -> str:
