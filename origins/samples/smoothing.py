@@ -10,7 +10,7 @@ from origins.samples.logspline import Fit, cost, fit
 from origins.samples.smoothed import Smoothed, Variable
 from origins.samples.spline import Spline
 from origins.samples.tilting import with_mean
-from origins.thresholds.gaussian import CutGaussian
+from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import Array, Thresholds
 
 # an edge, a gap and a density that diverges at 0 must be worth this much more of the log-likelihood than a number
@@ -98,7 +98,7 @@ def _with_strays(
     gap = float(x[place] - x[place - 1])
     kernels = []
     for value, own in zip(x[strays].tolist(), shares[strays].tolist(), strict=True):
-        law = CutGaussian(value, min(relative * value, _OF_GAP * gap))
+        law = gaussian(value, min(relative * value, _OF_GAP * gap))
         score += size * own * float(np.log(own) + law.logpdf(value)) - cost(size)
         kernels.append(Piece(law, own, 0.0))
     return [replace(piece, score=score) for piece in (found + kernels if above else kernels + found)]
