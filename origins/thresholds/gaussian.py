@@ -18,7 +18,9 @@ _ROOT_TWO = np.sqrt(2.0)
 _ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
 
-def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upper: float | None = None) -> Thresholds:
+def gaussian(
+    mean: float, std: float, form: Literal["cut", "paper"] = "cut", upper: float | None = None
+) -> Thresholds:
     """Thresholds from the normal law of `mean` and `std`, both lengths (paper, Eq. Q14e).
 
     form = "cut": the normal law conditional on x > 0.
@@ -31,9 +33,17 @@ def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upp
     if abs(mean) > _LARGEST:
         refuse("mean", mean, f"must be at most {_LARGEST:g}; {_UNIT}")
     if std < _NARROWEST * mean:
-        refuse("std", std, f"is below 1e-15 of the mean: one value to round-off; take identical, value = {mean:g}")
+        refuse(
+            "std",
+            std,
+            f"is below 1e-15 of the mean: one value to round-off; take identical, value = {mean:g}",
+        )
     if std < -_NARROWEST * mean:
-        refuse("mean", mean, f"lies more than 1e15 widths below 0, where nothing is left of the law; std = {std:g}")
+        refuse(
+            "mean",
+            mean,
+            f"lies more than 1e15 widths below 0, where nothing is left of the law; std = {std:g}",
+        )
     if form == "cut":
         if upper is not None:
             refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')
@@ -43,7 +53,11 @@ def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upp
     if not mean > 0.0:
         refuse("mean", mean, 'form = "paper" needs 0 < mean < upper')
     if upper is None:
-        refuse("upper", upper, f'form = "paper" needs the end of its interval, such as upper = {3.0 * mean:g}')
+        refuse(
+            "upper",
+            upper,
+            f'form = "paper" needs the end of its interval, such as upper = {3.0 * mean:g}',
+        )
     upper = positive("upper", upper)
     if not mean < upper:
         refuse("mean", mean, f'form = "paper" needs 0 < mean < upper = {upper:g}')
@@ -61,10 +75,13 @@ class CutGaussian(Thresholds):
         self._z0 = -parent_mean / parent_std
         # P_c(0), and its log, by the form that stays finite however little of the parent is kept
         self._log_kept = float(log_ndtr(-self._z0))
+        self._kept = float(ndtr(-self._z0))
         if self._z0 > 0.0:
             self._at_zero = 2.0 / float(erfcx(self._z0 / _ROOT_TWO)) / (_ROOT_TWO_PI * parent_std)
         else:
-            self._at_zero = np.exp(-0.5 * self._z0**2 - self._log_kept) / (_ROOT_TWO_PI * parent_std)
+            self._at_zero = np.exp(-0.5 * self._z0**2 - self._log_kept) / (
+                _ROOT_TWO_PI * parent_std
+            )
 
     def support(self) -> tuple[float, float]:
         return 0.0, np.inf
@@ -87,12 +104,12 @@ class NormalAboveZero(CutGaussian):
         return self._near_one(x, log_ndtr(-self._z(x)) - self._log_kept)
 
     def _sf(self, x: Array) -> Array:
-        return np.minimum(ndtr(-self._z(x)) / np.exp(self._log_kept), 1.0)
+        return np.minimum(ndtr(-self._z(x)) / self._kept, 1.0)
 
     def _cdf(self, x: Array) -> Array:
         # from the side of the parent's median on which less cancels
         side = -1.0 if self._z0 > 0.0 else 1.0
-        out = np.abs(ndtr(side * self._z(x)) - ndtr(side * self._z0)) / np.exp(self._log_kept)
+        out = np.abs(ndtr(side * self._z(x)) - ndtr(side * self._z0)) / self._kept
         # just above 0 the difference cancels: integrate the density instead
         near = x * max(1.0, abs(self._z0)) < 0.3 * self.parent_std
         if near.any():
@@ -108,7 +125,7 @@ class NormalAboveZero(CutGaussian):
         if self._z0 > 0.0:
             x = self.parent_mean - self.parent_std * ndtri_exp(np.log1p(-q) + self._log_kept)
         else:
-            x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * np.exp(self._log_kept))
+            x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * self._kept)
         return self._polish(x, q, self._cdf, -1.0)
 
     def _polish(self, x: Array, q: Array, function: Callable[[Array], Array], sign: float) -> Array:

@@ -18,7 +18,9 @@ class ChordGaussian(Thresholds):
         self.parent_mean, self.parent_std, self.upper = parent_mean, parent_std, upper
         first = _zero_beyond(upper - parent_mean, parent_std, upper)
         self._ends = upper - first, _zero_beyond(parent_mean, parent_std, upper)
-        self._numerical = NumericalLaw(self._log_weight, *self._ends, [parent_mean], self.onset_power)
+        self._numerical = NumericalLaw(
+            self._log_weight, *self._ends, [parent_mean], self.onset_power
+        )
 
     def support(self) -> tuple[float, float]:
         return self._ends
@@ -28,8 +30,12 @@ class ChordGaussian(Thresholds):
         low, high = self._ends
         anchor = np.where(x - low < high - x, low, high)
         with np.errstate(over="ignore", divide="ignore"):
-            share = -np.expm1(self._log_ratio(anchor, x)) - self._rise(x) * (x - anchor) / self.upper
-            return -0.5 * ((x - self.parent_mean) / self.parent_std) ** 2 + np.log(np.maximum(share, 0.0))
+            share = (
+                -np.expm1(self._log_ratio(anchor, x)) - self._rise(x) * (x - anchor) / self.upper
+            )
+            return -0.5 * ((x - self.parent_mean) / self.parent_std) ** 2 + np.log(
+                np.maximum(share, 0.0)
+            )
 
     def _rise(self, x: Array) -> Array:
         """[G(upper) - G(0)] / G(x)."""
@@ -53,6 +59,9 @@ def _zero_beyond(mean: float, std: float, upper: float) -> float:
         return upper
     low, high = 2.0 * mean, upper
     while low < (middle := 0.5 * (low + high)) < high:
-        positive = np.expm1(middle * (2.0 * mean - middle) / (2.0 * std * std)) - middle / upper * rise > 0.0
+        positive = (
+            np.expm1(middle * (2.0 * mean - middle) / (2.0 * std * std)) - middle / upper * rise
+            > 0.0
+        )
         low, high = (middle, high) if positive else (low, middle)
     return low

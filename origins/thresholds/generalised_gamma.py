@@ -17,7 +17,9 @@ class GeneralisedGamma(Thresholds):
     order : a, where it is known without rounding. At a = 1, a Weibull law, S = e^-t; at a = 2 S = (1 + t) e^-t.
     """
 
-    def __init__(self, width: float, power: float, decay: float, order: float | None = None) -> None:
+    def __init__(
+        self, width: float, power: float, decay: float, order: float | None = None
+    ) -> None:
         self.width, self.onset_power, self.decay = width, power, decay
         self._order = (power + 1.0) / decay if order is None else order
         self._log_front = float(np.log(decay / width) - gammaln(self._order))

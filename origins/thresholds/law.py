@@ -55,7 +55,9 @@ class Thresholds:
     interface: Any = None
     domains: Any = None
     knows_breakpoints: bool = True
-    _lowest_atom: float = 0.0  # weight of an atom at the lower end of a support that reaches further
+    _lowest_atom: float = (
+        0.0  # weight of an atom at the lower end of a support that reaches further
+    )
 
     # -- what a family states: x lies inside the support ------------------------------------------------
     def _log_weight(self, x: Array) -> Array:
@@ -100,7 +102,9 @@ class Thresholds:
             left, right = self._numerical.bracket(flat)
         else:
             left, right = (np.full(flat.shape, end) for end in self._bracket(float(flat.max())))
-        return invert_hazard(self, flat, left, right, 0.5 * left + 0.5 * right).reshape(hazard.shape)
+        return invert_hazard(self, flat, left, right, 0.5 * left + 0.5 * right).reshape(
+            hazard.shape
+        )
 
     def _moment(self, n: int) -> float:
         return self._numerical.moment(n)
@@ -182,7 +186,9 @@ class Thresholds:
         """Standard deviation of x_s, a length."""
         return float(np.sqrt(max(self._variance(), 0.0)))
 
-    def rvs(self, size: int | tuple[int, ...] | None = None, random_state: RandomState = None) -> Array:
+    def rvs(
+        self, size: int | tuple[int, ...] | None = None, random_state: RandomState = None
+    ) -> Array:
         """Independent thresholds; random_state is None, a seed or a numpy Generator."""
         generator = np.random.default_rng(random_state)
         return self.isf(1.0 - generator.random(size))
@@ -193,7 +199,9 @@ class Thresholds:
         if survival.size and (survival.max() > 1.0 + _ROUNDING or survival.min() < -_ROUNDING):
             bad = ~((survival >= -_ROUNDING) & (survival <= 1.0 + _ROUNDING))
             name, at, value = type(self).__name__, x[bad].flat[0], survival[bad].flat[0]
-            raise InputError(f"{name}: its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf")
+            raise InputError(
+                f"{name}: its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf"
+            )
         return survival
 
     def _near_one(self, x: Array, log_survival: Array) -> Array:
@@ -204,7 +212,12 @@ class Thresholds:
         return log_survival
 
     def _inside(
-        self, inner: Callable[[Array], Array], x: npt.ArrayLike, below: float, at_lower: float, above: float
+        self,
+        inner: Callable[[Array], Array],
+        x: npt.ArrayLike,
+        below: float,
+        at_lower: float,
+        above: float,
     ) -> Array:
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
@@ -212,7 +225,9 @@ class Thresholds:
         if x.ndim and x.size and within.all():
             return inner(x)
         # a NaN compares false everywhere and stays what it is
-        out = np.where(x >= upper, above, np.where(x < lower, below, np.where(x == lower, at_lower, x)))
+        out = np.where(
+            x >= upper, above, np.where(x < lower, below, np.where(x == lower, at_lower, x))
+        )
         if within.any():
             out[within] = inner(x[within])
         return out[()]
@@ -228,7 +243,9 @@ class Thresholds:
             out[within] = inner(x[within])
         return out[()]
 
-    def _quantile(self, inner: Callable[[Array], Array], q: npt.ArrayLike, ends: tuple[float, float]) -> Array:
+    def _quantile(
+        self, inner: Callable[[Array], Array], q: npt.ArrayLike, ends: tuple[float, float]
+    ) -> Array:
         q = np.asarray(q, dtype=float)
         if not ((q >= 0.0) & (q <= 1.0)).all():
             bad = q[~((q >= 0.0) & (q <= 1.0))].flat[0]

@@ -14,11 +14,19 @@ Places = npt.NDArray[np.intp]
 _NODES = 12  # of Gauss and Legendre on each panel
 _SPREAD = 1.6  # change of the log-density over a panel: its interpolant then errs by 1e-14
 _NOTHING = 745.0  # log of the mass beside the highest one: exp(-745) is the least number there is
-_HALVINGS = 110  # panels halve towards each end of the support and each point, to 1e-33 of the whole
+_HALVINGS = (
+    110  # panels halve towards each end of the support and each point, to 1e-33 of the whole
+)
 _ACCURACY = 1e-13  # of the interpolant, relative to the largest density on its panel
+_NOISE = 1e-8  # of the same, the largest that the rounding of a density may leave
+_POLE = (
+    0.1  # m of a density x^-m, from where on the place of a pole needs more digits than there are
+)
 _EPSILON = float(np.finfo(float).eps)
 _MOST = 20_000  # panels; smooth densities take some 500
-_STEPS = np.geomspace(1e-60, 1e60, 2401)  # distances at which a density is looked for, any unit
+_STEPS = np.geomspace(
+    1e-130, 1e130, 2601
+)  # distances at which a density is looked for, in any unit of length
 _TOWARDS = 0.5 ** np.arange(1.0, _HALVINGS)
 
 _S, _WEIGHTS = legendre.leggauss(_NODES)
@@ -75,6 +83,7 @@ class NumericalLaw:
         self._lower, self._upper = lower - origin, upper - origin
         marks = np.concatenate([np.asarray(points, dtype=float) - origin, [self._lower, 0.0]])
         edges, self._top = self._first_edges(marks)
+        self._check_poles(marks)
         self._edges, values = self._resolved(edges)
         self._widths = np.diff(self._edges)
         masses = self._widths * (values @ _WEIGHTS)
@@ -90,7 +99,9 @@ class NumericalLaw:
         self._below = np.concatenate([[0.0], np.cumsum(self._masses)])
         self._above = np.concatenate([np.cumsum(self._masses[::-1])[::-1], [0.0]])
         with np.errstate(divide="ignore"):
-            self._hazards = np.where(self._below < 0.5, -np.log1p(-np.minimum(self._below, 0.5)), -np.log(self._above))
+            self._hazards = np.where(
+                self._below < 0.5, -np.log1p(-np.minimum(self._below, 0.5)), -np.log(self._above)
+            )
 
     def _first_edges(self, marks: Array) -> tuple[Array, float]:
         """Edges that halve towards each mark and towards the highest density, and the log of that density."""
@@ -118,6 +129,28 @@ class NumericalLaw:
         edges = np.concatenate([marks, self._around(marks, (end - start) * _TOWARDS)])
         return np.unique(edges[(edges >= start) & (edges <= end)]), float(density[live].max())
 
+    def _check_poles(self, marks: Array) -> None:
+        """InputError where the density diverges, but for a known power at 0: next to such a place lie weights that
+        positions, rounded as they are, do not resolve."""
+        if np.isfinite(self._power):
+            marks = marks[(marks != self._lower) | (marks + self._origin != 0.0)]
+        marks = np.append(marks, self._upper)
+        marks = np.unique(
+            marks[np.isfinite(marks) & (marks >= self._lower) & (marks <= self._upper)]
+        )
+        step = 8.0 * np.maximum(
+            np.spacing(np.abs(marks)), 1e-40 * np.abs(self._lower + marks).max(initial=1e-200)
+        )
+        for side in (-1.0, 1.0):
+            near, far = (self._log_at(marks + side * step * further) for further in (1.0, 1024.0))
+            with np.errstate(invalid="ignore"):
+                poles = marks[near - far > _POLE * np.log(1024.0)]
+            if poles.size:
+                raise InputError(
+                    f"thresholds: the density diverges at x = {poles[0] + self._origin:g}, where it does not tell the "
+                    "weights; state _cdf, _sf and _moment, too"
+                )
+
     def _around(self, marks: Array, steps: Array) -> Array:
         """Places at these distances to either side of the marks and of a finite upper end, inside the support."""
         ends = [self._upper] if np.isfinite(self._upper) else []
@@ -139,28 +172,39 @@ class NumericalLaw:
         log = self._log_at(left[:, None] + (right - left)[:, None] * _T) - self._top
         done_left, done_values, count = [], [], left.size
         ends = edges[0], edges[-1]
+        parent = np.full(left.shape, np.inf)
         while left.size and count < _MOST:
             middle = 0.5 * (left + right)
             halves = np.stack([left, middle, middle, right], axis=-1).reshape(-1, 2, 2)
-            finer = self._log_at((halves[..., :1] + np.diff(halves) * _T).reshape(left.size, -1)) - self._top
+            finer = (
+                self._log_at((halves[..., :1] + np.diff(halves) * _T).reshape(left.size, -1))
+                - self._top
+            )
             highest, lowest = finer.max(axis=1), finer.min(axis=1)
             spread = highest - lowest
             values = np.exp(log)
             with np.errstate(all="ignore"):  # where the density is zero
-                rounding = np.abs(highest) + spread * np.maximum(np.abs(left), np.abs(right)) / (right - left)
+                rounding = np.abs(highest) + spread * np.maximum(np.abs(left), np.abs(right)) / (
+                    right - left
+                )
                 own, halved = np.exp(log - highest[:, None]), np.exp(finer - highest[:, None])
                 missed = np.abs(own @ _AT_HALVES.T - halved).max(axis=1)
                 rough = (spread > _SPREAD) | (missed > _ACCURACY + 16.0 * _EPSILON * rounding)
+            # what halving does not mend, and is small, is the rounding of the density itself
+            rough &= (spread > _SPREAD) | (missed < 0.7 * parent) | (missed > _NOISE)
             rough &= (highest > -_NOTHING - 20.0) & (left > ends[0]) & (right < ends[1])
             rough &= (right - left) > 64.0 * _EPSILON * np.maximum(np.abs(left), np.abs(right))
             done_left.append(left[~rough])
             done_values.append(values[~rough])
+            parent = np.repeat(missed[rough], 2)
             log = finer[rough].reshape(-1, _NODES)
             left = np.stack([left[rough], middle[rough]], axis=-1).ravel()
             right = np.stack([middle[rough], right[rough]], axis=-1).ravel()
             count += left.size // 2
         if left.size:
-            raise InputError(f"thresholds: the density is too rough: {_MOST} panels do not follow it; smooth it")
+            raise InputError(
+                f"thresholds: the density is too rough: {_MOST} panels do not follow it; smooth it"
+            )
         lefts = np.concatenate(done_left)
         order = np.argsort(lefts)
         return np.append(lefts[order], ends[1]), np.concatenate(done_values)[order]
@@ -189,7 +233,9 @@ class NumericalLaw:
     def cdf(self, x: Array) -> Array:
         """Probability of at most x."""
         panel, weight = self._before(x)
-        return np.where(x - self._origin < self._edges[-1], np.minimum(self._below[panel] + weight, 1.0), 1.0)
+        return np.where(
+            x - self._origin < self._edges[-1], np.minimum(self._below[panel] + weight, 1.0), 1.0
+        )
 
     def sf(self, x: Array) -> Array:
         """Probability of more than x."""
@@ -212,10 +258,14 @@ class NumericalLaw:
         """Log survival far out, where the density falls by e over much less than y."""
         start = self._log_at(y)
         fall = 1e-3 * (y - self._lower)
-        with np.errstate(divide="ignore", invalid="ignore"):  # where the log-density, too, is beyond all numbers
+        with np.errstate(
+            divide="ignore", invalid="ignore"
+        ):  # where the log-density, too, is beyond all numbers
             for _ in range(30):
                 drop = start - self._log_at(y + fall)
-                fall = fall / np.where(np.isfinite(drop) & (drop > 0.0), np.clip(drop, 0.1, 1e3), 1e3)
+                fall = fall / np.where(
+                    np.isfinite(drop) & (drop > 0.0), np.clip(drop, 0.1, 1e3), 1e3
+                )
             along = self._log_at(y[:, None] + fall[:, None] * _TAIL_T) - start[:, None] + _TAIL_T
             out = start - self.log_whole + np.log(fall * (np.exp(along) @ _TAIL_WEIGHTS))
         return np.where(np.isneginf(start), -np.inf, out)

@@ -23,7 +23,9 @@ def persson(centre: float, width: float) -> Thresholds:
     centre, width = non_negative("centre", centre), positive("width", width)
     if centre > _FURTHEST * width:
         one = f"take identical, value = {centre:g}"
-        refuse("centre", centre, f"is more than {_FURTHEST:g} widths: one value to round-off; {one}")
+        refuse(
+            "centre", centre, f"is more than {_FURTHEST:g} widths: one value to round-off; {one}"
+        )
     return Persson(centre, width)
 
 
@@ -46,7 +48,9 @@ class Persson(Thresholds):
 
     @cached_property
     def _numerical(self) -> NumericalLaw:
-        return NumericalLaw(self._log_beside, 0.0, np.inf, [self.centre], self.onset_power, self._origin)
+        return NumericalLaw(
+            self._log_beside, 0.0, np.inf, [self.centre], self.onset_power, self._origin
+        )
 
     def _log_beside(self, y: Array) -> Array:
         """log P_c at the distance y from the origin."""
@@ -55,7 +59,12 @@ class Persson(Thresholds):
         u = x / self.width
         with np.errstate(divide="ignore", over="ignore"):
             off = away / self.width * ((x + self.centre) / self.width)  # f - a
-            return self._log_front + 3.0 * np.log(u) + np.log(exprel(-4.0 * self._a * u * u)) - off * off
+            return (
+                self._log_front
+                + 3.0 * np.log(u)
+                + np.log(exprel(-4.0 * self._a * u * u))
+                - off * off
+            )
 
     def _logpdf(self, x: Array) -> Array:
         return self._log_beside(x - self._origin)
