@@ -116,6 +116,8 @@ class Contacts:
                 f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach "
                 "a steady state"
             )
+        # a family that is no law is refused here, by its name, and not in the middle of a solution
+        self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
         self._take(thermal, ageing, delay, reforming, stiffness)
 

@@ -8,7 +8,7 @@ from scipy.special import ndtr, ndtri
 
 from origins.errors import InputError, finite, non_negative, refuse
 from origins.thresholds.law import Array
-from origins.thresholds.scipy_laws import is_frozen_continuous, single_mean
+from origins.thresholds.scipy_laws import as_frozen, single_mean
 
 _REACH = 8.3  # standard deviations of a Gaussian with weight 1e-16 beyond
 
@@ -147,8 +147,8 @@ def as_start(start: object, name: str = "start") -> Start:
         return start
     if isinstance(start, int | float | np.number) and not isinstance(start, bool):
         return SingleStart(finite(name, start))
-    if is_frozen_continuous(start):
-        return FrozenStart(start, name)
+    if (frozen := as_frozen(start)) is not None:
+        return FrozenStart(frozen, name)
     refuse(
         name,
         start,

@@ -46,6 +46,8 @@ class Thresholds:
         Barriers, angles and sizes of the islands, where the law comes from rotated domains.
     interface : Interface or None
         Load, contact density, stiffness and friction in SI units, where the law comes from a rough surface.
+    cut_weight : float
+        Weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
     knows_breakpoints : bool
         Whether `breakpoints` are all there are; a foreign law may bend or jump elsewhere.
     """
@@ -54,6 +56,7 @@ class Thresholds:
     onset_power_error: float = 0.0
     interface: Any = None
     domains: Any = None
+    cut_weight: float = 0.0
     knows_breakpoints: bool = True
     _lowest_atom: float = (
         0.0  # weight of an atom at the lower end of a support that reaches further

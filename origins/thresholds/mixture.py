@@ -60,6 +60,7 @@ class Mixture(Thresholds):
         self.onset_power = min(c.onset_power for c in self.components if c.support()[0] == self._support[0])
         self._breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
         self.knows_breakpoints = all(component.knows_breakpoints for component in self.components)
+        self.cut_weight = float(weights @ [component.cut_weight for component in self.components])
         self._atoms = self._collect_atoms()
         if self._support[0] < self._support[1]:
             self._lowest_atom = float(self._atoms[1][self._atoms[0] == self._support[0]].sum())

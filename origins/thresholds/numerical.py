@@ -22,6 +22,7 @@ _NOISE = 1e-8  # of the same, the largest that the rounding of a density may lea
 _POLE = (
     0.1  # m of a density x^-m, from where on the place of a pole needs more digits than there are
 )
+_HEAVY = 1e-9  # of a moment from the panel at the end of all numbers: there is more beyond
 _EPSILON = float(np.finfo(float).eps)
 _MOST = 20_000  # panels; smooth densities take some 500
 _STEPS = np.geomspace(
@@ -172,7 +173,7 @@ class NumericalLaw:
         log = self._log_at(left[:, None] + (right - left)[:, None] * _T) - self._top
         done_left, done_values, count = [], [], left.size
         ends = edges[0], edges[-1]
-        parent = np.full(left.shape, np.inf)
+        parent: Array = np.full(left.shape, np.inf)
         while left.size and count < _MOST:
             middle = 0.5 * (left + right)
             halves = np.stack([left, middle, middle, right], axis=-1).reshape(-1, 2, 2)
@@ -277,5 +278,9 @@ class NumericalLaw:
         return self._edges[low] + self._origin, self._edges[high] + self._origin
 
     def moment(self, n: int, centre: float = 0.0) -> float:
-        """<(x - centre)^n>, a length to the power n."""
-        return float((self._node_weights * (self._nodes + (self._origin - centre)) ** n).sum())
+        """<(x - centre)^n>, a length to the power n; inf where the tail is too heavy for it."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            each = self._node_weights * (self._nodes + (self._origin - centre)) ** n
+        parts = np.where(self._node_weights > 0.0, each, 0.0).sum(axis=1)
+        total = float(parts.sum())
+        return np.inf if self._upper == np.inf and parts[-1] > _HEAVY * total else total
