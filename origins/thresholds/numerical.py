@@ -22,13 +22,12 @@ _NOISE = 1e-8  # of the same, the largest that the rounding of a density may lea
 _POLE = (
     0.1  # m of a density x^-m, from where on the place of a pole needs more digits than there are
 )
-_HEAVY = 1e-9  # of a moment from the panel at the end of all numbers: there is more beyond
+_RARE, _HEAVY = 1e-100, 1e-9  # where so much of a moment comes from so rare thresholds, it is infinite
 _EPSILON = float(np.finfo(float).eps)
 _MOST = 20_000  # panels; smooth densities take some 500
 _STEPS = np.geomspace(
     1e-130, 1e130, 2601
 )  # distances at which a density is looked for, in any unit of length
-_TOWARDS = 0.5 ** np.arange(1.0, _HALVINGS)
 
 _S, _WEIGHTS = legendre.leggauss(_NODES)
 _T, _WEIGHTS = 0.5 * (_S + 1.0), 0.5 * _WEIGHTS  # on (0, 1)
@@ -105,7 +104,7 @@ class NumericalLaw:
             )
 
     def _first_edges(self, marks: Array) -> tuple[Array, float]:
-        """Edges that halve towards each mark and towards the highest density, and the log of that density."""
+        """Edges that halve towards each mark and where most weight is, and the log of the density there."""
         seen = self._around(marks, _STEPS)
         with np.errstate(divide="ignore"):
             level = self._log_at(seen) + np.log(seen - self._lower)
@@ -127,8 +126,10 @@ class NumericalLaw:
             end = seen[-1]
         marks = np.unique(np.concatenate([marks, [highest, start, end]]))
         marks = marks[(marks >= start) & (marks <= end)]
-        edges = np.concatenate([marks, self._around(marks, (end - start) * _TOWARDS)])
-        return np.unique(edges[(edges >= start) & (edges <= end)]), float(density[live].max())
+        halvings = np.log2((end - start) / (highest - self._lower)) + _HALVINGS
+        edges = np.concatenate([marks, self._around(marks, (end - start) * 0.5 ** np.arange(1.0, halvings))])
+        top = float(self._log_at(np.array([highest]))[0])
+        return np.unique(edges[(edges >= start) & (edges <= end)]), top
 
     def _check_poles(self, marks: Array) -> None:
         """InputError where the density diverges, but for a known power at 0: next to such a place lie weights that
@@ -168,7 +169,7 @@ class NumericalLaw:
         return np.exp(self._log_at(y) - self._top)
 
     def _resolved(self, edges: Array) -> tuple[Array, Array]:
-        """Edges of panels that the density's interpolant follows, and the density at their nodes, over the highest."""
+        """Edges of panels that the density's interpolant follows, and the density at their nodes, over that at the top."""
         left, right = edges[:-1], edges[1:]
         log = self._log_at(left[:, None] + (right - left)[:, None] * _T) - self._top
         done_left, done_values, count = [], [], left.size
@@ -283,4 +284,5 @@ class NumericalLaw:
             each = self._node_weights * (self._nodes + (self._origin - centre)) ** n
         parts = np.where(self._node_weights > 0.0, each, 0.0).sum(axis=1)
         total = float(parts.sum())
-        return np.inf if self._upper == np.inf and parts[-1] > _HEAVY * total else total
+        far = float(parts[self._above[:-1] < _RARE].sum())
+        return np.inf if self._upper == np.inf and far > _HEAVY * total else total
