@@ -12,6 +12,7 @@ import numpy.typing as npt
 from origins.errors import InputError, refuse
 from origins.thresholds.inversion import invert_hazard
 from origins.thresholds.numerical import NumericalLaw
+from origins.thresholds.quadrature import moment as panel_moment
 
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
@@ -110,13 +111,13 @@ class Thresholds:
         )
 
     def _moment(self, n: int) -> float:
-        return self._numerical.moment(n)
+        return self._central_moment(n, 0.0)
 
     def _variance(self) -> float:
         mean, square = self.moment(1), self.moment(2)
         if not square - mean * mean < 1e-3 * square:
             return square - mean * mean
-        return self._numerical.moment(2, mean)
+        return self._central_moment(2, mean)
 
     def support(self) -> tuple[float, float]:
         """Ends (lower, upper) of the support; upper may be inf."""
@@ -129,8 +130,13 @@ class Thresholds:
 
     @cached_property
     def _numerical(self) -> NumericalLaw:
-        """All that the density alone gives."""
+        """What the density alone gives."""
         return NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
+
+    def _central_moment(self, n: int, centre: float) -> float:
+        if type(self)._sf is Thresholds._sf:
+            return self._numerical.moment(n, centre)
+        return panel_moment(self, n, centre)
 
     @property
     def panels(self) -> Array | None:

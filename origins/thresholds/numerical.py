@@ -22,7 +22,10 @@ _NOISE = 1e-8  # of the same, the largest that the rounding of a density may lea
 _POLE = (
     0.1  # m of a density x^-m, from where on the place of a pole needs more digits than there are
 )
-_RARE, _HEAVY = 1e-100, 1e-9  # where so much of a moment comes from so rare thresholds, it is infinite
+_RARE, _HEAVY = (
+    1e-100,
+    1e-9,
+)  # where so much of a moment comes from so rare thresholds, it is infinite
 _EPSILON = float(np.finfo(float).eps)
 _MOST = 20_000  # panels; smooth densities take some 500
 _STEPS = np.geomspace(
@@ -81,7 +84,9 @@ class NumericalLaw:
     ) -> None:
         self._log_density, self._origin, self._power = log_density, origin, power
         self._lower, self._upper = lower - origin, upper - origin
-        marks = np.concatenate([np.asarray(points, dtype=float) - origin, [self._lower, 0.0]])
+        marks = np.concatenate(
+            [np.asarray(points, dtype=float) - origin, [0.0, self._lower, self._upper]]
+        )
         edges, self._top = self._first_edges(marks)
         self._check_poles(marks)
         self._edges, values = self._resolved(edges)
@@ -104,39 +109,48 @@ class NumericalLaw:
             )
 
     def _first_edges(self, marks: Array) -> tuple[Array, float]:
-        """Edges that halve towards each mark and where most weight is, and the log of the density there."""
+        """Edges that halve towards the marks and where most weight is, and the log of the density there."""
         seen = self._around(marks, _STEPS)
-        with np.errstate(divide="ignore"):
-            level = self._log_at(seen) + np.log(seen - self._lower)
-        for _ in range(60):  # a peak may be far narrower than the steps
-            at = int(level.argmax())
-            finer = np.linspace(seen[max(at - 1, 0)], seen[min(at + 1, seen.size - 1)], 17)
-            before = level[at]
-            seen = np.union1d(seen, finer[(finer > self._lower) & (finer < self._upper)])
-            level = self._log_at(seen) + np.log(seen - self._lower)
-            if level.max() < before + 0.1:
-                break
-        highest = seen[level.argmax()]
-        seen = np.union1d(seen, self._around(np.array([highest]), _STEPS))
         density = self._log_at(seen)
-        live = np.flatnonzero(density + np.log(seen - self._lower) > level.max() - _NOTHING)
-        start = seen[live[0] - 1] if live[0] else self._lower
-        end = seen[live[-1] + 1] if live[-1] + 1 < seen.size else self._upper
-        if not np.isfinite(end):
-            end = seen[-1]
-        marks = np.unique(np.concatenate([marks, [highest, start, end]]))
-        marks = marks[(marks >= start) & (marks <= end)]
-        halvings = np.log2((end - start) / (highest - self._lower)) + _HALVINGS
-        edges = np.concatenate([marks, self._around(marks, (end - start) * 0.5 ** np.arange(1.0, halvings))])
-        top = float(self._log_at(np.array([highest]))[0])
-        return np.unique(edges[(edges >= start) & (edges <= end)]), top
+        for _ in range(60):  # a peak may be far narrower than the steps
+            at = int((density + np.log(seen - self._lower)).argmax())
+            before, highest = density[at], seen[at]
+            finer = np.linspace(seen[max(at - 1, 0)], seen[min(at + 1, seen.size - 1)], 17)
+            seen = np.concatenate([seen, finer[(finer > self._lower) & (finer < self._upper)]])
+            density = np.concatenate([density, self._log_at(seen[density.size :])])
+            order = np.argsort(seen)
+            seen, density = seen[order], density[order]
+            if density.max() < before + 0.1:
+                break
+        beside = self._around(np.array([highest]), _STEPS)
+        seen, density = np.append(seen, beside), np.append(density, self._log_at(beside))
+        live = seen[
+            density + np.log(seen - self._lower) > before + np.log(highest - self._lower) - _NOTHING
+        ]
+        start = seen.max(where=seen < live.min(), initial=self._lower)
+        end = seen.min(where=seen > live.max(), initial=min(self._upper, 2.0 * float(seen.max())))
+        away = np.abs(seen - highest)
+        width = away.min(where=density < before - 1.0, initial=end - start)
+        halved = (end - start) * 0.5 ** np.arange(
+            np.log2((end - start) / (highest - self._lower)) + _HALVINGS
+        )
+        if start - self._lower < halved[-1]:
+            start = self._lower
+        edges = np.concatenate(
+            [
+                [start, end, highest],
+                marks,
+                self._around(marks[-2:], halved),
+                self._around(np.append(marks, highest), halved[halved > 0.25 * width]),
+            ]
+        )
+        return np.unique(edges[(edges >= start) & (edges <= end)]), float(before)
 
     def _check_poles(self, marks: Array) -> None:
         """InputError where the density diverges, but for a known power at 0: next to such a place lie weights that
         positions, rounded as they are, do not resolve."""
         if np.isfinite(self._power):
             marks = marks[(marks != self._lower) | (marks + self._origin != 0.0)]
-        marks = np.append(marks, self._upper)
         marks = np.unique(
             marks[np.isfinite(marks) & (marks >= self._lower) & (marks <= self._upper)]
         )
@@ -148,15 +162,17 @@ class NumericalLaw:
             with np.errstate(invalid="ignore"):
                 poles = marks[near - far > _POLE * np.log(1024.0)]
             if poles.size:
-                raise InputError(
-                    f"thresholds: the density diverges at x = {poles[0] + self._origin:g}, where it does not tell the "
-                    "weights; state _cdf, _sf and _moment, too"
+                at = float(poles[0] + self._origin)
+                rule = (
+                    "its onset_power, too"
+                    if at == 0.0
+                    else "_cdf and _sf, too: positions are too coarse there"
                 )
+                raise InputError(f"thresholds: the density diverges at x = {at:g}; state {rule}")
 
     def _around(self, marks: Array, steps: Array) -> Array:
-        """Places at these distances to either side of the marks and of a finite upper end, inside the support."""
-        ends = [self._upper] if np.isfinite(self._upper) else []
-        marks = np.append(marks, ends)[:, None]
+        """Places at these distances to either side of the finite marks, inside the support."""
+        marks = marks[np.isfinite(marks)][:, None]
         places = np.unique(np.concatenate([marks - steps, marks + steps]))
         return places[(places > self._lower) & (places < self._upper)]
 
@@ -173,7 +189,6 @@ class NumericalLaw:
         left, right = edges[:-1], edges[1:]
         log = self._log_at(left[:, None] + (right - left)[:, None] * _T) - self._top
         done_left, done_values, count = [], [], left.size
-        ends = edges[0], edges[-1]
         parent: Array = np.full(left.shape, np.inf)
         while left.size and count < _MOST:
             middle = 0.5 * (left + right)
@@ -194,7 +209,7 @@ class NumericalLaw:
                 rough = (spread > _SPREAD) | (missed > _ACCURACY + 16.0 * _EPSILON * rounding)
             # what halving does not mend, and is small, is the rounding of the density itself
             rough &= (spread > _SPREAD) | (missed < 0.7 * parent) | (missed > _NOISE)
-            rough &= (highest > -_NOTHING - 20.0) & (left > ends[0]) & (right < ends[1])
+            rough &= (highest > -_NOTHING - 20.0) & (left > self._lower) & (right < self._upper)
             rough &= (right - left) > 64.0 * _EPSILON * np.maximum(np.abs(left), np.abs(right))
             done_left.append(left[~rough])
             done_values.append(values[~rough])
@@ -209,7 +224,7 @@ class NumericalLaw:
             )
         lefts = np.concatenate(done_left)
         order = np.argsort(lefts)
-        return np.append(lefts[order], ends[1]), np.concatenate(done_values)[order]
+        return np.append(lefts[order], edges[-1]), np.concatenate(done_values)[order]
 
     def _before(self, x: Array) -> tuple[Places, Array]:
         """The panels that x lie in, and the weight there to the left of x."""
