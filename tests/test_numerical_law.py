@@ -80,7 +80,7 @@ def test_kinks_and_jumps_that_are_not_told_are_found() -> None:
 )
 def test_a_pole_above_0_needs_a_cdf(law: object) -> None:
     """Next to it positions are rounded, and the density does not tell the weights."""
-    with pytest.raises(InputError, match="the density diverges at x = [12]"):
+    with pytest.raises(InputError, match=r"the density diverges at x = [12]"):
         numerical(as_thresholds(law))
     with pytest.raises(InputError, match="diverges at x = 0; state its onset_power"):
         NumericalLaw(lambda x: -0.5 * np.log(x) - x, 0.0, np.inf)

@@ -94,7 +94,7 @@ class Mixture(Thresholds):
             [w * c.atoms[1] for c, w in zip(self.components, weights, strict=True)]
         )
         atoms, place = np.unique(positions, return_inverse=True)
-        self._atoms = atoms, np.bincount(place, shares, atoms.size)
+        self._atoms = atoms, np.bincount(place, shares, atoms.size).astype(float)
         if self._support[0] < self._support[1]:
             self._lowest_atom = float(self._atoms[1][atoms == self._support[0]].sum())
 

@@ -109,7 +109,7 @@ class NumericalLaw:
             )
 
     def _first_edges(self, marks: Array) -> tuple[Array, float]:
-        """Edges that halve towards the marks and where most weight is, and the log of the density there."""
+        """Edges that halve towards the ends and where most weight is, and the log of the density there."""
         seen = self._around(marks, _STEPS)
         density = self._log_at(seen)
         for _ in range(60):  # a peak may be far narrower than the steps
@@ -141,7 +141,7 @@ class NumericalLaw:
                 [start, end, highest],
                 marks,
                 self._around(marks[-2:], halved),
-                self._around(np.append(marks, highest), halved[halved > 0.25 * width]),
+                self._around(np.array([highest]), halved[halved > 0.25 * width]),
             ]
         )
         return np.unique(edges[(edges >= start) & (edges <= end)]), float(before)
@@ -185,7 +185,7 @@ class NumericalLaw:
         return np.exp(self._log_at(y) - self._top)
 
     def _resolved(self, edges: Array) -> tuple[Array, Array]:
-        """Edges of panels that the density's interpolant follows, and the density at their nodes, over that at the top."""
+        """Edges of panels that the density's interpolant follows, and the density there, over that at the top."""
         left, right = edges[:-1], edges[1:]
         log = self._log_at(left[:, None] + (right - left)[:, None] * _T) - self._top
         done_left, done_values, count = [], [], left.size
