@@ -139,11 +139,6 @@ class Thresholds:
         return panel_moment(self, n, centre)
 
     @property
-    def panels(self) -> Array | None:
-        """Edges of panels on each of which the density is a polynomial that 8 nodes integrate; None where it is not."""
-        return None
-
-    @property
     def atoms(self) -> tuple[Array, Array]:
         """(positions, weights) of the exact single values in the law; empty where it is continuous."""
         return np.empty(0), np.empty(0)

@@ -39,9 +39,6 @@ def panel_edges(
     Covers the support up to `upper`, and an infinite tail to survival `tail`. Atoms are not looked at.
     """
     lower, end = thresholds.support()
-    known = thresholds.panels
-    if known is not None:
-        return np.append(known[known < upper], upper) if known[0] < upper < known[-1] else known[known <= upper]
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
     low, high = thresholds.rough_quantiles(_SEEDS, np.concatenate([_SEEDS, far, [tail]]))
     # a quantile that a law cannot give is no seed
