@@ -319,6 +319,16 @@ def test_a_family_that_is_no_law_is_told_by_name() -> None:
         def _sf(self, x: np.ndarray) -> np.ndarray:
             return 1.2 - x
 
+    class Half(origins.Thresholds):
+        def support(self) -> tuple[float, float]:
+            return 0.0, 1.0
+
+        def _pdf(self, x: np.ndarray) -> np.ndarray:
+            return np.full_like(x, 0.5)
+
+    with pytest.raises(InputError, match=r"Half: its density adds up to 0.5, not to 1; state it as _log_weight"):
+        Half().sf(0.5)
+
     class Nothing(origins.Thresholds):
         def support(self) -> tuple[float, float]:
             return 0.0, 1.0

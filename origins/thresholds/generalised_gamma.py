@@ -46,8 +46,10 @@ class GeneralisedGamma(Thresholds):
 
     def _sf(self, x: Array) -> Array:
         t = self._t(x)
-        if self._order in (1.0, 2.0):
-            return (1.0 + (self._order - 1.0) * t) * np.exp(-t)
+        if self._order == 1.0:
+            return np.exp(-t)
+        if self._order == 2.0:
+            return (1.0 + t) * np.exp(-t)
         out = gammaincc(self._order, t)
         onset = t < _SMALL
         if onset.any():  # t may have underflowed where the cdf has not

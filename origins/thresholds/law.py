@@ -17,6 +17,7 @@ from origins.thresholds.quadrature import moment as panel_moment
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
 
+_LOOSE = 1e-6  # error of a density's norm that no rounding explains
 _ROUNDING = 1e-9  # by which sums of a family's survival may leave [0, 1]
 
 
@@ -59,9 +60,8 @@ class Thresholds:
     domains: Any = None
     cut_weight: float = 0.0
     knows_breakpoints: bool = True
-    _lowest_atom: float = (
-        0.0  # weight of an atom at the lower end of a support that reaches further
-    )
+    # weight of an atom at the lower end of a support that reaches further
+    _lowest_atom: float = 0.0
 
     # -- what a family states: x lies inside the support ------------------------------------------------
     def _log_weight(self, x: Array) -> Array:
@@ -130,8 +130,14 @@ class Thresholds:
 
     @cached_property
     def _numerical(self) -> NumericalLaw:
-        """What the density alone gives."""
-        return NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
+        """What the density alone gives; InputError where the family calls one normalised that is not."""
+        found = NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
+        normalised = type(self)._log_weight is Thresholds._log_weight
+        if normalised and not abs(found.log_whole) < _LOOSE:
+            whole = f"{np.exp(found.log_whole):.6g}, not to 1"
+            rule = "state it as _log_weight, which need not be normalised"
+            raise InputError(f"{type(self).__name__}: its density adds up to {whole}; {rule}")
+        return found
 
     def _central_moment(self, n: int, centre: float) -> float:
         if type(self)._sf is Thresholds._sf:
