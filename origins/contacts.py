@@ -37,11 +37,13 @@ class Contacts:
 
     Parameters
     ----------
-    thresholds : Thresholds, frozen scipy.stats distribution on x >= 0, or GrainContact
-        Law P_c(x) of fresh thresholds (a length). Of a GrainContact with an age, such as growing_grains(...): they grow
+    thresholds : Thresholds, scipy.stats distribution on x >= 0, or GrainContact
+        Law P_c(x) of fresh thresholds (a length). Distributions of scipy are frozen ones, stats.gamma(2.5), or objects
+        of its newer interface, stats.Normal(mu=1.0, sigma=0.05), here and below; of weight below 0 up to 1e-6 is cut
+        off, which solvers say. Of a GrainContact with an age, such as growing_grains(...): they grow
         as long as a contact is there, also where it rests, and P_c is that of all contacts at X = 0; a broken contact
         is out until its new grains pin, and after that for the delay.
-    start : None, float, Start or frozen scipy.stats distribution
+    start : None, float, Start or scipy.stats distribution
         Stretches at X = 0, of contacts that hold; None: all relaxed, x = 0. A contact that starts at x has a
         threshold from P_c conditional on x_s > |x|.
     thermal : Thermal or RateLaw, optional
@@ -51,7 +53,7 @@ class Contacts:
         which differs from no ageing then too).
     delay : Delay, optional
         How long a broken contact stays out; at time 0 there is none.
-    reforming : None, float, Start or frozen scipy.stats distribution
+    reforming : None, float, Start or scipy.stats distribution
         Stretches at which broken contacts form again, such as origins.boltzmann_reforming(temperature); None: x = 0.
         The threshold follows P_c conditional on x_s > |x|.
     stiffness : "independent" or "linked"
@@ -118,6 +120,8 @@ class Contacts:
                 f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach "
                 "a steady state"
             )
+        # a family that is no law is refused here, by its name, and not in the middle of a solution
+        self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
         self._take(thermal, ageing, delay, reforming, stiffness)
 
