@@ -242,11 +242,12 @@ def left_over(contacts: Contacts) -> float:
 
     Errors do not fall as powers of the squared step where P_c jumps or bends, also where it begins
     at 0, so that births do; and thresholds that age or grow are followed in steps of another order,
-    whose changes fall slowly.
+    the changes of those that grow falling slowly.
     """
     law = contacts.thresholds
-    if contacts.ageing is not None or contacts.grains is not None:
+    if contacts.grains is not None:
         return SLOWLY
     begins = law.support()[0] == 0.0 and float(law.cdf(LOW * contacts.mean_threshold)) > FELT
     bends = law.atoms[0].size > 0 or bool((law.breakpoints > 0.0).any())
-    return 1.0 if begins or bends or not law.knows_breakpoints else LEFT
+    ages = contacts.ageing is not None
+    return 1.0 if ages or begins or bends or not law.knows_breakpoints else LEFT
