@@ -5,8 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from eq_model.contact import LIVES, LOOKS, OPTIONS, Break
-from eq_model.watch import look
+from eq_model.contact import LIVES, LOOKS, OPTIONS, Break, look_at
 from origins.laws.compiled import CompiledRates
 
 _I, _F = np.int64, np.float64
@@ -167,7 +166,8 @@ def by_rate(law, contact, course, watch, counts):  # type: ignore[no-untyped-def
 
 
 def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    look(born, broken, birth, _F(contact.threshold), watch, counts)
+    for k in range(watch.before[born], watch.before[broken]):
+        look_at(k, birth, _F(contact.threshold), watch, counts)
 
 
 LIVES |= {Cold: at_threshold, Warm: by_rate}

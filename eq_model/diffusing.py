@@ -5,13 +5,11 @@ Lengths are in units of the lattice, but for those of rates.
 
 import numpy as np
 
-from eq_model.bins import place_of
 from eq_model.breaking import rate
 from eq_model.compiling import bare
-from eq_model.contact import LIVES, LOOKS, Break
+from eq_model.contact import LIVES, LOOKS, Break, look_at, place_of
 from eq_model.drift import Ageing, drift, first_meeting, local_step, moved, normal, safe_step
 from eq_model.streams import STEPS, words_at
-from eq_model.watch import look_at
 
 _F = np.float64
 _THERMAL = 0.1  # of what a contact bears, spent in one step

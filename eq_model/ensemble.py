@@ -17,7 +17,6 @@ from eq_model import layout
 from eq_model.engine import Engine, Found
 from eq_model.ensemble_result import EnsembleResult
 from eq_model.histogram import Counts, chosen_points, no_counts
-from eq_model.often import check_often
 from eq_model.state import State
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
@@ -101,11 +100,10 @@ class Ensemble:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
         self.expected, self._stopped = self.total, False
         self.drive = Drive(path, velocity, time)
-        often = check_often(contacts, self.drive)
         key_of(seed)
         points = chosen_points(histograms, self.drive.path.size)
         self._engine = Engine(contacts, self.drive, seed, points)
-        self.seconds = self._engine.seconds(often)
+        self.seconds = self._engine.seconds
         self.blocks = layout.make_blocks(self.n_contacts, replicas, self.seconds)
         self._tolerance = (
             None if tolerance is None else positive("tolerance", tolerance, "such as 1e-4")

@@ -16,9 +16,13 @@ from origins.errors import refuse
 
 
 @overload
-def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: float, **more: Any) -> CoupledResult: ...
+def simulate(
+    contacts: Contacts, path: npt.ArrayLike, *, spring: float, **more: Any
+) -> CoupledResult: ...
 @overload
-def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: None = None, **more: Any) -> EnsembleResult: ...
+def simulate(
+    contacts: Contacts, path: npt.ArrayLike, *, spring: None = None, **more: Any
+) -> EnsembleResult: ...
 def simulate(  # type: ignore[misc]  # the arguments are told once, below
     contacts: Contacts,
     path: npt.ArrayLike,
@@ -94,8 +98,14 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
     """
     if spring is not None:
         if tolerance is not None or np.size(histograms):
-            name, value = ("histograms", histograms) if tolerance is None else ("tolerance", tolerance)
-            refuse(name, value, "is of independent contacts; leave it out with a spring, and give n_replicas")
+            name, value = (
+                ("histograms", histograms) if tolerance is None else ("tolerance", tolerance)
+            )
+            refuse(
+                name,
+                value,
+                "is of independent contacts; leave it out with a spring, and give n_replicas",
+            )
         coupled = CoupledEnsemble(
             contacts,
             path,
@@ -115,7 +125,9 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
             pass
         return coupled.result()
     if slip_fraction is not None:
-        refuse("slip_fraction", slip_fraction, "is of a soft slider; give its spring, or leave it out")
+        refuse(
+            "slip_fraction", slip_fraction, "is of a soft slider; give its spring, or leave it out"
+        )
     Drive(path, velocity, time, None, slip)  # refuses a slip of a rigid slider
     ensemble = Ensemble(
         contacts,
