@@ -11,7 +11,7 @@ from origins.laws.compiled import CompiledRates, called
 
 # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 STEP = 0.04
-STEP_ELSE = 0.5  # squares of the standard deviation that a law's table allows
+STEP_ELSE = 0.01  # of the squared width of another final law's middle half: a step's variance
 
 
 _CALLED: WeakKeyDictionary[object, CompiledRates] = WeakKeyDictionary()
@@ -66,54 +66,34 @@ def _growing(contacts: Contacts, unit: float, rates: Any) -> Any:
 
 
 def _diffusing(contacts: Contacts, unit: float, rates: Any) -> Any:
-    from eq_model.ageing_tables import drift_table
+    from eq_model.ageing_tables import DriftTable, drift_table
     from eq_model.diffusing import Ageing
 
-    ageing, nothing, warm = contacts.ageing, np.zeros(2), contacts.thermal is not None
+    ageing = contacts.ageing
     assert ageing is not None
-    diffusion, normal = ageing.rate / unit**2, ageing.normal
+    normal, longest = ageing.normal, 0.0
     if normal is not None:
-        return Ageing(
-            normal=True,
-            mean=normal.mean / unit,
-            width=normal.std / unit,
-            relaxing=normal.rate,
-            diffusion=diffusion,
-            first=0.0,
-            step=1.0,
-            values=nothing,
-            slopes=nothing,
-            shares=nothing,
-            low=0.0,
-            high=np.inf,
-            near=0.0,
-            far=np.inf,
-            longest=STEP / normal.rate,
-            coarse=1.0,
-            warm=warm,
-            rates=rates,
-            unit=unit,
-        )
-    table = drift_table(ageing.final, contacts.thresholds)
-    low, high, near, far = (end / unit for end in (*table.ends, *table.reach))
+        longest = STEP / normal.rate
+        table = DriftTable(0.0, np.inf, 0.0, np.inf, 0.0, 0.0, 1.0, np.zeros(2))
+    else:
+        table = drift_table(ageing.final, contacts.thresholds)
+        longest = STEP_ELSE * table.width**2 / (2.0 * ageing.rate)
     return Ageing(
-        normal=False,
-        mean=0.0,
-        width=0.0,
-        relaxing=0.0,
-        diffusion=diffusion,
-        first=table.first - (0.0 if np.isfinite(table.ends[1]) else np.log(unit)),
+        normal=normal is not None,
+        mean=0.0 if normal is None else normal.mean / unit,
+        width=0.0 if normal is None else normal.std / unit,
+        relaxing=0.0 if normal is None else normal.rate,
+        diffusion=ageing.rate / unit**2,
+        first=table.first - (0.0 if table.high < np.inf else np.log(unit)),
         step=table.step,
         values=table.values,
-        slopes=table.slopes,
-        shares=(table.spreads / table.typical) ** 2,
-        low=low,
-        high=high,
-        near=near,
-        far=far,
-        longest=STEP_ELSE * table.typical**2 / ageing.rate,
+        low=table.low / unit,
+        high=table.high / unit,
+        near=table.near / unit,
+        far=table.far / unit,
+        longest=longest,
         coarse=1.0,
-        warm=warm,
+        warm=contacts.thermal is not None,
         rates=rates,
         unit=unit,
     )

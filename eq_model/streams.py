@@ -18,7 +18,7 @@ ROUNDS = 7
 
 # what words are for; `fine` ones continue the four words of a round where 32 bits are too few. Of a
 # type of numpy's: for each number of Python's own numba compiles a function anew.
-THRESHOLDS, STARTS, EXPOSURES, REFORMING, BEYOND, STEPS = np.arange(0, 96, 16)
+THRESHOLDS, STARTS, EXPOSURES, REFORMING, BEYOND, STEPS, WATCHED = np.arange(0, 112, 16)
 _FINE = 4
 
 _U = np.uint64
