@@ -26,32 +26,8 @@ class Warm(NamedTuple):
     log_slow: Any  # (m,): ln of the time for a length, of each leg
 
 
-class NoRates(NamedTuple):
-    """Where contacts do not break before their thresholds."""
-
-    nothing: float = 0.0
-
-
-def _none(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
-def _no_more(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
-def _never(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return threshold
-
-
-def _no_most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
 # by the class of their law, which numba finds them by
-RATES: dict[type, CompiledRates] = {
-    NoRates: CompiledRates(NoRates(), _none, _no_more, _never, _no_most)
-}
+RATES: dict[type, CompiledRates] = {}
 
 
 def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]

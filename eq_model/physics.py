@@ -6,14 +6,14 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from eq_model.lattice import Lattice
-from origins import Contacts, RateLaw
+from origins import Contacts, RateLaw, Thermal
 from origins.laws.compiled import CompiledRates, called
 
 # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 STEP = 0.04
 STEP_ELSE = 0.01  # of the squared width of another final law's middle half: a step's variance
 
-
+_ANY = Thermal("soft", 1.0)
 _CALLED: WeakKeyDictionary[object, CompiledRates] = WeakKeyDictionary()
 
 
@@ -31,9 +31,8 @@ def rates_of(contacts: Contacts) -> Any:
     """The settings of the rates at which these contacts break, known to the compiler by their type."""
     from eq_model import breaking
 
-    if contacts.thermal is None:
-        return breaking.NoRates()
-    found = _compiled(contacts.thermal.rates)
+    # without any, those of some law: kernels do not ask for them then
+    found = _compiled((contacts.thermal or _ANY).rates)
     breaking.RATES.setdefault(type(found.law), found)
     return found.law
 
