@@ -11,6 +11,7 @@ from eq_model.histogram import BINS, Counts, Histogram, Made, histogram, make_ra
 from eq_model.lattice import TIE, make_lattice
 from eq_model.layout import Blocks, is_measured
 from eq_model.moments import COARSER, EACH, Readout, split
+from eq_model.physics import law_of
 from eq_model.tables import DEEPEST, FAR, LEVEL_UNIT, Table
 from eq_model.work import duration, events
 from origins import Contacts, Drive, GrainContact
@@ -67,12 +68,8 @@ class Engine:
         self._check_excess(unit)
         self._watch_points(points, span, furthest, largest)
         self._begun = np.int64(round(contacts.start.mean() / unit))
-        from eq_model.physics import law_of
-
-        self._settings, self._law = (
-            self._make_settings(),
-            law_of(contacts, self.lattice, TIE * exact),
-        )
+        self._settings = self._make_settings()
+        self._law = law_of(contacts, self.lattice, TIE * exact)
         steps = 0.0 if contacts.ageing is None else duration(drive) / self._law.longest
         travel = float(np.abs(np.diff(drive.path, prepend=0.0)).sum()) / scale
         self.seconds = 2e-8 * travel + 1e-7 * events(contacts, drive, steps) + 2e-7 * steps
@@ -83,9 +80,8 @@ class Engine:
         self._parts = rows * np.array([self._columns[0], measured, measured * ages])
         self.size = int(self._parts.sum())
         # of a single start what its rounding leaves is told of the slider
-        told = self.lattice.path + (contacts.start.mean() - self._begun * unit) * (
-            contacts.start.is_single
-        )
+        beside = (contacts.start.mean() - self._begun * unit) * contacts.start.is_single
+        told = self.lattice.path + beside
         stretch = np.minimum(span + furthest, longest)
         self.readout = Readout(
             contacts, self.lattice, told, self._columns, self._parts, furthest, span, stretch
