@@ -18,7 +18,6 @@ from eq_model import compiling, simulate
 from eq_model.closest import closest, draw_start
 from eq_model.ensemble import Ensemble
 
-
 GAUSSIAN = origins.gaussian(mean=1.0, std=0.05)
 GAP = origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.3, 0.7])
 ATOM = origins.mixture([origins.identical(0.95), origins.gaussian(1.05, 0.1)], [0.25, 0.75])

@@ -330,7 +330,7 @@ def test_a_tolerance_out_of_all_reach_is_told() -> None:
 
 @pytest.mark.parametrize("final", [origins.gaussian(0.9, 0.1), scipy.stats.uniform(0.1, 1.4)])
 @pytest.mark.parametrize("thermal", [None, Thermal("soft", 0.1, 1.0)])
-def test_histograms_of_ageing_contacts_change_no_draw_and_are_those_of_a_shorter_drive(final: Any, thermal: Any) -> None:
+def test_histograms_of_ageing_change_no_draw_and_are_those_of_a_shorter_drive(final: Any, thermal: Any) -> None:
     """Between two steps thresholds are drawn from a bridge; at the end of a drive each step ends."""
     contacts = Contacts(origins.rectangular(0.4, 0.9), 0.1, thermal, Ageing(final, 0.1))
     path, n = np.array([0.3, 0.313, 0.7, 1.5]), 40_000

@@ -1,4 +1,4 @@
-"""Standard errors over 300 seeds: z has variance 1 where breaks are many, and is not much too large where they are few."""
+"""Standard errors over 300 seeds: z has variance 1 where breaks are many, and not much more where they are few."""
 
 from typing import Any
 
@@ -26,9 +26,17 @@ SCENES: dict[str, tuple[Contacts, np.ndarray, np.ndarray | None]] = {
     "again": (Contacts(WIDE, reforming=origins.gaussian_start(0.0, 0.2)), FORWARD, None),
     "soft": (Contacts(WIDE, thermal=SOFT), FORWARD, None),
     "stiff": (Contacts(WIDE, thermal=STIFF), TURNING, None),
-    "hold": (Contacts(WIDE, thermal=SOFT), np.array([0.5, 0.9, 0.9, 1.4]), np.array([0.5, 0.9, 9.0, 9.5])),
+    "hold": (
+        Contacts(WIDE, thermal=SOFT),
+        np.array([0.5, 0.9, 0.9, 1.4]),
+        np.array([0.5, 0.9, 9.0, 9.5]),
+    ),
     "ageing": (Contacts(origins.gaussian(0.8, 0.15), ageing=AGEING), FORWARD, None),
-    "walls": (Contacts(origins.rectangular(0.6, 1.0), ageing=Ageing(scipy.stats.uniform(0.5, 1.0), 0.05)), FORWARD, None),
+    "walls": (
+        Contacts(origins.rectangular(0.6, 1.0), ageing=Ageing(scipy.stats.uniform(0.5, 1.0), 0.05)),
+        FORWARD,
+        None,
+    ),
     "grains": (Contacts(origins.growing_grains(1.0, 1.0, age=4.0)), FORWARD, None),
 }
 
@@ -39,7 +47,9 @@ def test_over_many_seeds(name: str) -> None:
     contacts, path, time = SCENES[name]
     given: dict[str, Any] = {"time": time, "n_contacts": 300}
     runs = [eq_model.simulate(contacts, path, seed=seed, **given) for seed in range(SEEDS)]
-    force, errors = (np.array([getattr(run, one) for run in runs]) for one in ("force", "force_standard_error"))
+    force, errors = (
+        np.array([getattr(run, one) for run in runs]) for one in ("force", "force_standard_error")
+    )
     off = force - force.mean(axis=0)
     std = np.sqrt(np.square(off / np.maximum(errors, 1e-15)).mean(axis=0))
     # 300 seeds know it to 4 %, and less well where forces are not normal
