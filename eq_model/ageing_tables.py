@@ -24,17 +24,25 @@ class DriftTable(NamedTuple):
     """Of d ln P_cf/dw at even steps of w, that of lengths if the law has no upper end.
 
     low, high : ends of the final law, the upper one may be inf; near, far : thresholds between which
-    the table is; width : of the final law's middle half (lengths).
+    the table is (lengths, or units).
     """
 
     low: float
     high: float
     near: float
     far: float
-    width: float
     first: float
     step: float
     values: Array
+
+    def in_units(self, unit: float) -> "DriftTable":
+        """The same, of lengths in units."""
+        low, high, near, far = (end / unit for end in self[:4])
+        first = self.first - (0.0 if high < np.inf else np.log(unit))
+        return DriftTable(low, high, near, far, first, self.step, self.values)
+
+
+NO_DRIFT = DriftTable(0.0, np.inf, 0.0, np.inf, 0.0, 1.0, np.zeros(2))
 
 
 def drift_table(final: Thresholds, fresh: Thresholds) -> DriftTable:
@@ -61,4 +69,4 @@ def drift_table(final: Thresholds, fresh: Thresholds) -> DriftTable:
                 f"ageing: the density of the final law diverges at {end:g}, and thresholds stick to that end in steps "
                 "too short to follow; use a final law with a finite density, or the master equation"
             )
-    return DriftTable(low, high, near, far, width, first, w[1] - w[0], values)
+    return DriftTable(low, high, near, far, first, w[1] - w[0], values)

@@ -6,8 +6,8 @@ Lengths are in units of the lattice, but for those of rates.
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from eq_model.ageing_tables import DriftTable
 from eq_model.breaking import rate
 from eq_model.compiling import bare
 from eq_model.contact import LIVES, LOOKS, Break, look_at, place_of
@@ -33,13 +33,7 @@ class Ageing(NamedTuple):
     width: float
     relaxing: float  # per time
     diffusion: float  # squared units per time
-    first: float  # of the table's places
-    step: float
-    values: npt.NDArray[np.float64]
-    low: float  # ends of the final law, and of the table
-    high: float
-    near: float
-    far: float
+    table: DriftTable
     longest: float  # time of a step near the stretch that a threshold must not meet
     coarse: float  # how much coarser than need be steps in heat are
     warm: bool  # whether contacts break at rates besides
@@ -68,9 +62,10 @@ def _fourth(words):  # type: ignore[no-untyped-def]
 @bare
 def _drift(y, ageing):  # type: ignore[no-untyped-def]
     """Mean change of a threshold per time, over D, towards a law that is not normal."""
-    y = min(max(y, ageing.near), ageing.far)
-    below, above, values = y - ageing.low, ageing.high - y, ageing.values
-    place = (np.log(below / above if above < np.inf else below) - ageing.first) / ageing.step
+    table, values = ageing.table, ageing.table.values
+    y = min(max(y, table.near), table.far)
+    below, above = y - table.low, table.high - y
+    place = (np.log(below / above if above < np.inf else below) - table.first) / table.step
     k = min(max(_I(place), 0), values.size - 2)
     slope = values[k] + (place - k) * (values[k + 1] - values[k])
     return slope * (1.0 / below + 1.0 / above)
@@ -83,7 +78,7 @@ def _moved(y, time, bell, chance, walled, ageing):  # type: ignore[no-untyped-de
     A step that comes to the final law's upper end, or to its lower one where that is above the stretch (walled), is
     reflected by how far it went beyond, as the furthest point of a Brownian bridge tells.
     """
-    diffusion, low, high = ageing.diffusion, ageing.low, ageing.high
+    diffusion, low, high = ageing.diffusion, ageing.table.low, ageing.table.high
     spread = np.sqrt(2.0 * diffusion * time)
     # closer to an end than this no drift is felt through a step
     least, most = low + _FELT * spread, high - _FELT * spread
@@ -197,12 +192,12 @@ def _step(y, here, speed, left, law):  # type: ignore[no-untyped-def]
     time = law.longest
     if law.normal:
         time = max(time, _safe_step(y - here, y, here, speed, law))
-    elif law.low == 0.0:  # drifts are steep near there
+    elif law.table.low == 0.0:  # drifts are steep near there
         near = (_OF_THE_WAY * y) ** 2 / (2.0 * law.diffusion)
         time = min(time, max(near, _LEAST * time))
-    if law.high < np.inf and here >= law.low:
+    if law.table.high < np.inf and here >= law.table.low:
         # a threshold meets the stretch or the wall in one step, not both
-        gap = max(law.high - here, 1.0)
+        gap = max(law.table.high - here, 1.0)
         time = min(time, (_OF_THE_GAP * gap) ** 2 / (2.0 * law.diffusion))
         time = min(time, 0.5 * gap / speed) if speed > 0.0 else time
     if law.warm:
@@ -241,13 +236,18 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
             if d != 0 and not leaving:
                 left = min(left, max(here, 1.0) * pace)
             # what comes to the law's lower end is reflected where the stretch is below, and breaks beyond
-            if not law.normal and d != 0 and (here < law.low) == leaving and here != law.low:
-                left = min(left, max(abs(law.low - here), 1.0) * pace)
+            if (
+                not law.normal
+                and d != 0
+                and (here < law.table.low) == leaving
+                and here != law.table.low
+            ):
+                left = min(left, max(abs(law.table.low - here), 1.0) * pace)
             time = _step(y, here, speed, left, law)
             words = words_at(lane, place, stream, STEPS)
             bell, chance, ticks = _normal(words), _fourth(words), time / pace
             then = abs(_F(stretch) + d * (passed + ticks))
-            walled = here + then < 2.0 * law.low
+            walled = here + then < 2.0 * law.table.low
             place += 1
             if law.normal:
                 if time != known:  # most steps are as long as the last one
@@ -256,7 +256,7 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
                 later = y + (law.mean - y) * lost + width * bell
             else:
                 reflected = chance
-                if not walled and law.high < np.inf:
+                if not walled and law.table.high < np.inf:
                     reflected = _fourth(words_at(lane, place, stream, STEPS))
                     place += 1
                 later = _moved(y, time, bell, reflected, walled, law)
@@ -293,8 +293,10 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
                 )
                 threshold = here + share * met * (then - here) + gap
                 if not law.normal:
-                    threshold = min(threshold, 2.0 * law.high - threshold)
-                    threshold = law.low + abs(threshold - law.low) if walled else threshold
+                    threshold = min(threshold, 2.0 * law.table.high - threshold)
+                    threshold = (
+                        law.table.low + abs(threshold - law.table.low) if walled else threshold
+                    )
                 birth = place_of(moments[seen], leg, course) - stretch - d * (moments[seen] - at)
                 look_at(seen, birth, threshold, watch, counts)
                 seen += 1

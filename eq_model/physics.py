@@ -65,34 +65,17 @@ def _growing(contacts: Contacts, unit: float, rates: Any) -> Any:
 
 
 def _diffusing(contacts: Contacts, unit: float, rates: Any) -> Any:
-    from eq_model.ageing_tables import DriftTable, drift_table
+    from eq_model.ageing_tables import NO_DRIFT, drift_table
     from eq_model.diffusing import Ageing
 
-    ageing = contacts.ageing
+    ageing, warm = contacts.ageing, contacts.thermal is not None
     assert ageing is not None
-    normal, longest = ageing.normal, 0.0
+    normal, final, diffusion = ageing.normal, ageing.final, ageing.rate / unit**2
     if normal is not None:
-        longest = STEP / normal.rate
-        table = DriftTable(0.0, np.inf, 0.0, np.inf, 0.0, 0.0, 1.0, np.zeros(2))
-    else:
-        table = drift_table(ageing.final, contacts.thresholds)
-        longest = STEP_ELSE * table.width**2 / (2.0 * ageing.rate)
-    return Ageing(
-        normal=normal is not None,
-        mean=0.0 if normal is None else normal.mean / unit,
-        width=0.0 if normal is None else normal.std / unit,
-        relaxing=0.0 if normal is None else normal.rate,
-        diffusion=ageing.rate / unit**2,
-        first=table.first - (0.0 if table.high < np.inf else np.log(unit)),
-        step=table.step,
-        values=table.values,
-        low=table.low / unit,
-        high=table.high / unit,
-        near=table.near / unit,
-        far=table.far / unit,
-        longest=longest,
-        coarse=1.0,
-        warm=contacts.thermal is not None,
-        rates=rates,
-        unit=unit,
-    )
+        mean, width, longest = normal.mean / unit, normal.std / unit, STEP / normal.rate
+        return Ageing(
+            True, mean, width, normal.rate, diffusion, NO_DRIFT, longest, 1.0, warm, rates, unit
+        )
+    table = drift_table(final, contacts.thresholds).in_units(unit)
+    longest = STEP_ELSE * float(final.isf(0.25) - final.ppf(0.25)) ** 2 / (2.0 * ageing.rate)
+    return Ageing(False, 0.0, 0.0, 0.0, diffusion, table, longest, 1.0, warm, rates, unit)
