@@ -3,9 +3,8 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import overload
 
-from eq_model.contact import LIVES, LOOKS, OPTIONS, Break, look_at
+from eq_model.contact import LIVES, LOOKS, Break, by_law, look_at
 from origins.laws.compiled import CompiledRates
 
 _I, _F = np.int64, np.float64
@@ -26,48 +25,12 @@ class Warm(NamedTuple):
     log_slow: Any  # (m,): ln of the time for a length, of each leg
 
 
-# by the class of their law, which numba finds them by
+# by the class of their law; arguments are those of CompiledRates
 RATES: dict[type, CompiledRates] = {}
-
-
-def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-    """h, per time, at a stretch 0 <= x <= threshold (lengths), by the type of the law."""
-    raise NotImplementedError
-
-
-def passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
-    """The integral of h over the stretches from near to far."""
-    raise NotImplementedError
-
-
-def reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-    """The stretch up to which the integral of h from near on has this logarithm, or the threshold."""
-    raise NotImplementedError
-
-
-def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
-    """A bound of h between stretches and between thresholds."""
-    raise NotImplementedError
-
-
-@overload(rate, jit_options=OPTIONS)
-def _rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return RATES[law.instance_class].rate
-
-
-@overload(passed, jit_options=OPTIONS)
-def _passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return RATES[law.instance_class].passed
-
-
-@overload(reached, jit_options=OPTIONS)
-def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return RATES[law.instance_class].reached
-
-
-@overload(most, jit_options=OPTIONS)
-def _most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
-    return RATES[law.instance_class].most
+rate = by_law(lambda law: RATES[law].rate)
+passed = by_law(lambda law: RATES[law].passed)
+reached = by_law(lambda law: RATES[law].reached)
+most = by_law(lambda law: RATES[law].most)
 
 
 def at_threshold(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]

@@ -87,32 +87,29 @@ class Watch(NamedTuple):
 
 # -- laws -------------------------------------------------------------------------------------------
 
+
+def by_law(choose: Callable[[type], Any]) -> Any:
+    """A function for kernels, a part of them, which `choose` finds by the class of its first argument's law."""
+
+    def function(law, *rest):  # type: ignore[no-untyped-def]
+        raise NotImplementedError
+
+    options: Any = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
+
+    @overload(function, jit_options=options, strict=False)
+    def found(law, *rest):  # type: ignore[no-untyped-def]
+        return choose(law.instance_class)
+
+    return function
+
+
 LIVES: dict[type, Callable[..., Any]] = {}
 LOOKS: dict[type, Callable[..., Any]] = {}
-
-
-def life(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact, by the type of its law."""
-    raise NotImplementedError
-
-
-def look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    """Count a contact at the watched points from the bin `born` to before the bin `broken`."""
-    raise NotImplementedError
-
-
-# as compiling.bare, and as a part of the loop
-OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
-
-
-@overload(life, jit_options=OPTIONS)
-def _life(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
-    return LIVES[law.instance_class]
-
-
-@overload(look, jit_options=OPTIONS)
-def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    return LOOKS[law.instance_class]
+# life(law, contact, course, watch, counts): the break of a contact
+life = by_law(LIVES.__getitem__)
+# look(law, contact, course, born, broken, birth, watch, counts): count a contact at the watched points
+# from the bin `born` to before the bin `broken`
+look = by_law(LOOKS.__getitem__)
 
 
 # -- places and times -------------------------------------------------------------------------------
