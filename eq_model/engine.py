@@ -57,7 +57,8 @@ class Engine:
         laws += [] if contacts.reforming is None else [contacts.reforming.law]
         furthest = max(abs(end) for law in laws for end in law.span)
         path = np.append(0.0, drive.path)
-        span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
+        low, high = np.minimum.accumulate(path)[1:], np.maximum.accumulate(path)[1:]
+        span = high - low
         largest = _largest(contacts, drive, max(self._cells["thresholds"].largest, furthest))
         longest = min(largest, float(span[-1]) + furthest)
         stiffest = max(largest / scale, 1.0) if self._linked else 1.0
@@ -84,7 +85,7 @@ class Engine:
         told = self.lattice.path + beside
         stretch = np.minimum(span + furthest, longest)
         self.readout = Readout(
-            contacts, self.lattice, told, self._columns, self._parts, furthest, span, stretch
+            contacts, self.lattice, told, self._columns, self._parts, furthest, low, high, stretch
         )
 
     def _check_excess(self, unit: float) -> None:

@@ -22,7 +22,7 @@ from origins.streams import key_of
 
 Array = npt.NDArray[np.float64]
 
-_MOST_CONTACTS, _MOST_REPLICAS = 1 << 37, (1 << 28) - 1
+_MOST_CONTACTS, _MOST_REPLICAS = 1 << 37, 1 << 28
 
 
 class Ensemble(UnderWay):
@@ -66,7 +66,7 @@ class Ensemble(UnderWay):
                     f'contacts.{name}: closure = "paper" is an approximation of the master equation, which single '
                     'contacts do not know; use closure = "exact"'
                 )
-        started, most = self.clock(), (_MOST_CONTACTS, _MOST_REPLICAS)
+        started, most = self.clock(), (1 << 62, _MOST_REPLICAS)
         self._set_up(most, n_contacts, n_replicas, threads, comm, wall_time)
         self.contacts = contacts
         if self.total > _MOST_CONTACTS:

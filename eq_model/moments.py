@@ -44,8 +44,8 @@ class Readout:
     told : shape (n,), the slider at the path's points (lengths), what the rounding of a single start
     leaves added. columns : sums of each bin, of all and more of measured blocks. parts : sizes of the
     sums of all, of measured blocks, and of those in coarser steps. furthest : the largest stretch at
-    which contacts begin; span : shape (n,), how far apart the slider has been at the points;
-    stretch : the largest stretch there.
+    which contacts begin; low, high : shape (n,), the slider's lowest and highest position until the
+    points (lengths); stretch : the largest stretch there.
     """
 
     contacts: Contacts
@@ -54,7 +54,8 @@ class Readout:
     columns: tuple[int, int]
     parts: Whole
     furthest: float
-    span: Array
+    low: Array
+    high: Array
     stretch: Array
 
     def _moments(self, n: int, limbs: Whole) -> Moments:
@@ -137,9 +138,11 @@ class Readout:
         if not start.is_single:  # octaves of probability, each by its outer end
             weights = np.repeat(2.0 ** -np.arange(2.0, 42.0), 2)
             x = np.stack([start.ppf(weights[::2]), start.isf(weights[::2])], axis=1).ravel()
-        held = np.abs(x)[:, None]
+        x = x[:, None]
+        held = np.abs(x)
+        reached = np.maximum(held, np.maximum(x + self.high, -x - self.low))
         before = law.sf(held)
-        broken = law.cdf(held + self.span) - law.cdf(held), before - law.sf(held + self.span)
+        broken = law.cdf(reached) - law.cdf(held), before - law.sf(reached)
         share = np.where(
             law.cdf(held) < 0.5, *broken
         )  # the larger tail loses digits as a difference

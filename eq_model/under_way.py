@@ -32,7 +32,7 @@ class UnderWay:
         comm: Any,
         wall: Any,
     ) -> None:
-        """Check what all ensembles are given; `most` contacts and replicas, both below."""
+        """Check what all ensembles are given; contacts and replicas must be below `most`."""
         if comm is not None and not hasattr(comm, "Get_rank"):
             rule = (
                 "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process"
@@ -44,8 +44,8 @@ class UnderWay:
         for name, value, largest in zip(
             ("n_contacts", "n_replicas"), (self.n_contacts, self.n_replicas), most, strict=True
         ):
-            if value > largest:
-                refuse(name, value, f"must be at most {largest}")
+            if value >= largest:
+                refuse(name, value, f"must be below {largest}")
         self.total = self.expected = self.n_contacts * self.n_replicas
         self._wall_time = None if wall is None else positive("wall_time", wall)
         self._stopped = False

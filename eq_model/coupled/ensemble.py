@@ -61,7 +61,7 @@ class CoupledEnsemble(UnderWay):
     ) -> None:
         self.drive = Drive(path, velocity, time, spring, slip)
         check_coupled(contacts, self.drive)
-        most = (MOST_CONTACTS, MOST_REPLICAS)
+        most = (MOST_CONTACTS + 1, MOST_REPLICAS + 1)
         self._set_up(most, n_contacts, n_replicas, threads, comm, wall_time)
         self.slip_fraction = positive("slip_fraction", slip_fraction)
         if self.slip_fraction > 1.0:
