@@ -5,9 +5,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.contact import LIVES, LOOKS, Break, by_law, look_at
+from eq_model.tables import FAR, LEVEL_UNIT
 from origins.laws.compiled import CompiledRates
 
-_I, _F = np.int64, np.float64
+_U, _I, _F = np.uint64, np.int64, np.float64
 _NOTHING = 1e-300
 
 
@@ -104,6 +105,30 @@ def by_rate(law, contact, course, watch, counts):  # type: ignore[no-untyped-def
     return Break(course.begins[legs] + 1, leg, contact.drawn, True)
 
 
+def _row_at_thresholds(law, n, x, e, at, least):  # type: ignore[no-untyped-def]
+    """They break at their thresholds."""
+
+
+def _row_by_rates(law, n, x, e, at, least):  # type: ignore[no-untyped-def]
+    """Steadily forward the stretches x at which n lanes break that bear e, in place of their thresholds."""
+    rates, unit, per, one, slow = law.rates, law.unit, 1.0 / law.unit, 1.0, law.log_slow[0]
+    for i in range(_U(n)):
+        threshold, log_bears = _F(x[i]) * unit, _F(e[i]) * LEVEL_UNIT - slow
+        # contacts that form again are relaxed; others begin at a stretch of either sign
+        near = _F(-at[i]) * unit if least[i] > 0 else 0.0
+        if near < 0.0:
+            bears = np.exp(log_bears)
+            whole = passed(rates, 0.0, -near, threshold, one)
+            if whole >= bears:
+                left = np.log(max(whole - bears, _NOTHING))
+                own = min(reached(rates, left, 0.0, threshold, one), -near)
+                x[i] = -_I(np.floor(own * per + 0.5))
+                continue
+            log_bears, near = np.log(bears - whole), 0.0
+        own = reached(rates, log_bears, near, threshold, one)
+        x[i] = min(_I(np.floor(min(own * per, _F(FAR)) + 0.5)), x[i])
+
+
 def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
     for k in range(watch.before[born], watch.before[broken]):
         look_at(k, birth, _F(contact.threshold), watch, counts)
@@ -111,3 +136,5 @@ def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ig
 
 LIVES |= {Cold: at_threshold, Warm: by_rate}
 LOOKS |= {Cold: _look, Warm: _look}
+_ROWS = {Cold: _row_at_thresholds, Warm: _row_by_rates}
+break_row = by_law(_ROWS.__getitem__)  # for contacts that move steadily forward

@@ -52,7 +52,8 @@ class Engine:
         self._cells = cells_of(contacts)
         self._linked = contacts.stiffness == "linked"
         # alike all along the path: without laws contacts know no time
-        self._plain = drive.forward and not contacts.laws
+        steady = not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
+        self._plain = drive.forward and steady
         scale, laws = contacts.mean_threshold, [contacts.start]
         laws += [] if contacts.reforming is None else [contacts.reforming.law]
         furthest = max(abs(end) for law in laws for end in law.span)

@@ -1,17 +1,19 @@
-"""Contacts at T = 0 in steady forward motion, in lanes: where a break is a sum.
+"""Contacts in steady forward motion, in lanes: where a break is a sum.
 
-A contact that breaks at its thresholds x1, x2, ... stands relaxed where they add up to; released stretch
-is summed in the bin where it is released. The stages are loops over the lanes, most of which the
+A contact that breaks at x1, x2, ..., its thresholds or in heat less, stands relaxed where they add up to;
+released stretch is summed in the bin where it is released. The stages are loops over the lanes, most of which the
 compiler turns into vector code.
 """
 
 import numpy as np
 
+from eq_model.breaking import break_row
 from eq_model.compiling import bare, compiled
 from eq_model.contact import bin_of, look_at
 from eq_model.quantiles import beyond, draw_inside, draw_values, scratch
 from eq_model.streams import (
     BEYOND,
+    EXPOSURES,
     LANES,
     STARTS,
     THRESHOLDS,
@@ -117,7 +119,8 @@ def forward(stream, count, settings, law, course, bins, watch, sums, counts):  #
     sums : increased. counts : as of contact.look_at.
     """
     n, thresholds, rows = min(LANES, count), settings.thresholds, scratch()
-    words, others = words_of_round(), words_of_round()
+    words, others, more = words_of_round(), words_of_round(), words_of_round()
+    e, own = np.zeros(LANES, _I), np.zeros(LANES, _I)
     x, at, start = np.empty(LANES, _I), np.empty(LANES, _I), np.empty(LANES, _I)
     least, birth, before = np.empty(LANES, _I), np.zeros(LANES, _I), np.zeros(LANES, _I)
     left, found = np.zeros(LANES, _I), np.zeros(LANES, np.int32)
@@ -144,17 +147,24 @@ def forward(stream, count, settings, law, course, bins, watch, sums, counts):  #
         draw(n, turn, stream, THRESHOLDS, words)
         if settings.drawn:
             draw(n, turn, stream, STARTS, others)
+        if settings.bears:
+            draw(n, turn, stream, EXPOSURES, more)
         for row in range(_I(4)):
             draw_values(n, row, turn, stream, THRESHOLDS, words, thresholds, rows, x)
             if stretched:
                 _beyond_starts(n, row, turn, stream, least, thresholds, rows, x)
+            if watched:
+                own[:] = x
+            if settings.bears:
+                draw_values(n, row, turn, stream, EXPOSURES, more, settings.exposures, rows, e)
+            break_row(law, n, x, e, at, least)
             if stretched or watched or sums.measured:
                 for i in range(_U(n)):
                     before[i], birth[i] = left[i], at[i]
             breaks += _advance(n, x, at, left, settings.begun, bins, found)
             _release(n, x, birth, bins, found, rows.place, sums)
             if watched:
-                _look(n, since, found, before, birth, x, watch, counts)
+                _look(n, since, found, before, birth, own, watch, counts)
             if settings.drawn:
                 draw_inside(
                     n, row, turn, stream, STARTS, others, settings.starts, settings.top, rows, start
