@@ -11,7 +11,7 @@ from master.lives.cold import TIE
 from master.lives.heat.above import Above
 from master.lives.heat.mean_rate_sum import mean_rate
 from master.lives.heat.replayed import ReplayedLife, rates_of
-from master.lives.heat.stretches import RESOLVED, Moves
+from master.lives.stretches import RESOLVED, Moves
 from master.motion.motion import Legs
 from master.renewal.table import Table
 from origins import Contacts

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.cold import NONE_LEFT
-from master.lives.heat.stretches import RESOLVED, Left, Moves, Rules, averaged, missed
+from master.lives.stretches import RESOLVED, Left, Moves, Rules, averaged, missed
 from master.motion.motion import History, Legs
 from origins import Contacts
 from origins.laws.rate_law import RateLaw
