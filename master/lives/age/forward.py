@@ -119,10 +119,14 @@ class ForwardAgeing(UnbentLife):
         A polynomial of the stretch on either side of 0.
         """
         out = np.zeros(lag.shape)
+        first, last = self._contacts.start.span
         for side in (stretch < 0.0, stretch >= 0.0):
             if not side.any():
                 continue
-            low, high = float(stretch[side].min()), float(stretch[side].max())
+            # all over the start's span, so that the nodes are the same each time
+            most = min(last, 0.0) if stretch[side][0] < 0.0 else last
+            least = first if stretch[side][0] < 0.0 else max(first, 0.0)
+            low, high = min(least, stretch[side].min()), max(most, stretch[side].max())
             if low == high:
                 out[side] = self.table(low).survival(lag[side])
                 continue
