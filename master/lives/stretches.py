@@ -120,13 +120,30 @@ class Rules(NamedTuple):
         return _Tried(found, agreed & (unseen.max(axis=1) <= _AGREED * resolved))
 
 
-def missed(law: Start, moves: Moves, reach: float, bends: Array, left: Left, found: Array) -> float:
-    """By how much `found`, the average over the stretches, changes where all pieces are halved."""
-    pair, low, high = _pieces(law, moves, reach, bends)
+def missed(
+    law: Start,
+    moves: Moves,
+    reach: float,
+    bends: Array,
+    left: Left,
+    found: Array,
+    one_of: int,
+    resolved: float = RESOLVED,
+) -> float:
+    """By how much `found`, the averages over the stretches, change where all pieces are halved.
+
+    one_of : of so many averages one is looked at
+    """
+    some = np.arange(moves.now.size // 2 % one_of, moves.now.size, one_of)
+    pair, low, high = _pieces(law, Moves(*(part[some] for part in moves)), reach, bends)
     middle = 0.5 * (low + high)
     halves = _Pieces(np.tile(pair, 2), np.append(low, middle), np.append(middle, high))
-    again = _summed(halves, law, reach, moves.now.size, left, RESOLVED)
-    return float(np.abs(again - found)[0].max(initial=0.0))
+
+    def of_some(pair: Rows, stretch: Array) -> Array:
+        return left(some[pair], stretch)
+
+    again = _summed(halves, law, reach, some.size, of_some, resolved)
+    return float(np.abs(again - found[:, some])[0].max(initial=0.0))
 
 
 class _Pieces(NamedTuple):
