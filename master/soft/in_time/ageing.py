@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.cells import Cells
-from master.lives.age.strands import ASLEEP, fresh_rate, stepped
+from master.lives.age.cells import ASLEEP, Cells
+from master.lives.age.strands import fresh_rate, stepped
 from master.lives.stretch_rule import StretchRule, stretch_rule
 from master.soft.in_time.cohorts import Spread, Steps, halves
 from master.soft.in_time.memory import BIRTHS, MORE_BIRTHS
