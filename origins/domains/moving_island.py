@@ -8,7 +8,7 @@ from typing import Any
 
 import ase
 import numpy as np
-from ase.calculators.calculator import Calculator, all_changes
+from ase.calculators.calculator import BaseCalculator, PropertyNotImplementedError
 from ase.calculators.singlepoint import SinglePointCalculator
 from ase.constraints import FixAtoms
 
@@ -112,26 +112,33 @@ class MovingIsland:
         return atoms
 
 
-class IslandCalculator(Calculator):
+class IslandCalculator(BaseCalculator):
     """The island for ASE's optimizers and bands, in units of a length and an energy of its own."""
 
     def __init__(self, island: MovingIsland, length: float, energy: float) -> None:
         self.implemented_properties = ["energy", "forces"]
         super().__init__()
         self.island, self.length, self.energy = island, length, energy
+        self._points: Array | None = None
 
     def calculate(
-        self,
-        atoms: ase.Atoms | None = None,
-        properties: list[str] | None = None,
-        system_changes: list[str] = all_changes,
+        self, atoms: ase.Atoms, properties: list[str], system_changes: list[str]
     ) -> None:
-        super().calculate(atoms, properties, system_changes)
-        assert self.atoms is not None  # ASE's own copy
-        energy, forces = self.island.evaluate(
-            self.island.unturned(self.atoms.positions * self.length)
-        )
-        self.results = {
-            "energy": energy / self.energy,
-            "forces": forces * (self.length / self.energy),
-        }
+        self._points = atoms.positions.copy()
+        points = self.island.unturned(self._points * self.length)
+        energy, forces = self.island.evaluate(points)
+        forces = forces * (self.length / self.energy)
+        self.results = {"energy": energy / self.energy, "forces": forces}
+
+    def get_property(
+        self, name: str, atoms: ase.Atoms | None = None, allow_calculation: bool = True
+    ) -> Any:
+        # ASE compares cells, masses and more as well, which takes longer than most substrates
+        if atoms is not None and (
+            self._points is None or not np.array_equal(atoms.positions, self._points)
+        ):
+            self.calculate(atoms, [name], [])
+        if name not in self.results:
+            raise PropertyNotImplementedError(name)
+        result = self.results[name]
+        return result.copy() if isinstance(result, np.ndarray) else result

@@ -6,7 +6,6 @@ holds, this is a second road to the same number; for other calculators and for f
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -14,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from origins.domains.bands import Ends, Scales, by_bands, flat
 from origins.domains.barriers import climbs_of
 from origins.domains.structure_factors import Complex, Whole
-from origins.errors import InputError, refuse
+from origins.errors import refuse
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
@@ -25,48 +25,11 @@ if TYPE_CHECKING:
     from origins.domains.moving_island import MovingIsland
 
 _MOST_FLEXIBLE = 1500  # atoms that move by themselves
-_GRIDS = (
-    16,
-    32,
-    64,
-    128,
-)  # places along each period at which the energy of a rigid island is asked
+_GRIDS = (16, 32, 64, 128)  # places along each period where a rigid island's energy is asked
 _FORCES = 1e-3  # of the greatest force: where forces belong to another energy they are further off
 _POLISHED = 1e-9  # of the largest wave: the search found the saddle itself
 _NOTHING = 2e-13  # of the largest wave: waves below do not count
-_LEAST_CURVATURE = (
-    1e-6  # of force over radian: places flatter than this are known less well than is said
-)
-_KNOWN = 1e-9  # in scales.energy: minima nearer than this are the same
-_STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))  # periods that bands lead over
-_IMAGES = 11
-_SHAKE = 0.02  # radians
-_LOOSE, _TIGHT = 1e-2, 1e-10  # of the greatest force: left by ASE, and by Newton's method after it
-_MOST_STEPS, _BAND_STEPS = 2000, 300  # of a relaxation, of a band: Newton's method does the rest
-_DENSE = 60  # directions up to which Newton's method takes a whole matrix
-_MOST_MINIMA = 10
-
-
-@dataclass(frozen=True)
-class _Scales:
-    """radian, the shorter period over 2 pi; force, the greatest on one atom; noise, rounding of energies."""
-
-    radian: float
-    force: float
-    noise: float
-
-    @property
-    def energy(self) -> float:
-        return self.radian * self.force
-
-
-@dataclass(frozen=True)
-class _Ends:
-    """Where the minimum and the saddle are, points of the island, and what is not known of their energies."""
-
-    minimum: Array
-    saddle: Array
-    error: float
+_LEAST_CURVATURE = 1e-6  # of force over radian: flatter places are known less well than is said
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +128,7 @@ def relaxed_barrier(
         )
     scales = _scales(slider, cell)
     island = slider if rigid and planar else MovingIsland(atoms, calculator, rigid, planar)
-    ends = _rigid(slider, scales, cell) if island is slider else _by_bands(island, scales, cell)
+    ends = _rigid(slider, scales, cell) if island is slider else by_bands(island, scales, cell)
     minimum, saddle = island.atoms_at(ends.minimum), island.atoms_at(ends.saddle)
     height = float(saddle.get_potential_energy() - minimum.get_potential_energy())
     # forces that remain move a point that is level by themselves over its curvature
@@ -222,11 +185,11 @@ def _known_periods(calculator: Any) -> Array | None:
 
 
 def _moved(slider: MovingIsland, shift: Array) -> tuple[float, Array]:
-    energy, forces = slider.evaluate(slider.points + _flat(shift))
+    energy, forces = slider.evaluate(slider.points + flat(shift))
     return energy, forces[0, :2]
 
 
-def _scales(slider: MovingIsland, periods: Array) -> _Scales:
+def _scales(slider: MovingIsland, periods: Array) -> Scales:
     places = [np.array([i + 0.37, j + 0.21]) / 3.0 @ periods for i in range(3) for j in range(3)]
     energies = [_moved(slider, place)[0] for place in places]
     force = slider.strongest
@@ -250,10 +213,10 @@ def _scales(slider: MovingIsland, periods: Array) -> _Scales:
                 periods,
                 f"must leave energies as they are; moved by {shown} they change by {off:.2g}",
             )
-    return _Scales(radian, force, noise)
+    return Scales(radian, force, noise)
 
 
-def _series(slider: MovingIsland, scales: _Scales, periods: Array) -> tuple[Whole, Complex]:
+def _series(slider: MovingIsland, scales: Scales, periods: Array) -> tuple[Whole, Complex]:
     """Energy of the shifted island as waves of whole numbers: U = Re sum_n c_n exp(2 pi i K_n·share).
 
     Returns K (n, 2) and c (n,). The grid is refined until what it does not resolve is rounding.
@@ -277,11 +240,11 @@ def _series(slider: MovingIsland, scales: _Scales, periods: Array) -> tuple[Whol
     return K[kept], 2.0 * waves.ravel()[kept]
 
 
-def _rigid(slider: MovingIsland, scales: _Scales, periods: Array) -> _Ends:
+def _rigid(slider: MovingIsland, scales: Scales, periods: Array) -> Ends:
     """The lowest minimum and the saddle of the easiest way, by the exact search on a Fourier series."""
     K, c = _series(slider, scales, periods)
     if not len(K):
-        return _Ends(slider.points, slider.points, scales.noise)
+        return Ends(slider.points, slider.points, scales.noise)
     share = np.array([0.123, 0.456])
     force = _moved(slider, share @ periods)[1]
     slopes = -(c * np.exp(2j * np.pi * (K @ share))).imag @ (2.0 * np.pi * K)
@@ -293,103 +256,7 @@ def _rigid(slider: MovingIsland, scales: _Scales, periods: Array) -> _Ends:
     size = float(np.abs(c).max())
     on_grid = float(climbs.errors[0]) if climbs.errors[0] > _POLISHED * size else 0.0
     places = [
-        slider.points + _flat(t[0] / (2.0 * np.pi) @ periods)
+        slider.points + flat(t[0] / (2.0 * np.pi) @ periods)
         for t in (climbs.minima, climbs.saddles)
     ]
-    return _Ends(places[0], places[1], on_grid + _NOTHING * size)
-
-
-def _by_bands(island: MovingIsland, scales: _Scales, periods: Array) -> _Ends:
-    """The lowest minimum found from 16 places and along the bands, and the lowest top of four bands."""
-    starts = [np.array([i, j]) / 4.0 @ periods for i in range(4) for j in range(4)]
-    lowest = min(
-        (_relaxed(island, scales, island.points + _flat(shift)) for shift in starts),
-        key=island.energy_at,
-    )
-    for _ in range(_MOST_MINIMA):
-        tops = []
-        for step in np.array(_STEPS) @ periods:
-            top, lower = _band(island, scales, lowest, _flat(step))
-            if island.energy_at(lower) < island.energy_at(lowest) - _KNOWN * scales.energy:
-                lowest = lower
-                break
-            tops.append(top)
-        else:
-            return _Ends(lowest, min(tops, key=island.energy_at), 0.0)
-    raise InputError(
-        "atoms: bands lead to ever lower minima; take rigid=True or atoms that hold together more stiffly"
-    )
-
-
-def _image(island: MovingIsland, scales: _Scales, points: Array) -> ase.Atoms:
-    """The points as Atoms of their own, lengths in scales.radian, energies in scales.energy."""
-    import ase
-
-    from origins.domains.moving_island import IslandCalculator
-
-    image = ase.Atoms(numbers=np.zeros(len(points), dtype=int), positions=points / scales.radian)
-    image.calc = IslandCalculator(island, scales.radian, scales.energy)
-    return image
-
-
-def _relaxed(island: MovingIsland, scales: _Scales, points: Array) -> Array:
-    """The minimum that ASE's LBFGS finds from `points`."""
-    from ase.optimize import LBFGS
-
-    image = _image(island, scales, points)
-    if not LBFGS(image, logfile=os.devnull).run(fmax=_LOOSE, steps=_MOST_STEPS):
-        raise RuntimeError("the forces on the island do not vanish: no minimum was found")
-    return _level(island, scales, image.positions * scales.radian)
-
-
-def _level(island: MovingIsland, scales: _Scales, points: Array) -> Array:
-    """Where the forces vanish, beside `points`; these themselves where none is found."""
-    from scipy.optimize import root
-
-    basis = island.basis()
-
-    def forces(q: Array) -> Array:
-        there = points + scales.radian * (basis @ q).reshape(points.shape)
-        return island.evaluate(there)[1].ravel() @ basis / scales.force
-
-    size = basis.shape[1]
-    if size > _DENSE:
-        found = root(
-            forces, np.zeros(size), method="krylov", options={"fatol": _TIGHT, "maxiter": 200}
-        )
-    else:
-        found = root(forces, np.zeros(size), method="hybr", options={"xtol": 1e-15})
-    moved = points + scales.radian * (basis @ found.x).reshape(points.shape)
-    settled = np.abs(forces(found.x)).max() <= 1e-8 and np.abs(found.x).max() <= 0.5
-    return island.unturned(moved) if settled else points
-
-
-def _band(
-    island: MovingIsland, scales: _Scales, minimum: Array, step: Array
-) -> tuple[Array, Array]:
-    """The top of the way over one step, by ASE's climbing-image NEB, and the lowest minimum beside it."""
-    from ase.mep import NEB
-    from ase.optimize import FIRE
-
-    shake, basis = np.random.default_rng(0), island.basis()
-    images = []
-    for share in np.linspace(0.0, 1.0, _IMAGES):
-        # a band of one symmetry could not leave it
-        noise = _SHAKE * scales.radian * (basis @ shake.standard_normal(basis.shape[1]))
-        inner = 0.0 if share in (0.0, 1.0) else 1.0
-        images.append(
-            _image(island, scales, minimum + share * step + inner * noise.reshape(minimum.shape))
-        )
-    band = NEB(images, climb=True, method="improvedtangent")
-    FIRE(band, logfile=os.devnull).run(fmax=_LOOSE, steps=_BAND_STEPS)
-    energies = np.array([image.get_potential_energy() for image in images])
-    top = images[int(energies[1:-1].argmax()) + 1].positions * scales.radian
-    low = images[int(energies[1:-1].argmin()) + 1]
-    lower = minimum
-    if low.get_potential_energy() < energies[0] - _KNOWN:
-        lower = _relaxed(island, scales, low.positions * scales.radian)
-    return _level(island, scales, top), lower
-
-
-def _flat(shift: Array) -> Array:
-    return np.concatenate([shift, np.zeros((*shift.shape[:-1], 1))], axis=-1)
+    return Ends(places[0], places[1], on_grid + _NOTHING * size)
