@@ -147,10 +147,9 @@ def domains(
         histogram, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force and holding fraction
         of a run count the islands that resist only.
 
-        One island on a substrate of two waves, at any angle and without a temperature, has no sampling error: P_c
-        comes from b(angle) itself. It diverges as an inverse square root where b stands still, so that K* is
-        infinite, and jumps where min(|S_x|, |S_y|) changes sides. On other substrates, for several sizes and for
-        islands of some hundred periods across samples smooth such peaks away.
+        One island on two waves, at any angle and without a temperature, has no sampling error: P_c comes from
+        b(angle) itself. It diverges where b stands still, so that K* is infinite, and jumps where min(|S_x|, |S_y|)
+        changes sides. Elsewhere, and for islands of some hundred periods across, samples smooth such peaks away.
 
     Raises InputError for values outside these, for a substrate that varies in one direction only, and where no island
     resists.
@@ -200,6 +199,7 @@ def domains(
         thresholds = angle_thresholds(turned_by, reach, 1.0 / (period * scale))
         if thresholds is not None and law == "paper":
             thresholds = Powered(thresholds, 1.0, 0.5)
+            thresholds.knows_breakpoints = False
     if thresholds is None:
         thresholds = from_samples(lengths)
     mean, distance, ratios = _exponential(np.sort(forces))
