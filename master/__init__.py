@@ -1,6 +1,5 @@
 """What the distribution of contacts does: the master equation, solved as a renewal equation."""
 
-from master._old.decoherence_spectrum import DecoherenceSpectrum, decoherence_spectrum
 from master.paper.critical_velocity import CriticalVelocity, critical_velocity
 from master.solution import Solution
 from master.solve import solve
@@ -8,6 +7,7 @@ from master.steady.kinetic import KineticCurve, kinetic_curve
 from master.steady.steady import SteadyState, steady_state
 from master.stick_slip.phase_line import PhaseLine, phase_line
 from master.stick_slip.propensity import Propensity, propensity
+from master.stick_slip.spectrum import DecoherenceSpectrum, decoherence_spectrum
 
 __all__ = [
     "CriticalVelocity",

@@ -27,6 +27,8 @@ def outcome(contacts: Contacts, error: float, tolerance: float, reason: str) -> 
         message += (
             f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
         )
+    if contacts.thresholds.cut_weight > 0.0:
+        message += f"; a weight of {contacts.thresholds.cut_weight:.1e} of the thresholds at or below x = 0 was cut off"
     return success, message
 
 

@@ -136,8 +136,9 @@ class Solution:
         # a turning point ends one leg and begins the next
         times = {index: t for index, t in found.items() if t > found.get(index - 1, -1.0)}
         if not times:
-            end = f"{self.path[-1]:g}"
-            refuse("position", position, f"must lie between 0 and the end of the path, {end}")
+            low, high = min(0.0, self.path.min()), max(0.0, self.path.max())
+            told = f"the path, between {low:g} and {high:g}, does not come there"
+            refuse("position", position, told)
         if len(times) > 1:
             several, first = ", ".join(map(str, times)), next(iter(times))
             refuse(

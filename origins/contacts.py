@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from copy import copy
 from typing import Any, Literal
 
@@ -27,6 +28,7 @@ from origins.thresholds.scipy_laws import as_thresholds
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 
 _UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
+_HOTTEST = 100.0  # k_BT/<k> of <x_s²>: barriers are below k_BT/200
 _COLDEST = 1e-20  # k_BT/<k> of <x_s>²: barriers are beyond all that rates could tell
 
 
@@ -35,11 +37,13 @@ class Contacts:
 
     Parameters
     ----------
-    thresholds : Thresholds, frozen scipy.stats distribution on x >= 0, or GrainContact
-        Law P_c(x) of fresh thresholds (a length). Of a GrainContact with an age, such as growing_grains(...): they grow
+    thresholds : Thresholds, scipy.stats distribution on x >= 0, or GrainContact
+        Law P_c(x) of fresh thresholds (a length). Distributions of scipy are frozen ones, stats.gamma(2.5), or objects
+        of its newer interface, stats.Normal(mu=1.0, sigma=0.05), here and below; of weight below 0 up to 1e-6 is cut
+        off, which solvers say. Of a GrainContact with an age, such as growing_grains(...): they grow
         as long as a contact is there, also where it rests, and P_c is that of all contacts at X = 0; a broken contact
         is out until its new grains pin, and after that for the delay.
-    start : None, float, Start or frozen scipy.stats distribution
+    start : None, float, Start or scipy.stats distribution
         Stretches at X = 0, of contacts that hold; None: all relaxed, x = 0. A contact that starts at x has a
         threshold from P_c conditional on x_s > |x|.
     thermal : Thermal or RateLaw, optional
@@ -49,7 +53,7 @@ class Contacts:
         which differs from no ageing then too).
     delay : Delay, optional
         How long a broken contact stays out; at time 0 there is none.
-    reforming : None, float, Start or frozen scipy.stats distribution
+    reforming : None, float, Start or scipy.stats distribution
         Stretches at which broken contacts form again, such as origins.boltzmann_reforming(temperature); None: x = 0.
         The threshold follows P_c conditional on x_s > |x|.
     stiffness : "independent" or "linked"
@@ -116,6 +120,8 @@ class Contacts:
                 f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach "
                 "a steady state"
             )
+        # a family that is no law is refused here, by its name, and not in the middle of a solution
+        self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
         self._take(thermal, ageing, delay, reforming, stiffness)
 
@@ -184,6 +190,8 @@ class Contacts:
     def _check_laws(self) -> None:
         if isinstance(self.thermal, Thermal) and (rule := too_cold(self.thermal.temperature, self.thresholds)):
             refuse("thermal.temperature", self.thermal.temperature, rule)
+        if isinstance(self.thermal, Thermal) and (told := too_hot(self.thermal.temperature, self.thresholds)):
+            warnings.warn(told, TooHot, stacklevel=4)
         if self.ageing is not None and not isinstance(self.ageing, Ageing):
             refuse("ageing", self.ageing, "must be an origins.Ageing, such as Ageing(gaussian(1.0, 0.02), rate=5e-4)")
         if self.delay is not None and not isinstance(self.delay, Delay):
@@ -257,6 +265,22 @@ def check_contacts(
         raise InputError(
             f'contacts.thermal: {solver} does not take the rate law "{contacts.thermal.law}" yet; use {known}'
         )
+
+
+class TooHot(UserWarning):
+    """The temperature is far above all barriers, as if it were given in kelvins."""
+
+
+def too_hot(temperature: float, thresholds: Thresholds) -> str:
+    """What to tell of a temperature k_BT/<k> (a length squared) at which contacts hold nothing; "" of a lower one."""
+    share = temperature / thresholds.moment(2)
+    if not share > _HOTTEST:
+        return ""
+    kelvin = "" if thresholds.interface is None else ": of kelvins write temperature = { kelvin = 300.0 }"
+    return (
+        f"the temperature is {share:.3g} <x_s^2>: barriers are {0.5 / share:.1g} k_BT, so that contacts break as often "
+        f"as they attempt, whatever their stretch and threshold; it is k_BT/<k>, a length squared{kelvin}"
+    )
 
 
 def too_cold(temperature: float, thresholds: Thresholds) -> str:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr, ndtri
 
 from origins.errors import InputError, finite, non_negative, refuse
 from origins.thresholds.law import Array
-from origins.thresholds.scipy_laws import is_frozen_continuous, single_mean
+from origins.thresholds.scipy_laws import as_frozen, single_mean
 
 _REACH = 8.3  # standard deviations of a Gaussian with weight 1e-16 beyond
 
@@ -22,30 +24,32 @@ class Start:
 
     span: tuple[float, float]
     breakpoints: Array
+    _mean: float
+    _law: Any  # a frozen distribution, where these methods are its own
 
     def pdf(self, x: npt.ArrayLike) -> Array:
         """Density at x, per length."""
-        raise NotImplementedError
+        return self._law.pdf(x)
 
     def cdf(self, x: npt.ArrayLike) -> Array:
         """Probability of a stretch of at most x."""
-        raise NotImplementedError
+        return self._law.cdf(x)
 
     def sf(self, x: npt.ArrayLike) -> Array:
         """Probability of a stretch above x."""
-        raise NotImplementedError
+        return self._law.sf(x)
 
     def ppf(self, q: npt.ArrayLike) -> Array:
         """Stretch below which a fraction q lies."""
-        raise NotImplementedError
+        return self._law.ppf(q)
 
     def isf(self, q: npt.ArrayLike) -> Array:
         """Stretch above which a fraction q lies."""
-        raise NotImplementedError
+        return self._law.isf(q)
 
     def mean(self) -> float:
         """Mean starting stretch."""
-        raise NotImplementedError
+        return self._mean
 
     @property
     def is_single(self) -> bool:
@@ -57,12 +61,9 @@ class SingleStart(Start):
     """All contacts start at one stretch."""
 
     def __init__(self, value: float) -> None:
-        self.value = value
+        self._mean = value
         self.span = (value, value)
         self.breakpoints = np.array([value])
-
-    def mean(self) -> float:
-        return self.value
 
 
 class GaussianStart(Start):
@@ -89,15 +90,12 @@ class GaussianStart(Start):
     def isf(self, q: npt.ArrayLike) -> Array:
         return self._mean - self._std * ndtri(np.asarray(q, dtype=float))
 
-    def mean(self) -> float:
-        return self._mean
-
 
 class FrozenStart(Start):
     """A frozen continuous scipy.stats distribution on the real line."""
 
-    def __init__(self, frozen, name: str) -> None:  # type: ignore[no-untyped-def]
-        self._frozen = frozen
+    def __init__(self, frozen: Any, name: str) -> None:
+        self._law = frozen
         self._mean = single_mean(name, frozen)
         if not np.isfinite(self._mean):
             raise InputError(
@@ -109,24 +107,6 @@ class FrozenStart(Start):
             lower if np.isfinite(lower) else float(frozen.ppf(1e-16)),
             upper if np.isfinite(upper) else float(frozen.isf(1e-16)),
         )
-
-    def pdf(self, x: npt.ArrayLike) -> Array:
-        return self._frozen.pdf(x)
-
-    def cdf(self, x: npt.ArrayLike) -> Array:
-        return self._frozen.cdf(x)
-
-    def sf(self, x: npt.ArrayLike) -> Array:
-        return self._frozen.sf(x)
-
-    def ppf(self, q: npt.ArrayLike) -> Array:
-        return self._frozen.ppf(q)
-
-    def isf(self, q: npt.ArrayLike) -> Array:
-        return self._frozen.isf(q)
-
-    def mean(self) -> float:
-        return self._mean
 
 
 def gaussian_start(mean: float, std: float) -> Start:
@@ -147,8 +127,8 @@ def as_start(start: object, name: str = "start") -> Start:
         return start
     if isinstance(start, int | float | np.number) and not isinstance(start, bool):
         return SingleStart(finite(name, start))
-    if is_frozen_continuous(start):
-        return FrozenStart(start, name)
+    if (frozen := as_frozen(start)) is not None:
+        return FrozenStart(frozen, name)
     refuse(
         name,
         start,

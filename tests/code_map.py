@@ -19,7 +19,6 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "code-map.md"
 ROOMS = ("origins", "master", "eq_model", "toolkit")
-REPLACED = Path("master", "_old")  # holds what is being replaced, and stands here twice until then
 
 EQUATIONS = """
 1 Q14e, 2 Q5c, 3 Q6, 4 Q2, 5 Q3, 6 PcP, 7 Q4, 8 Q5a, 9 Q5b, 10 Q6b, 11 Q10, 12 Q11a, 13 Nik04,
@@ -82,8 +81,6 @@ def places() -> Iterator[Place]:
     for room in ROOMS:
         for file in sorted((ROOT / room).rglob("*.py")):
             inside = file.relative_to(ROOT)
-            if REPLACED in inside.parents:
-                continue
             for name, node in named(ast.parse(file.read_text(encoding="utf-8"))):
                 labels = labels_of(ast.get_docstring(node) or "")
                 if labels:

@@ -5,8 +5,6 @@ import pytest
 
 import master
 import origins
-from master._old.first_passage import first_passage
-from master._old.threshold_cells import Cells
 from origins import Ageing, Contacts, Delay, InputError, Thermal
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(0.8, 0.08)
@@ -80,59 +78,6 @@ def test_steady_motion_step_by_step_is_the_exact_one() -> None:
     stepped = master.solve(contacts, path, 1e-5, time=path.copy())
     error = np.abs(stepped.force - exact).max() / contacts.mean_threshold
     assert stepped.success and error < stepped.force_error < 1e-5
-
-
-def test_orders_of_a_strand_against_its_first_passage() -> None:
-    """Four in the cells; three in steps of a slider that runs ahead of its drive, where the density's edge thins."""
-
-    def held(rate: float, level: int, steps: int, width: float) -> float:
-        """At 0.5, the slider's own dX/dt growing without end from some widths before."""
-        cells, x = Cells(Contacts(FRESH, ageing=Ageing(FINAL, rate)), level), np.linspace(0.0, 0.5, steps + 1)
-        # time that passes per travel, and time
-        slowness, clock = np.tanh((0.5 - x) / width), -width * np.log(np.cosh((0.5 - x) / width))
-        weights = cells.fresh(np.zeros(1))
-        for k in range(steps):
-            bend = (slowness[k + 1] - slowness[k]) / (slowness[k + 1] + slowness[k])
-            weights = cells.move(weights, x[k : k + 1], x[k + 1 : k + 2], clock[k + 1] - clock[k], bend)
-        return float(weights.sum())
-
-    def straight(level: int) -> float:
-        cells, h = Cells(Contacts(FRESH, ageing=Ageing(FINAL, 1e-5)), level), 0.5 / 160
-        weights = cells.fresh(np.zeros(1))
-        for k in range(160):
-            weights = cells.move(weights, np.array([k * h]), np.array([(k + 1) * h]), h)
-        return float(weights.sum())
-
-    left = float(first_passage(FRESH, Ageing(FINAL, 1e-5)).law.sf(0.5))
-    levels, steps = np.array([0, 2, 4]), np.array([80, 160, 320])
-    in_cells = np.polyfit(np.log(2.0) * 0.5 * levels, np.log([abs(straight(int(n)) - left) for n in levels]), 1)[0]
-    best = held(5e-4, 2, 1280, 0.1)
-    in_steps = np.polyfit(np.log(steps), np.log([abs(held(5e-4, 2, int(n), 0.1) - best) for n in steps]), 1)[0]
-    assert abs(in_cells + 4.0) < 0.2 and abs(in_steps + 3.0) < 0.2, (in_cells, in_steps)
-
-
-def test_compiled_step_is_that_of_a_banded_system() -> None:
-    cells = Cells(Contacts(FRESH, ageing=Ageing(FINAL, 1e-3), thermal=Thermal("soft", 0.05, 0.3)), 0)
-    begin, end, duration = np.array([0.0, 0.2]), np.array([0.02, 0.18]), np.array([0.02, 0.03])
-    weights = cells.fresh(np.abs(begin))
-    found = cells.move(weights, begin, end, duration, -0.4)
-    flow, early, spread = cells.stages(begin, end, duration, -0.4)
-    m = weights.shape[1]
-    for i in range(2):
-        changes = []
-        for stage in range(2):
-            through = np.zeros((m + 1, m))  # flow through faces, by the weights of the cells
-            for face in range(m):
-                for k in range(4):
-                    if 0 <= face - 2 + k < m:
-                        rate = flow[stage, i, face] * cells.value[face, k] + spread[stage, i] * cells.slope[face, k]
-                        through[face, face - 2 + k] = rate
-            changes.append(np.diff(through, axis=0) - np.diag(early[stage, i]))
-        first, last = changes
-        one = np.eye(m)
-        system = np.block([[one - 5 / 12 * first, last / 12], [-0.75 * first, one - 0.25 * last]])
-        exact = np.linalg.solve(system, np.tile(weights[i], 2))[m:]
-        np.testing.assert_allclose(found[i], exact, atol=1e-13)
 
 
 def test_soft_slider_whose_contacts_barely_age_slips_as_if_they_did_not() -> None:

@@ -5,7 +5,6 @@ import pytest
 
 import master
 import origins
-from master._old.ageing_breaking import AgeingBreaking, gauss_rule
 from origins import Ageing, Contacts, Delay, InputError, Thermal
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
@@ -39,30 +38,6 @@ def test_distribution_keeps_number_and_gives_the_force(start) -> None:  # type: 
         mass = 0.5 * np.diff(edges)[:, None] * weights * told.density(x)
         assert mass.sum() + told.delta_weights.sum() == pytest.approx(1.0, abs=2e-8)
         assert (mass * x).sum() + told.delta_weights @ told.delta_positions == pytest.approx(force, abs=2e-8)
-
-
-def test_start_with_a_width() -> None:
-    start = origins.gaussian_start(0.02, 0.05)
-    stretches, project, diagonal, beside, weight = gauss_rule(start, 7, *start.span)
-    assert weight == pytest.approx(1.0, abs=1e-15)
-    for power, moment in enumerate([1.0, 0.0, 1.0, 0.0, 3.0, 0.0, 15.0]):
-        assert (project[0] * ((stretches - 0.02) / 0.05) ** power).sum() == pytest.approx(moment, abs=1e-9)
-    # Hermite polynomials: <x p_k p_(k+1)> = std (k + 1)^(1/2)
-    np.testing.assert_allclose(diagonal, 0.02, atol=1e-12)
-    np.testing.assert_allclose(beside[:4], 0.05 * np.sqrt(np.arange(1.0, 5.0)), rtol=1e-10)
-    contacts = Contacts(NARROW, start, ageing=Ageing(origins.gaussian(1.0, 0.05), 1e-3))
-    rough = AgeingBreaking(contacts, 1.0, 1e-6, contacts.start)
-    origin, x = (grid.ravel() for grid in np.meshgrid(np.linspace(-0.12, 0.16, 8), np.linspace(0.2, 0.9, 36)))
-    breaks, holds = rough.rows(x, origin)
-    # against the passage from each of the stretches by itself, where there are many of them and where there are few
-    weight = contacts.start.pdf(origin) / contacts.start.pdf(0.02)
-    for at in np.unique(origin):
-        here = origin == at
-        law = rough.passage(float(at)).law
-        held = contacts.thresholds.sf(abs(at))
-        assert np.abs(holds[here] / held - law.sf(x[here] - at)).max() * weight[here][0] < 10.0 * rough.error
-        assert np.abs(breaks[here] / held - law.pdf(x[here] - at)).max() * weight[here][0] < 1e-4
-    assert rough.error < 1e-6
 
 
 def test_error_is_a_promise_here_too() -> None:

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 import origins
 from toolkit.judge.compare import compare
-from toolkit.pictures import run as plots
 from toolkit.pictures.abscissa import conditions
 from toolkit.pictures.axes import Lengths, heights, spans_decades
 from toolkit.pictures.compare import draw_comparison, plot_forces, plot_springs, plot_surface, plot_thresholds
@@ -24,6 +23,7 @@ from toolkit.pictures.run import (
     plot_position,
     save_picture,
 )
+from toolkit.pictures.thresholds import final_law, plot_final
 from toolkit.results.records import sample_curve
 from toolkit.running.runner import run
 from toolkit.scene.scene import load_scene, read_table
@@ -237,8 +237,9 @@ def test_titles_name_the_laws_and_old_thresholds_are_drawn() -> None:
     result: Any = SimpleNamespace(asked=asked, thresholds=curve, master=None, eq=None, sweep=None)
     first = r"stiff law (paper's closure) at $T$ = 0.1, $\omega$ = 1, linked $k \sim x_s$"
     assert conditions(result) == f"{first},\nre-forming at 0 ± 0.05, $D$ = 0.0005, $v$ = 1"
-    assert plots._final(result) is not None
     axes = plot_density(Figure().subplots(), curve)
-    plots._plot_final(axes, curve, plots._final(result))
+    final = final_law(result)
+    assert final is not None
+    plot_final(axes, curve, final)
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["new", "final"]
     assert axes.get_xlim()[1] > 2.2 and axes.get_ylim()[1] > 3.98

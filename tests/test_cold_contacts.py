@@ -4,33 +4,11 @@ import numpy as np
 import pytest
 
 import master
-from master._old.on_panels import follow
-from origins import Contacts, Delay, Drive, Thermal, Thresholds, gaussian, gw_elastic, identical, mixture, rectangular
+from origins import Contacts, Delay, Thermal, Thresholds, gaussian, gw_elastic, identical
 from tests.moving_contacts import move
 
 WIDE = gaussian(1.0, 0.2)
 ROOM = Thermal("soft", 1e-4, 1e12)
-
-
-@pytest.mark.parametrize(
-    ("law", "thermal", "stiffness"),
-    [
-        (WIDE, ROOM, "independent"),
-        (gw_elastic(1.0), Thermal("soft", 1e-5, 1e18), "independent"),
-        (rectangular(0.5, 1.5), ROOM, "independent"),
-        (mixture([WIDE, identical(0.8)], [0.7, 0.3]), ROOM, "independent"),
-        (WIDE, Thermal("stiff", 1e-4, 1e12), "independent"),
-        (WIDE, ROOM, "linked"),
-    ],
-    ids=["soft", "many weak ones", "edges", "exact value", "stiff", "linked"],
-)
-def test_straight_on_paths_in_time_are_what_renewals_tell(law: Thresholds, thermal: Thermal, stiffness: str) -> None:
-    contacts = Contacts(law, thermal=thermal, stiffness=stiffness)  # type: ignore[arg-type]
-    path = np.linspace(0.0, 2.55, 18)[1:]
-    known = master.solve(contacts, path, 1e-9)
-    found = follow(contacts, Drive(path, 1.0, None, None, "reset"), 1e-4)
-    assert found.error < 1e-4 and known.force_error < 1e-8
-    assert np.abs(found.force - known.force).max() < (found.error + known.force_error) * contacts.mean_threshold
 
 
 @pytest.mark.parametrize("kind", ["soft", "stiff"])

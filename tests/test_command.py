@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -107,21 +108,35 @@ def test_run_of_a_surface_says_and_keeps_what_to_mind(write_scene, capsys) -> No
     assert back.notes == tuple(told) and json.loads(json.dumps(toolkit.results.files.summary(back))) == written
 
 
-def test_a_spring_as_if_in_newtons_is_told_before_the_run(write_scene, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("toolkit.running.forecast._ENOUGH", 0.05)
+def test_a_spring_of_a_surface_says_its_unit(write_scene, capsys) -> None:
+    """A bare number may be meant in N/m, or in N_c<k>."""
 
-    def told(spring: float) -> list[str]:
-        scene = write_scene(rough() | {"drive": {"to": 1e-9, "points": 5, "spring": spring}})
-        assert main(["run", scene, "--dry-run"]) == 0
-        return capsys.readouterr().err.splitlines()
+    def pulled(spring: object, **more: float) -> toolkit.scene.scene.Scene:
+        return toolkit.load_scene(rough() | {"drive": {"to": 1e-9, "points": 5, "spring": spring, **more}})
 
-    assert told(0.5) == []
-    (line,) = told(1e6)
-    interface = toolkit.load_scene(write_scene(rough())).contacts.interface
+    interface = toolkit.load_scene(rough()).contacts.interface
     assert interface is not None
     each = interface.contact_density * interface.mean_stiffness
-    assert line.startswith("mesofriction: drive.spring = 1e+06 is K/(N_c<k>), a number, and K* is ")
-    assert f"divided by N_c<k> = contact_density * area * <k>, {each:.3g} N/m per m² of nominal area" in line
+    assert main(["run", write_scene(rough() | {"drive": {"to": 1e-9, "points": 5, "spring": 50.0}})]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("mesofriction: drive.spring = 50.0: has no unit; of a surface write either ")
+    assert 'spring = "50 N/m" with area' in line
+    assert f"N_c<k> = {each:.3g} N/m, or spring = \"50 N_c<k>\"" in line
+    assert pulled("0.5 N_c<k>").drive.spring == 0.5
+    assert pulled("50 N/m", area=1e-4).drive.spring == pytest.approx(50.0 / (each * 1e-4))
+    bad: list[tuple[object, dict[str, float], str]] = [
+        ("50 N/m", {}, "needs drive.area"),
+        ("50 kN", {}, 'must be in "N/m" or "N_c<k>"'),
+        ("stiff", {}, "must be a number and a unit"),
+        ("-1 N_c<k>", {}, "must be above zero"),
+        ("0.5 N_c<k>", {"area": 1.0}, 'drive.area = 1.0: is for a spring in N/m'),
+    ]
+    for spring, more, rule in bad:
+        with pytest.raises(InputError, match=re.escape(rule)):
+            pulled(spring, **more)
+    own = {"contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}}, "master": {}}
+    with pytest.raises(InputError, match="needs <k> in N/m"):
+        toolkit.load_scene(own | {"drive": {"to": 1.0, "points": 3, "spring": "5 N/m", "area": 1.0}})
 
 
 @pytest.mark.parametrize("dry", [[], ["--dry-run"]])
@@ -219,7 +234,7 @@ def test_tolerance_missed_is_said_and_written(write_scene, capsys, monkeypatch) 
         return replace(real(*arguments, **named), success=False, message="stopped short")
 
     monkeypatch.setattr(master, "solve", missed)
-    assert main(["run", write_scene(MASTER_ONLY)]) == 1
+    assert main(["run", write_scene(MASTER_ONLY | {"master": {"tolerance": 1e-8}})]) == 1
     assert capsys.readouterr().err == "mesofriction: master: stopped short\n"
     assert json.loads(Path("mine-output/summary.json").read_text())["success"] is False
 

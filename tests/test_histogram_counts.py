@@ -12,12 +12,10 @@ import pytest
 import eq_model
 import origins
 import toolkit
-from eq_model.histogram import BINS, Histogram, Made
 from origins import Contacts, Delay, InputError
 from toolkit.command import main
-from toolkit.results.files import _write_histograms, save
+from toolkit.results.files import save
 from toolkit.running.state_file import BLOCKS, read_state, write_state
-from toolkit.running.untold import Untold
 from toolkit.scene.toml import to_toml
 
 WAITING = Contacts(origins.gaussian(1.0, 0.2), delay=Delay(0.1))
@@ -99,32 +97,17 @@ def test_no_damage_of_a_checkpoint_goes_unseen(tmp_path: Path) -> None:
         assert contents() is None
 
 
-def test_result_files_are_written_as_histograms_are_made(tmp_path: Path) -> None:
+def test_an_interrupt_while_results_are_written_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import h5py
 
-    draws, sizes = np.random.default_rng(1), []
-
-    def make(index: int) -> Histogram:
-        sizes.append(path.stat().st_size)
-        return Histogram(index, 0.0, *(draws.random(BINS) for _ in range(6)), 7)
-
-    path = tmp_path / "result.h5"
-    with Untold(path) as file, h5py.File(file, "w") as store:
-        _write_histograms(store.create_group("eq"), Made(20, make), "length", file.check)
-    written = np.diff([*sizes, path.stat().st_size])
-    assert written.min() > 0.5 * written.mean() > 50_000
-
-
-def test_an_interrupt_within_hdf5_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It would take the process down there."""
     result = toolkit.run(asking(2))
-    real = Untold.write
+    real = h5py.Group.create_dataset
 
-    def write(self: Untold, data: Any) -> int:
+    def create(self: h5py.Group, *arguments: Any, **named: Any) -> Any:
         signal.raise_signal(signal.SIGINT)
-        return real(self, data)
+        return real(self, *arguments, **named)
 
-    monkeypatch.setattr(Untold, "write", write)
+    monkeypatch.setattr(h5py.Group, "create_dataset", create)
     with pytest.raises(KeyboardInterrupt):
         save(result, tmp_path / "out")
     assert os.listdir(tmp_path) == [] and signal.getsignal(signal.SIGINT) is signal.default_int_handler

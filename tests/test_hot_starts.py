@@ -11,7 +11,6 @@ import scipy.stats
 from scipy.integrate import quad
 
 import master
-from master._old.breaking_law import BreakingLaw
 from origins import Contacts, Delay, InputError, Thermal, gaussian, gaussian_start
 
 WIDE = scipy.stats.lomax(2.1)
@@ -28,17 +27,6 @@ def held(contacts: Contacts, x: float) -> float:
         return float(np.exp(-thermal.cumulative(x, threshold)) * contacts.thresholds.pdf(threshold) * threshold)
 
     return sum(quad(part, left, right, epsabs=1e-14, epsrel=1e-11)[0] for left, right in pairwise(edges))
-
-
-@pytest.mark.parametrize(("law", "attempts"), [("soft", 0.05), ("stiff", 5.0)])
-def test_few_contacts_far_stronger_than_most(law: Literal["soft", "stiff"], attempts: float) -> None:
-    contacts = Contacts(WIDE, thermal=Thermal(law, 0.05, attempts))
-    breaking = BreakingLaw(contacts, 1.0)
-    x = np.array([0.1, 3.0, 30.0])
-    np.testing.assert_allclose(breaking.sf(x), [held(contacts, float(at)) for at in x], rtol=1e-10)
-    assert float(breaking.cdf(np.array([breaking.support()[1]]))[0]) == pytest.approx(1.0, abs=1e-12)
-    solution = master.solve(contacts, np.linspace(0.0, 100.0, 7), 1e-8)
-    assert solution.success
 
 
 @pytest.mark.filterwarnings("ignore:The integral is probably divergent")  # as it is

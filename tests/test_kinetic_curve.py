@@ -191,7 +191,7 @@ def by_stretches(contacts: Contacts, speed: float) -> float:
     length, square = 0.0, 0.0
     for begin, end in zip(cuts.T[:-1], cuts.T[1:], strict=True):
         x = np.minimum(begin[:, None] + (end - begin)[:, None] * nodes, thresholds[:, None])
-        spent = thermal.log_per_length(x, thresholds[:, None], np.zeros_like(x), stiffness, speed)
+        spent = thermal.log_cumulative(x, thresholds[:, None], stiffness=stiffness) - np.log(speed)
         held = np.exp(-np.exp(np.minimum(spent, 7.0))) * weights * (end - begin)[:, None]
         length += float(shares @ held.sum(axis=1))
         square += 2.0 * float((shares * stiffness[:, 0]) @ (x * held).sum(axis=1))

@@ -12,17 +12,11 @@ from scipy.integrate import quad
 
 import eq_model
 import master
-from master._old.cut_law import CutLaw
-from master._old.spent_wear import SpentWear
-from master._old.thermal_wear import resolved
-from master._old.timed import solve_timed
-from master._old.timeline import pieces
 from master.paper.explicit_loop import explicit_loop
 from origins import (
     Ageing,
     Contacts,
     Delay,
-    Drive,
     InputError,
     Thermal,
     gaussian,
@@ -68,24 +62,6 @@ def test_turns_and_holds_are_those_of_discrete_contacts(name: str) -> None:
     assert (np.abs(solved.holding - holding) < 5.0 * spread + solved.force_error).all()
 
 
-def test_a_first_leg_however_short_is_a_leg() -> None:
-    course = pieces(Drive([0.5, 0.5, 1.5], time=[1e-14, 100.0, 101.0]))
-    assert [(piece.before, piece.after) for piece in course] == [(0.0, 0.5), (0.5, 0.5), (0.5, 1.5)]
-    even = np.linspace(0.0, 1.0, 11)
-    assert len(pieces(Drive(even, time=1e6 * even))) == 1
-
-
-def test_extrapolated_force_is_as_good_as_it_says() -> None:
-    """Without temperature or delay, where cohorts are exact; turns at either side."""
-    path, _ = along([(0.0, 0.0), (2.0, 1.0), (-1.3, 2.0), (0.7, 3.0)], 16)
-    contacts = Contacts(WIDE, gaussian_start(0.1, 0.05))
-    exact = master.solve(contacts, path, 1e-10).force
-    for tolerance in (1e-3, 1e-5):
-        solved = solve_timed(contacts, Drive(path), tolerance)
-        off = np.abs(solved.force - exact).max()
-        assert solved.success and off <= solved.force_error <= 300.0 * off
-
-
 @pytest.mark.parametrize(("thermal", "tolerance"), [(SOFT, 1e-6), (STIFF, 1e-4)])
 def test_a_hold_lets_each_threshold_decay_at_its_own_rate(thermal: Thermal, tolerance: float) -> None:
     """What breaks forms again relaxed, so that the force is that of the first contacts."""
@@ -119,32 +95,6 @@ def test_the_paper_closure_forgets_after_a_turn() -> None:
     solved = master.solve(contacts, path, 1e-4)
     coarse, fine = (explicit_loop(Contacts(WIDE), path, step).force for step in (2e-3, 1e-3))
     assert solved.success and np.abs(solved.force - (2.0 * fine - coarse)).max() < 2e-4
-
-
-def test_compiled_costs_are_those_of_numpy() -> None:
-    for contacts in (Contacts(WIDE, thermal=STIFF), Contacts(WIDE, thermal=SOFT, stiffness="linked")):
-        cut = CutLaw(contacts, resolved(contacts, 2.0, 1.0), 1e-16, rooted=contacts.stiffness == "independent")
-        wear = SpentWear(contacts, cut, 0.2)
-        begin = np.array([-0.5, 0.0, 0.3, 0.2, -0.1])
-        worn, first = wear.fresh(begin), np.full(5, 40)
-        wear.advance(worn, begin, begin + 0.3, np.abs(begin), 2.0)
-        both = [wear.at_nodes(worn, begin + 0.3, first), wear._compiled.spent(*wear._strands(worn, begin + 0.3, first))]
-        np.testing.assert_allclose(both[1], both[0], rtol=1e-9, atol=1e-15)
-        furthest = np.maximum(np.abs(begin), begin + 0.3)
-        wear.settle(worn, begin + 0.3, furthest)
-        wear.advance(worn, begin + 0.3, begin + 0.3, np.abs(begin) + 0.3, 50.0)
-        plain, left = (
-            SpentWear(contacts, cut, 0.2, plain=plain).left(worn, begin + 0.3, furthest) for plain in (True, False)
-        )
-        np.testing.assert_allclose([left.held, left.edge], [plain.held, plain.edge], rtol=1e-9)
-        both = [wear.at_nodes(worn, begin + 0.3, first), wear._compiled.spent(*wear._strands(worn, begin + 0.3, first))]
-        np.testing.assert_allclose(both[1], both[0], rtol=1e-9, atol=1e-15)
-        # the weakest are long gone when the strongest begin to feel it
-        kept = worn[:, 4 : 4 + cut.nodes.size]
-        kept[:] = np.where(cut.nodes < 1.0, 500.0, kept)
-        assert ((cut.nodes < 1.0) & (np.arange(cut.nodes.size) >= 40)).sum() > 9
-        both = [wear.at_nodes(worn, begin + 0.3, first), wear._compiled.spent(*wear._strands(worn, begin + 0.3, first))]
-        np.testing.assert_allclose(both[1], both[0], rtol=1e-9, atol=1e-15)
 
 
 EXTREMES = [("soft", 1e-6, 1.0), ("stiff", 1e3, 1.0), ("stiff", 0.1, 1e-12)]

@@ -47,7 +47,7 @@ def test_a_column_beside_an_index_under_a_header(tmp_path: Path) -> None:
     ("text", "more", "message"),
     [
         ("1.0\ntwo\n", {}, r"file = 'own\.txt': line 2 holds 'two'; 'two' is no number, write one value a line"),
-        ("a\nb\n1.0\n", {}, "line 2 holds 'b'"),
+        ("a\nb\n1.0\n", {}, "line 2 holds no number; write one value"),
         ("index,force\n1,0.5\n", {"quantity": "f_s"}, "line 2 holds '1,0.5'; say which of the 2 columns holds f_s"),
         ("1 2\n", {"column": 3}, "there is no column 3"),
         ("1 2\n", {"column": 0}, "column = 0: "),
@@ -67,7 +67,7 @@ def test_bad_files_are_refused(tmp_path: Path, text: str, more: dict, message: s
 
 
 def test_absent_files_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(origins.InputError, match=r"file = 'none\.txt': cannot be read as text"):
+    with pytest.raises(origins.InputError, match=r"file = 'none\.txt': no such file in"):
         from_samples(tmp_path, file="none.txt")
     with pytest.raises(origins.InputError, match="quantity = 'f_s': says what a file holds"):
         from_samples(tmp_path, x_s=[1.0, 2.0], quantity="f_s")

@@ -1,13 +1,11 @@
 """Paths in time against what is known exactly: single contacts followed one by one, sums over thresholds, cohorts."""
 
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import master
-from master._old.on_panels import follow
-from origins import Contacts, Delay, Drive, Thermal, gaussian, gw_elastic, identical, mixture, rectangular
+from origins import Contacts, Delay, Thermal, gaussian, identical, mixture
 
 PATH = np.array([0.0, 0.5, 1.3, 2.1, 2.1, 2.1, 2.6, 3.3, 2.5, 1.0])
 TIME = np.array([0.0, 0.5, 1.3, 2.1, 3.0, 50.0, 50.5, 51.2, 52.0, 53.5])
@@ -72,17 +70,6 @@ def test_stiff_contacts_held_at_their_largest_stretch() -> None:
         holding = float((np.diff(cuts, axis=0) * weights).ravel() @ kept)
         assert abs(solved.holding[n - 1] - holding) < 1e-8
         assert abs(solved.force[n - 1] - x[n] * holding) < 1e-8
-
-
-@pytest.mark.parametrize("law", [rectangular(0.94, 2.14), gw_elastic(1.0)], ids=["narrow windows", "broken power"])
-def test_panels_and_cohorts_agree_without_laws(law: object) -> None:
-    """Contacts that last hold stand between nodes; where P_c begins as x^(1/3), few nodes tell little beside births."""
-    contacts, turns = Contacts(law, 0.07), [0.0, -1.06, 2.55, -1.67]
-    path = np.concatenate([np.linspace(a, b, 9)[1:] for a, b in pairwise(turns)])
-    found = follow(contacts, Drive(path, 1.0, None, None, "reset"), 1e-7)
-    known = master.solve(contacts, path, 1e-9)
-    assert known.success and found.error < 1e-7
-    assert np.abs(found.force - known.force).max() < (found.error + known.force_error) * contacts.mean_threshold
 
 
 def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:

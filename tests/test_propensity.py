@@ -268,30 +268,6 @@ def test_gaussian_decoherence_is_its_first_root(std: float) -> None:
     assert found.decoherence_length_error < 1e-8 * found.decoherence_length
 
 
-@pytest.mark.parametrize("wait", [31.0, 1e4, 1e6, 1e12])
-@pytest.mark.parametrize("std", [0.01, 0.1])
-def test_long_waits_in_closed_form(std: float, wait: float) -> None:
-    """s (1 + d) = s²σ²/2 + 2πi: the decay is a part in d² of the wave, and known to all digits."""
-    whole, turn = mp.mpf(1.0 + wait), 2j * mp.pi
-    root = 2 * turn / (whole + mp.sqrt(whole**2 - 2 * turn * mp.mpf(std) ** 2))
-    contacts = origins.Contacts(origins.gaussian(1.0, std), delay=origins.Delay(wait))
-    length, error = master._old.decoherence.decoherence_length(contacts)
-    assert abs(length + float(1 / root.real)) <= error < 1e-13 * length
-
-
-def test_long_waits_are_the_other_road_where_both_go(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two narrow peaks, whose slowest wave need not be the first, and hot ones; births at a distance."""
-    narrow = origins.mixture([origins.gaussian(0.95, 1e-3), origins.gaussian(1.05, 1e-3)], [0.5, 0.5])
-    hot = {"thermal": origins.Thermal("soft", 0.1), "reforming": origins.gaussian_start(0.0, 0.05)}
-    for law, others in ((narrow, {}), (origins.lubricated(1.0), {}), (origins.gaussian(1.0, 0.1), hot)):
-        contacts = origins.Contacts(law, delay=origins.Delay(40.0), **others)
-        monkeypatch.undo()
-        length, error = master._old.decoherence.decoherence_length(contacts)
-        monkeypatch.setattr(master._old.decoherence, "LONG", np.inf)
-        other, other_error = master._old.decoherence.decoherence_length(contacts)
-        assert abs(length - other) <= error + other_error < 1e-6 * length
-
-
 def rectangle(low: float, high: float) -> Callable[[mp.mpc], mp.mpc]:
     return lambda s: (mp.exp(-s * low) - mp.exp(-s * high)) / (s * (high - low))
 
@@ -425,7 +401,7 @@ LOW = {"hundred times larger, rarely", "power law, cut off"}
 @pytest.mark.parametrize("name", SLOWEST)
 def test_no_root_is_slower(name: str) -> None:
     contacts = origins.Contacts(SLOWEST[name])
-    rate = contacts.mean_threshold / master._old.decoherence.decoherence_length(contacts)[0]
+    rate = contacts.mean_threshold / master.propensity(contacts, 1e-6).decoherence_length
     top = 4.0 if name in LOW else 15.0
     assert slower_roots(contacts, 0.97 * rate, top) == pytest.approx(0.0, abs=1e-6)
     assert slower_roots(contacts, 1.03 * rate, top) >= 0.99

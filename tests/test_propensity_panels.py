@@ -5,8 +5,9 @@ import pytest
 import scipy.stats
 from scipy.special import ndtr
 
-from master.lives.make import life_of
+from master.lives.make import life_of, steady_life
 from master.steady.forward import births_table
+from master.steady.travel import Travel
 from master.stick_slip.extremes import Extremes, extremes
 from master.stick_slip.phase_line import phase_line
 from master.stick_slip.propensity import propensity
@@ -17,6 +18,7 @@ from origins import (
     Thermal,
     gaussian,
     gaussian_start,
+    gw_elastic,
     identical,
     lubricated,
     mixture,
@@ -184,3 +186,11 @@ def test_what_has_no_ratio_is_refused() -> None:
         propensity(Contacts(gaussian(1.0, 0.05), thermal=hot, reforming=-0.3))
     with pytest.raises(InputError, match=r"<x_s\^2> is infinite"):
         propensity(Contacts(scipy.stats.lomax(1.5)))
+
+
+def test_averages_over_a_start_are_not_followed_down_to_their_rounding() -> None:
+    """A start around 0 of thresholds that begin there, with heat: 1,892 panels where 50 do."""
+    contacts = Contacts(gw_elastic(1.0), gaussian_start(0.05, 0.03), thermal=Thermal("soft", 0.23, 5.6))
+    life = steady_life(contacts, 1.0)
+    table = Travel(life, contacts.start, 1.0, accuracy=1e-12).table
+    assert table.begin.size < 200 and table.error < 2e-11

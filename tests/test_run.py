@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import threading
 import tomllib
 from pathlib import Path
@@ -109,35 +108,6 @@ def test_progress_counts_up_to_the_whole() -> None:
     assert [done for done, _ in told] == sorted({done for done, _ in told})
 
 
-@pytest.mark.parametrize("terminal", [True, False])
-def test_progress_is_for_long_runs_only(
-    terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    clock = iter([0.0, 0.3, 0.6, 0.9, 0.0, 0.5, 70.0, 71.0, 101.0, 102.0])
-    monkeypatch.setattr("toolkit.running.progress.time", SimpleNamespace(monotonic=lambda: next(clock)))
-    short = Progress(patience=1.0)
-    for done in (1, 2, 3):
-        short(done, 3)
-    assert capsys.readouterr().err == ""
-    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
-    long = Progress(patience=1.0 if terminal else 10.0)
-    long(1_000_000, 4_000_000)
-    assert capsys.readouterr().err == ""
-    long(2_000_000, 4_000_000)
-    told = capsys.readouterr().err
-    if terminal:
-        # how far, since when, how long still, how fast
-        assert re.search(r" 50%\|.*2.00M/4.00M \[01:10<[\d:?]+, .*contacts/s\]", told), told
-    else:
-        line = "eq: 2,000,000 of 4,000,000 contacts (50%) after 0:01:10, 1.44e+04 a second, 0:02:19 left"
-        assert told == f"mesofriction: {line}\n"
-        long(2_100_000, 4_000_000)
-        assert capsys.readouterr().err == ""
-        long(3_000_000, 4_000_000)
-        assert "(75%) after 0:01:41" in capsys.readouterr().err
-    long(4_000_000, 4_000_000)
-
-
 class Turns(threading.Event):
     """An event that does not come for as many waits as it is told to let pass; how long each was meant to be."""
 
@@ -158,10 +128,36 @@ class Turns(threading.Event):
             assert self._waiting.acquire(timeout=HANGS)
             self._passing.release()
         assert self._waiting.acquire(timeout=HANGS)
+        self._waiting.release()
 
     def set(self) -> None:
         super().set()
         self._passing.release()
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_tells_how_far_how_fast_and_how_long_still(
+    terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seconds = {"now": 0.0}
+    monkeypatch.setattr("toolkit.running.progress.time", SimpleNamespace(monotonic=lambda: seconds["now"]))
+    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
+    turns = Turns()
+    bar = Progress(patience=5.0, done=turns)
+    turns.let_pass(1)
+    assert capsys.readouterr().err == ""  # the ensemble has not begun
+    bar(1_000_000, 4_000_000)
+    seconds["now"] = 70.0
+    bar(2_000_000, 4_000_000)
+    turns.let_pass(1)
+    told = capsys.readouterr().err
+    said = "2,000,000 of 4,000,000 contacts (50%), 1.43e+04 a second, 0:02:20 left"
+    assert ("50%|" in told and said in told) if terminal else told == f"mesofriction: eq: {said}, after 0:01:10\n"
+    bar(4_000_000, 4_000_000)
+    turns.let_pass(1)
+    assert terminal or capsys.readouterr().err == ""
+    bar.close()
+    assert turns.waits == ([5.0, 1.0, 1.0, 1.0] if terminal else [1.0, 4.0, 30.0, 30.0])
 
 
 @pytest.mark.parametrize("terminal", [True, False])

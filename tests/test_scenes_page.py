@@ -11,19 +11,19 @@ import msgspec
 import pytest
 
 import origins
-from toolkit.scene import islands, laws, scene, surfaces
+from toolkit.scene import islands, laws, surfaces, tables
 
 PAGE = Path(__file__).parents[1] / "docs" / "scenes.md"
 GIVEN = ("folder", "comm")  # not for a scene to say
 
 STRUCTS = {
-    "The file": scene.SceneTable,
-    "[contacts]": scene.ContactsTable,
-    "[drive]": scene.DriveTable,
-    "[master]": scene.MasterTable,
-    "[eq]": scene.EqTable,
-    "[sweep]": scene.SweepTable,
-    "[sweep.velocity]": scene.RangeTable,
+    "The file": tables.SceneTable,
+    "[contacts]": tables.ContactsTable,
+    "[drive]": tables.DriveTable,
+    "[master]": tables.MasterTable,
+    "[eq]": tables.EqTable,
+    "[sweep]": tables.SweepTable,
+    "[sweep.velocity]": tables.RangeTable,
 }
 KINDS = {
     "[contacts.start]": laws.START,

@@ -10,7 +10,6 @@ import pytest
 from rate_laws import Careless, Endless, Even, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
 from scipy import stats
 
-import master
 import origins
 from eq_model.closest import closest
 from master.paper.explicit import explicit
@@ -29,6 +28,7 @@ GRAINS = origins.growing_grains(1.0, 1.0, age=4.0)
 
 FAMILIES = {
     "gaussian": lambda: origins.gaussian(1.0, 0.05),
+    "gaussian, far below 0": lambda: origins.gaussian(-8.0, 1.0),
     "chord": lambda: origins.gaussian(1.0, 0.3, form="paper", upper=2.0),
     "identical": lambda: origins.identical(0.7),
     "rectangular": lambda: origins.rectangular(0.5, 1.5),
@@ -46,6 +46,8 @@ FAMILIES = {
     "continuous mixture": lambda: origins.continuous_mixture(origins.gw_plastic, 1.0, 3.0),
     "samples": lambda: origins.from_samples(np.random.default_rng(0).gamma(3.0, size=400)),
     "scipy": lambda: Contacts(stats.gamma(2.5)).thresholds,
+    "scipy, cut at 0": lambda: Contacts(stats.norm(5.0, 1.0)).thresholds,
+    "scipy, newer": lambda: Contacts(stats.Normal(mu=1.0, sigma=0.1)).thresholds,
     "rough, powered": lambda: origins.from_moments(
         SURFACE, model="persson", law="amontons", material=GLASS, pressure=3e5, patch_area=1e-12
     ),
@@ -202,7 +204,6 @@ def test_a_short_way_back_from_the_threshold() -> None:
 
 PATH = np.linspace(0.0, 1.0, 5)
 SOLVERS = {
-    "master.decoherence_spectrum": master.decoherence_spectrum,
     "master.paper.explicit": lambda contacts: explicit(contacts, PATH, step=0.01),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }

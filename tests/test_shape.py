@@ -3,9 +3,10 @@
 import ast
 
 import pytest
-from shape import ALLOWED, CONSTANTS, CONSTANTS_TODAY, FILES, LINES, faults
+from shape import ALL_LINES, ALLOWED, CONSTANTS, CONSTANTS_TODAY, FILES, LINES, LINES_TODAY, faults
 
 MOST = max(CONSTANTS, CONSTANTS_TODAY)
+MOST_LINES = max(ALL_LINES, LINES_TODAY)
 SOUND = {"master/a.py": "import master.b\nA = 1\n", "master/b.py": "B = 2\n"}
 
 
@@ -38,6 +39,10 @@ def test_sound_files_have_no_faults() -> None:
         (
             {"master/b.py": "; ".join(f"B{k}: int = 1" for k in range(MOST))},
             f"{MOST + 1} constants, at most {MOST}",
+        ),
+        (
+            {f"master/{k // 10}/c{k}.py": "\n" * LINES for k in range(MOST_LINES // LINES + 1)},
+            f"{(MOST_LINES // LINES + 1) * LINES + 3} lines, at most {MOST_LINES}",
         ),
     ],
 )

@@ -8,8 +8,6 @@ from scipy.special import ndtr
 
 import master
 import origins
-from master._old.problem import Problem
-from master._old.renewal import LaterReleased
 
 PATH = np.linspace(0.0, 5.0, 501)
 SCENE = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
@@ -366,30 +364,6 @@ def test_bad_tolerances_are_refused(tolerance):
 
 
 # -- order of convergence ------------------------------------------------------------------------------------------
-
-
-def observed_order(contacts, path, steps, exact):
-    problem = Problem(contacts, float(path[-1]), 1e-14)
-    first = problem.first.mean_start + path - problem.first.released(path)
-    errors = [np.abs(first - LaterReleased(problem, h, path, 1e-13)(path) - exact).max() for h in steps]
-    return np.polyfit(np.log(steps), np.log(errors), 1)[0]
-
-
-def test_smooth_laws_converge_at_eighth_order():
-    path = np.linspace(1.5, 6.0, 451)
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.1))
-    order = observed_order(contacts, path, 0.1 / np.array([4.0, 5.0, 6.0, 7.0, 8.0]), gaussian_force(path, 1.0, 0.1))
-    assert abs(order - 8.0) <= 0.2
-
-
-def test_jumps_converge_at_third_order():
-    # two jumps folded are put right, three are not: J_1 bends in its third derivative where three of them add up
-    path = np.sort(np.random.default_rng(6).uniform(1.05, 2.0, 4000))
-    contacts = origins.Contacts(origins.rectangular(0.5, 1.5))
-    steps = 0.016 / 1.3 ** np.arange(9.0)
-    order = observed_order(contacts, path, steps, rectangular_force(path))
-    # where between two nodes the third bend falls scatters each error by a factor of about 2
-    assert abs(order - 3.0) <= 0.5
 
 
 def test_a_path_beyond_numbers_is_refused():

@@ -7,7 +7,6 @@ import pytest
 import scipy.stats
 
 import master
-from master._old.thermal_paper import PaperBreaking
 from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical
 from origins.births import Births
 from origins.start import as_start
@@ -137,13 +136,3 @@ def test_one_threshold_breaks_alike_under_both_closures_but_for_starts() -> None
     np.testing.assert_allclose(exact.force, paper.force, atol=exact.force_error + paper.force_error + 1e-11)
 
 
-@pytest.mark.parametrize(("temperature", "rate"), [(6.7e-7, 6e14), (1.0, 1e8)], ids=["cold", "hot"])
-def test_what_is_spent_is_tabled_as_well_where_it_grows_to_millions(temperature: float, rate: float) -> None:
-    contacts = Contacts(scipy.stats.weibull_min(2.0), thermal=Thermal("soft", temperature, rate, "paper"))
-    breaking = PaperBreaking(contacts, 1.0)
-    x = np.geomspace(1e-9, 3.0, 301)
-    exact, _ = breaking._integrals(x)
-    few = exact < 40.0
-    assert few.sum() > 5 and exact.max() > 1e6
-    assert np.abs(breaking.spent(x) - exact)[few].max() < 1e-12
-    np.testing.assert_allclose(breaking.spent(x)[~few], exact[~few], rtol=2e-12)

@@ -9,6 +9,7 @@ import pytest
 from conftest import HANGS
 from scipy import stats
 
+import master
 import origins
 from origins import InputError
 from origins.thresholds.scipy_laws import as_thresholds
@@ -155,6 +156,50 @@ def test_frozen_distributions(name: str) -> None:
     assert stats.kstest(law.rvs(2000, random_state=4), frozen.cdf).pvalue > 1e-3
 
 
+NEWER = {
+    "Normal": (stats.Normal(mu=1.0, sigma=0.05), stats.norm(1.0, 0.05), 0.0),
+    "truncated": (stats.truncate(stats.Normal(mu=1.0, sigma=0.5), 0.5, 2.0), stats.truncnorm(-1, 2, 1, 0.5), 0.0),
+    "made of gamma": (stats.make_distribution(stats.gamma)(a=2.5), stats.gamma(2.5), 1.5),
+    "made of lomax": (stats.make_distribution(stats.lomax)(c=2.5), stats.lomax(2.5), 0.0),
+}
+
+
+@pytest.mark.parametrize("name", NEWER)
+def test_the_newer_interface_of_scipy(name: str) -> None:
+    """The same law as the frozen twin, in both tails, from its density alone."""
+    given, twin, power = NEWER[name]
+    law = origins.Contacts(given).thresholds
+    upper, lower = twin.isf(10.0 ** -np.array([0.02, 0.3, 2, 9, 14])), twin.ppf(10.0 ** -np.array([0.3, 2, 9, 14]))
+    rounded = 1e-16 if name == "truncated" else 0.0  # of the twin, near the ends: differences of the normal law's
+    np.testing.assert_allclose(law.sf(upper), twin.sf(upper), rtol=1e-10, atol=rounded)
+    np.testing.assert_allclose(law.cdf(lower), twin.cdf(lower), rtol=1e-10, atol=rounded)
+    np.testing.assert_allclose(law.isf([0.9, 1e-3]), twin.isf([0.9, 1e-3]), rtol=1e-12)
+    assert law.mean() == pytest.approx(twin.mean(), rel=1e-12) and law.std() == pytest.approx(twin.std(), rel=1e-10)
+    assert law.onset_power == pytest.approx(power, abs=1e-5) and law.support()[1] == twin.support()[1]
+    assert np.isinf(law.moment(3)) == (name == "made of lomax")
+
+
+@pytest.mark.parametrize("given", [stats.norm(5.0, 1.0), stats.Normal(mu=5.0, sigma=1.0)], ids=["frozen", "newer"])
+def test_a_small_weight_below_0_is_cut_and_told(given: object) -> None:
+    law, cut = as_thresholds(given), origins.gaussian(5.0, 1.0)
+    x = np.array([1e-9, 0.01, 1.0, 5.0, 12.0])
+    np.testing.assert_allclose(law.sf(x), cut.sf(x), rtol=1e-11)
+    np.testing.assert_allclose(law.cdf(x), cut.cdf(x), rtol=1e-11)
+    assert law.mean() == pytest.approx(cut.mean(), rel=1e-12)
+    assert law.cut_weight == pytest.approx(stats.norm.sf(5.0), rel=1e-10) and law.onset_power == 0.0
+    half = origins.mixture([given, cut], [0.5, 0.5])
+    assert half.cut_weight == pytest.approx(0.5 * law.cut_weight)
+    message = master.solve(origins.Contacts(given), [1.0], 1e-6).message
+    assert message.endswith("; a weight of 2.9e-07 of the thresholds at or below x = 0 was cut off")
+
+
+def test_starts_of_the_newer_interface() -> None:
+    x = np.linspace(-0.1, 0.1, 5)
+    start = origins.Contacts(origins.gaussian(1.0, 0.05), start=stats.Normal(mu=0.0, sigma=0.025)).start
+    np.testing.assert_allclose(start.sf(x), stats.norm(0.0, 0.025).sf(x), rtol=1e-12)
+    assert start.mean() == 0.0
+
+
 class Incomplete:
     """Has a density and nothing else."""
 
@@ -173,6 +218,10 @@ class Incomplete:
         (stats.norm([1.0, 2.0], 0.1), "arrays as parameters"),
         (stats.gamma, "lacks its parameters"),
         (stats.gamma(-1.0), "no valid support"),
+        (stats.norm(4.0, 1.0), "weight 3.17e-05 at or below x = 0"),
+        (stats.Normal(mu=0.0, sigma=1.0), "weight 0.5 at or below x = 0"),
+        (stats.Normal(mu=[1.0, 2.0], sigma=0.1), "arrays as parameters"),
+        (stats.Binomial(n=3, p=0.5), "must come from origins"),
         (stats.poisson(3.0), "must come from origins"),
         (stats.multivariate_normal([1.0, 2.0]), "must come from origins"),
         (Incomplete(), "must come from origins"),
@@ -230,6 +279,66 @@ def test_a_family_needs_its_survival_only() -> None:
     tail = Exponential()
     np.testing.assert_allclose(tail.isf(q), 2.0 - 1e-3 * np.log(q), rtol=1e-15)
     assert tail.mean() == pytest.approx(2.001, rel=1e-14) and tail.std() == pytest.approx(1e-3, rel=1e-9)
+
+
+def test_a_family_may_state_its_density_alone() -> None:
+    """Support, a density that need not be normalised, and onset power: the law is that of the closed form."""
+
+    class Rising(origins.Thresholds):
+        onset_power = 1.0 / 3.0
+
+        def support(self) -> tuple[float, float]:
+            return 0.0, np.inf
+
+        def _log_weight(self, x: np.ndarray) -> np.ndarray:
+            with np.errstate(divide="ignore"):
+                return np.log(x) / 3.0 - x ** (4.0 / 3.0) + 5.0
+
+    law, closed = Rising(), origins.gw_elastic(1.0)
+    upper, lower = closed.isf(10.0 ** -np.arange(0.1, 300.0, 13.0)), closed.ppf(10.0 ** -np.arange(0.1, 60.0, 7.0))
+    for x in (upper, lower):
+        np.testing.assert_allclose(law.sf(x), closed.sf(x), rtol=1e-12)
+        np.testing.assert_allclose(law.cdf(x), closed.cdf(x), rtol=1e-12)
+        np.testing.assert_allclose(law.logpdf(x), closed.logpdf(x), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(law.logsf([1e3, 1e5]), closed.logsf([1e3, 1e5]), rtol=1e-14)
+    np.testing.assert_allclose(law.isf(closed.sf(upper)), upper, rtol=1e-12)
+    np.testing.assert_allclose(law.ppf(closed.cdf(lower)), lower, rtol=1e-12)
+    for n in (1, 2, 3, 4):
+        assert law.moment(n) == pytest.approx(closed.moment(n), rel=1e-12)
+    assert law.std() == pytest.approx(closed.std(), rel=1e-12)
+
+
+def test_a_family_that_is_no_law_is_told_by_name() -> None:
+    class Wrong(origins.Thresholds):
+        def support(self) -> tuple[float, float]:
+            return 0.0, 1.0
+
+        def _pdf(self, x: np.ndarray) -> np.ndarray:
+            return np.ones_like(x)
+
+        def _sf(self, x: np.ndarray) -> np.ndarray:
+            return 1.2 - x
+
+    class Half(origins.Thresholds):
+        def support(self) -> tuple[float, float]:
+            return 0.0, 1.0
+
+        def _pdf(self, x: np.ndarray) -> np.ndarray:
+            return np.full_like(x, 0.5)
+
+    with pytest.raises(InputError, match=r"Half: its density adds up to 0.5, not to 1; state it as _log_weight"):
+        Half().sf(0.5)
+
+    class Nothing(origins.Thresholds):
+        def support(self) -> tuple[float, float]:
+            return 0.0, 1.0
+
+    with pytest.raises(InputError, match=r"Wrong: its survival at x = 0.1 is 1.1, outside 0 to 1"):
+        Wrong().sf([0.5, 0.1])
+    with pytest.raises(InputError, match="Wrong: its survival at x = "):
+        origins.Contacts(Wrong())
+    with pytest.raises(NotImplementedError, match="Nothing: state _log_weight, _logpdf or _pdf"):
+        Nothing().sf(0.5)
 
 
 def test_importing_origins_is_light() -> None:

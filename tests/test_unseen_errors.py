@@ -7,8 +7,11 @@ further off than it claims.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from scipy import integrate, stats
 from scipy.stats import uniform
 
 import master
@@ -229,3 +232,23 @@ def test_births_that_set_in_a_delay_after_a_stretched_start_are_seen(law):
                 found = master.solve(contacts, path, tolerance)
                 ratios.append(apart(found, exact) / (found.force_error + exact.force_error))
     assert max(ratios) <= contacts.mean_threshold
+
+
+def test_a_start_around_zero_of_thresholds_that_begin_as_a_power() -> None:
+    """S(|r|) = exp(-|r|^1.37) has a cusp in the middle of the start, where no law declares one.
+
+    Broken contacts stay out, so that F is the first sum alone, and here by quadrature.
+    """
+    law, start = stats.weibull_min(1.373), stats.norm(0.05, 0.03)
+    path = np.array([0.1, 0.5, 1.0, 2.0])
+    contacts = Contacts(law, start, delay=Delay(10.0))
+    found = master.solve(contacts, path, 1e-11)
+
+    def borne(r: float, x: float) -> float:
+        return start.pdf(r) * (r + x) * law.sf(max(abs(r), r + x)) / law.sf(abs(r))
+
+    for x, force in zip(path, found.force, strict=True):
+        ends = [-0.25, max(-0.5 * x, -0.2), 0.0, 0.05, 0.15, 0.35]
+        whole = sum(integrate.quad(borne, a, b, (x,), epsabs=1e-14, epsrel=1e-12)[0] for a, b in pairwise(ends))
+        assert abs(force - whole) <= found.force_error + 1e-13
+    assert found.success

@@ -7,7 +7,6 @@ from scipy import stats
 import eq_model
 import master
 import origins
-from master._old.first_passage import first_passage
 from origins import Ageing, Contacts, InputError
 
 WALLS = Contacts(origins.rectangular(0.6, 1.0), ageing=Ageing(origins.rectangular(0.5, 1.5), 0.1))
@@ -15,6 +14,7 @@ PATH = np.linspace(0.1, 3.0, 30)
 CASES = {
     "rectangular": WALLS,
     "rectangular, from below 0": Contacts(WALLS.thresholds, -0.3, ageing=WALLS.ageing),
+    "rectangular, back across the wall": Contacts(WALLS.thresholds, -0.7, ageing=WALLS.ageing),
     "rectangular, warm": Contacts(WALLS.thresholds, 0.3, origins.Thermal("soft", 0.1), WALLS.ageing),
     "beta": Contacts(stats.beta(2, 2), ageing=Ageing(stats.beta(3, 2), 0.1)),
     "gw_elastic": Contacts(origins.gw_elastic(1.0), ageing=Ageing(origins.gw_elastic(0.5), 0.1)),
@@ -55,7 +55,6 @@ def test_nothing_breaks_before_the_wall() -> None:
 def test_against_reflected_steps() -> None:
     """Small steps of a simulation of its own, folded back at the walls, met as a Brownian bridge tells."""
     diffusion, generator, means = 0.1, np.random.default_rng(4), []
-    law = first_passage(WALLS.thresholds, Ageing(origins.rectangular(0.5, 1.5), diffusion), accuracy=1e-5).law
     count, step = 20_000, 2e-3
     y, x, alive = WALLS.thresholds.rvs(count, generator), 0.0, np.ones(count, dtype=bool)
     while alive.any():
@@ -69,7 +68,8 @@ def test_against_reflected_steps() -> None:
         if round(x / step) % 50 == 0:
             means.append((x, alive.mean()))
     at, held = np.array(means).T
-    known = law.sf(at)
+    # none that breaks comes back
+    known = master.solve(Contacts(WALLS.thresholds, ageing=WALLS.ageing, delay=origins.Delay(100.0)), at, 1e-5).holding
     z = (held - known) / np.sqrt(np.maximum(known * (1.0 - known), 1.0 / count) / count)
     assert np.abs(z).max() < 5.0, z
 
@@ -77,10 +77,10 @@ def test_against_reflected_steps() -> None:
 def test_fast_diffusion_between_walls() -> None:
     """Uniform by then, thresholds all come down to the stretch within L²/(3 D) of the wall, hardly moving."""
     diffusion = 1e3
-    passage = first_passage(WALLS.thresholds, Ageing(origins.rectangular(0.5, 1.5), diffusion), accuracy=1e-6)
-    late = passage.law.mean() - 0.5
-    assert late == pytest.approx(1.0 / (3.0 * diffusion), rel=2.0 / diffusion)
-    assert passage.error < 1e-5 and passage.law.cdf(0.5) == 0.0
+    ageing = Ageing(origins.rectangular(0.5, 1.5), diffusion)
+    steady = master.steady_state(Contacts(WALLS.thresholds, ageing=ageing))
+    assert steady.cycle_length - 0.5 == pytest.approx(1.0 / (3.0 * diffusion), rel=2.0 / diffusion)
+    assert steady.cycle_length_error < 1e-5
 
 
 def test_refusals() -> None:
@@ -91,8 +91,6 @@ def test_refusals() -> None:
     steep = Contacts(stats.beta(2, 2, 0.5), ageing=Ageing(stats.beta(0.5, 0.5, 0.5), 0.1))
     with pytest.raises(InputError, match=r"the density of the final law diverges at 0\.5"):
         eq_model.simulate(steep, PATH, n_contacts=100)
-    with pytest.raises(InputError, match=r"start = -0\.7: stretches come back across 0\.5"):
-        first_passage(WALLS.thresholds, WALLS.ageing, start=-0.7)
     for final in (origins.rectangular(0.7, 1.5), origins.rectangular(0.5, 0.9)):
         with pytest.raises(InputError, match="fresh thresholds lies outside the final law"):
             Contacts(WALLS.thresholds, ageing=Ageing(final, 0.1))

@@ -96,12 +96,6 @@ def test_error_of_the_survival_is_what_it_is_said_to_be() -> None:
     assert max(misses) < 1.0, misses
 
 
-def test_grains_that_hardly_ever_hold_leave_nothing_known_of_their_waves() -> None:
-    contacts = Contacts(GRAINS)
-    cycle = master._old.cycle.Cycle(contacts, 10.0)
-    assert master._old.decoherence.decoherence_length(contacts, cycle) == (np.inf, np.inf)
-
-
 def test_errors_are_near_the_true_ones_at_a_temperature() -> None:
     """What is left out of kinks is counted: before, it was all that was told."""
     contacts = Contacts(GRAINS, thermal=Thermal("soft", 0.1))

@@ -23,7 +23,7 @@ def main(words: "Sequence[str] | None" = None) -> int:
     interrupted, 143 terminated."""
     # before there was anything to end: all the time that the imports take
     try:
-        from toolkit.running.terminated import Terminated, terminable
+        from toolkit.running.signals import Terminated, terminable
 
         try:
             with terminable():

@@ -84,7 +84,8 @@ class ForwardLife:
         way = history.now
         middle = way[:, way.shape[1] // 2, None]
         # at the end of a row a jump is not passed, or has been, as the middle of the row tells
-        found = travel.table(np.maximum(middle + (way - middle) * (1.0 - 1e-14), 0.0))
+        inwards = np.maximum(1e-14 * np.abs(middle - way), 4.0 * np.spacing(way))
+        found = travel.table(np.maximum(way + np.clip(middle - way, -inwards, inwards), 0.0))
         found[1] *= travel.scale
         return found
 

@@ -28,6 +28,9 @@ Array = npt.NDArray[np.float64]
 ACCURACY, OF_MANY = 1e-9, 1e-8
 # The coarsest that is taken where E itself is known to no more.
 COARSEST = 1e-7
+# The finest for births at many stretches that heat breaks: their average goes from one rule of nodes
+# to another by steps of some 1e-12, which would be followed down to rounding.
+STEPPED = 1e-11
 # The narrowest panel, of the typical way from a birth to its break.
 SHORTEST = 1e-13
 # Ways that differ by less than this share are one.
@@ -112,6 +115,8 @@ class Travel:
     ) -> None:
         if accuracy is None:
             accuracy = ACCURACY if born.is_single else OF_MANY
+        if not (born.is_single or life.quick):
+            accuracy = max(accuracy, STEPPED)
         self.life, self.born, self._velocity, self.accuracy = life, born, velocity, accuracy
         ways = self._ladder()
         # panels that follow E more closely than it is known would follow its rounding

@@ -7,15 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from master.steady.travel import Travel
-from master.stick_slip.roots import (
-    NEAR,
-    NO_ROOTS,
-    Rate,
-    crowding_rate,
-    leading_roots,
-    root_errors,
-    tail_rate,
-)
+from master.stick_slip.roots import NEAR, NO_ROOTS, leading_roots, root_errors
+from master.stick_slip.tails import Rate, crowding_rate, tail_rate
 from origins import Contacts
 
 # Wait, over the mean way from birth to break, beyond which roots crowd at all frequencies.

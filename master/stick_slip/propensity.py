@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from master.lives.life import Life
 from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.forward import births_table
@@ -16,7 +15,6 @@ from master.stick_slip.extremes import extremes, unit_of
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance, positive
-from origins.laws.thermal import GivenRates
 
 
 @dataclass(frozen=True)
@@ -88,7 +86,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
             "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
         )
     found, unit = extremes(contacts, life, travel, velocity, tolerance), unit_of(contacts, travel)
-    length, length_error = _decoherence(contacts, life, velocity)
+    births = Travel(life, births_of(contacts), velocity)
+    length = decoherence_length(contacts, births, velocity * contacts.waiting_time)
     ratio = max(found.static / kinetic, 1.0)
     if not found.spring > 0.0:
         ratio = 1.0  # F(X) falls nowhere, so that F_k is its largest value
@@ -99,23 +98,11 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         critical_spring_error=found.spring_error,
         static_to_kinetic=ratio,
         static_to_kinetic_error=(found.static_error + ratio * off) / kinetic,
-        decoherence_length=length,
-        decoherence_length_error=length_error,
+        decoherence_length=length.length,
+        decoherence_length_error=length.error,
         onset_power=contacts.thresholds.onset_power,
         onset_power_error=contacts.thresholds.onset_power_error,
         run_time=time.perf_counter() - began,
         success=bool(sure_spring and sure_static),
         message=f"{spring_message}; {static_message}",
     )
-
-
-def _decoherence(contacts: Contacts, life: Life, velocity: float) -> tuple[float, float]:
-    """X* and its error (lengths); of origins' own laws by the old search until the new one has
-    taken over decoherence_spectrum."""
-    if isinstance(contacts.thermal, GivenRates):
-        births = Travel(life, births_of(contacts), velocity)
-        return decoherence_length(contacts, births, velocity * contacts.waiting_time)
-    from master._old.cycle import Cycle
-    from master._old.decoherence import decoherence_length as old_length
-
-    return old_length(contacts, Cycle(contacts, velocity))

@@ -15,12 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from master.renewal import rule
 from master.steady.travel import Travel
-from master.stick_slip.transform import WAVE, Transform, jumps_of, reach_of
-from origins import Contacts
+from master.stick_slip.transform import WAVE, Transform, reach_of
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -43,6 +41,9 @@ SIDE, HALVINGS = 0.8, 3
 MOST_CELLS = 100_000
 # Numbers of nodes times frequencies that are looked at, at most.
 MOST_WORK = 1e8
+# Turn of arg D along an edge (rad) from which on the edge is cut, and how often: an edge that meets
+# a root within rounding keeps an open turn, and its cells count no whole number.
+FAR_TURN, CUTS = 1.5, 40
 # Steps of Newton's method, and its last step over |s|.
 STEPS, LAST = 40, 1e-13
 # Distance of roots, over their size, below which they are one.
@@ -51,12 +52,6 @@ SAME = 1e-7
 UNKNOWN = 1e-3
 # ln of the largest E e^(decay x), from which on its rounding leaves nothing of 1.
 MOST_GROWN = 32.0
-# Survivals between which the tail of thresholds is looked at, terms of the fit, and ratio of the
-# thresholds there above which it falls slower than any exponential.
-TAILS, TERMS, SLOW = (1e-50, 1e-290), 5, 1e3
-# Change of the fitted rate from term to term, and round-off, at which it has settled; fall of the
-# slopes, over the last, that an exponential does not show.
-SETTLED, ROUNDED, LITTLE, MARGIN = 0.2, 1e-9, 0.2, 10.0
 
 
 class Roots(NamedTuple):
@@ -80,13 +75,6 @@ class Roots(NamedTuple):
 
 
 NO_ROOTS = Roots(np.empty(0, dtype=complex), 0.0, [], np.empty(0, dtype=np.intp))
-
-
-class Rate(NamedTuple):
-    """A rate and its error, per length."""
-
-    rate: float
-    error: float
 
 
 def conserved(transform: Transform, wait: float, s: Complex) -> tuple[Complex, Complex]:
@@ -160,17 +148,48 @@ def _roots(transform: Transform, wait: float, whole: float) -> Complex | None:
         values = (
             transform.grid(real, float(side), rows) * np.exp(-s * wait) - np.expm1(-s * wait) / s
         )
-        across = np.angle(values[:, 1:] / values[:, :-1])
-        up = np.angle(values[1:] / values[:-1])
+        across = _turned(transform, wait, s[:, :-1], s[:, 1:], values[:, :-1], values[:, 1:])
+        up = _turned(transform, wait, s[:-1], s[1:], values[:-1], values[1:])
         turns = across[:-1] + up[:, 1:] - across[1:] - up[:, :-1]
         number = np.rint(turns / (2.0 * np.pi)).astype(int)
-        if number.min() >= 0 and number.max() <= 1:
+        sure = np.abs(turns - 2.0 * np.pi * number).max() < 1e-6
+        if sure and number.min() >= 0 and number.max() <= 1:
             cells = np.nonzero(number)
             found = _polished(transform, wait, s[cells] + 0.5 * side * (1.0 + 1.0j), side)
             if found is not None:
                 return found[(found.real > -decay) & (found.imag < imaginary[-1])]
         side *= 0.5
     return None
+
+
+def _turned(
+    transform: Transform, wait: float, begin: Complex, end: Complex, first: Complex, last: Complex
+) -> Array:
+    """How far arg D turns along straight edges; all arrays of one shape.
+
+    Where it turns far, a root lies beside the edge: on which side is told by cutting the edge.
+
+    first, last : D at `begin` and `end`
+    """
+    turned = np.angle(last / first)
+    steep = np.nonzero(np.abs(turned) > FAR_TURN)
+    turned[steep] = 0.0
+    edge, parts = np.arange(steep[0].size), [part[steep] for part in (begin, end, first, last)]
+    sums = np.zeros(edge.size)
+    for _ in range(CUTS):
+        if not edge.size:
+            break
+        begin, end, first, last = parts
+        middle = 0.5 * (begin + end)
+        half = conserved(transform, wait, middle)[0]
+        edge, begin, end = np.tile(edge, 2), np.append(begin, middle), np.append(middle, end)
+        first, last = np.append(first, half), np.append(half, last)
+        turn = np.angle(last / first)
+        far = np.abs(turn) > FAR_TURN
+        np.add.at(sums, edge[~far], turn[~far])
+        edge, parts = edge[far], [part[far] for part in (begin, end, first, last)]
+    turned[steep] = sums
+    return turned
 
 
 def _polished(transform: Transform, wait: float, s: Complex, side: float) -> Complex | None:
@@ -218,63 +237,3 @@ def _highest(transform: Transform, wait: float, whole: float) -> float | None:
         if last < 0.7 * end or end >= most:
             return last + 2.0 * step
         end = min(2.0 * end, most)
-
-
-def crowding_rate(travel: Travel, wait: float) -> float:
-    """Rate (per length) at which exact values alone let infinitely many roots crowd, ever faster
-    waves; inf without any, 0 where all break at exact values."""
-    ways, weights = jumps_of(travel)
-    if not ways.size:
-        return np.inf
-    ways, shares = ways + wait, np.log(weights)
-    if np.exp(shares).sum() > 1.0 - 1e-14:
-        return 0.0
-
-    def held(rate: float) -> float:
-        return float(np.logaddexp.reduce(rate * ways + shares))
-
-    high = 1.0 / float(ways.max())
-    while held(high) < 0.0:
-        high *= 2.0
-    return float(brentq(held, 0.0, high, xtol=1e-300, rtol=1e-14))
-
-
-def tail_rate(contacts: Contacts) -> Rate:
-    """At which log S falls far out; inf above, 0 below every exponential.
-
-    Heat leaves it: the further a threshold lies beyond, the less a contact breaks before it.
-    """
-    law, unit = contacts.thresholds, contacts.mean_threshold
-    if np.isfinite(law.support()[1]):
-        return Rate(np.inf, 0.0)
-    # survival is looked at on the way out: far quantiles are beyond many a distribution
-    x = unit * 2.0 ** np.arange(0.0, 400.0, 0.25)
-    log_survival = law.logsf(x)
-    known = np.isfinite(log_survival)
-    x, log_survival = x[known], log_survival[known]
-    first, last = np.searchsorted(-log_survival, -np.log(TAILS)) - [0, 1]
-    if first >= last:
-        return Rate(np.inf, 0.0)
-    if x[last] > SLOW * x[first]:
-        return Rate(0.0, 0.0)
-    x = np.geomspace(x[first], x[last], TERMS)
-    log_survival = law.logsf(x)
-    # log S = a - rate x + power log x + b/x + ...: each term more settles an exponential's rate
-    u = x / x[-1]
-    terms = np.stack([np.ones(u.size), -u, np.log(u), 1.0 / u, 1.0 / u**2])
-    rates = [
-        float(np.linalg.solve(terms[:n, -n:].T, log_survival[-n:])[1] / x[-1]) for n in (3, 4, 5)
-    ]
-    rounding = ROUNDED * float(-log_survival[-1] / x[-1])
-    change, rest = abs(rates[1] - rates[0]), abs(rates[2] - rates[1])
-    if rates[2] > 0.0 and rest <= max(SETTLED * change, rounding):
-        return Rate(rates[2], rest + rounding)
-    slopes = -np.diff(log_survival) / np.diff(x)
-    fall = -np.diff(slopes)
-    if slopes[-1] > slopes[0]:
-        return Rate(np.inf, 0.0)
-    if fall.sum() > LITTLE * slopes[-1]:
-        return Rate(0.0, 0.0)
-    # exponentials of nearly one rate, or what looks like one as far as it is seen
-    settles = bool((fall > 0.0).all() and fall[-1] < 0.5 * fall[0])
-    return Rate(float(slopes[-1]), MARGIN * float(fall[-1]) if settles else np.inf)

@@ -8,36 +8,25 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from master.lives.life import Life
-from master.lives.make import life_of
+from master.lives.make import steady_life
 from master.renewal import rule
 from master.steady.forward import Forward, births_table
 from master.steady.steady import births_of, check_finite, cycle_of
 from master.steady.travel import Travel
 from master.stick_slip.decoherence import BROAD, LONGEST
-from master.stick_slip.roots import (
-    NEAR,
-    NO_ROOTS,
-    Roots,
-    conserved,
-    crowding_rate,
-    leading_roots,
-    root_errors,
-    tail_rate,
-)
+from master.stick_slip.roots import NEAR, NO_ROOTS, Roots, conserved, leading_roots, root_errors
+from master.stick_slip.tails import crowding_rate, tail_rate
 from master.stick_slip.transform import Transform
 from origins import Contacts, InputError
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive, refuse, whole
-
-if TYPE_CHECKING:
-    from master._old.decoherence_spectrum import DecoherenceSpectrum as OldSpectrum
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -147,7 +136,7 @@ class DecoherenceSpectrum:
 
 def decoherence_spectrum(
     contacts: Contacts, *, velocity: float = 1.0, n_roots: int = 8
-) -> DecoherenceSpectrum | OldSpectrum:
+) -> DecoherenceSpectrum:
     """The slowest terms of F(X) - F_k of contacts that a rigid slider moves forward.
 
     Parameters
@@ -168,16 +157,11 @@ def decoherence_spectrum(
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
-    life = life_of(contacts)
-    if life is None:
-        # ageing and growing grains, until they are lives
-        from master._old.decoherence_spectrum import decoherence_spectrum as old_spectrum
-
-        return old_spectrum(contacts, velocity=velocity, n_roots=n_roots)
     check_finite(contacts)
+    life = steady_life(contacts, velocity)
     travel = Travel(life, births_of(contacts), velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
-    found = _leading(contacts, travel, wait, n_roots + 1)
+    found = _leading(contacts, travel, velocity, n_roots + 1)
     kept = found.first(n_roots)
     next_root = found.roots[n_roots : n_roots + 1]
     gamma = float(-next_root[0].real) if next_root.size else found.searched
@@ -200,16 +184,19 @@ def decoherence_spectrum(
     return replace(spectrum, _left=left, run_time=time.perf_counter() - began)
 
 
-def _leading(contacts: Contacts, travel: Travel, wait: float, count: int) -> Roots:
+def _leading(contacts: Contacts, travel: Travel, velocity: float, count: int) -> Roots:
     """The leading roots, or InputError where there is none that can be told."""
+    wait = velocity * contacts.waiting_time
     if wait > LONGEST * travel.length:
-        assert contacts.delay is not None
-        refuse(
-            "delay",
-            contacts.delay.time,
-            f"contacts wait for {wait / travel.length:.3g} times as long as they hold: roots are told "
-            f"up to {LONGEST:g} times; use a shorter one",
-        )
+        times = f"wait for {wait / travel.length:.3g} times as long as they hold"
+        if contacts.delay is None:
+            refuse(
+                "velocity",
+                velocity,
+                f"grains grow, unpinned, for so long that contacts {times}; slide more slowly",
+            )
+        told = f"contacts {times}: roots are told up to {LONGEST:g} times; use a shorter one"
+        refuse("delay", contacts.delay.time, told)
     crowd = crowding_rate(travel, wait)
     if crowd == 0.0:
         raise InputError(
@@ -252,7 +239,9 @@ def _terms(contacts: Contacts, life: Life, velocity: float, wait: float, found: 
     """Errors of roots, and amplitudes."""
     again, start = births_of(contacts), contacts.start
     alike = start.is_single and start.span == again.span
-    begins = None if alike else Travel(life, start, velocity)
+    # of a start with a width every survival takes long: one table for all roots
+    deepest = found.transforms[found.level.max()].decay if found.level.size else 0.0
+    begins = None if alike or not deepest else Transform(Travel(life, start, velocity), deepest)
     parts = [_Terms(np.empty(0), np.empty(0, dtype=complex), np.empty(0))]
     for level, transform in enumerate(found.transforms):
         s = found.roots[found.level == level]
@@ -260,7 +249,7 @@ def _terms(contacts: Contacts, life: Life, velocity: float, wait: float, found: 
             continue
         values, slope = transform(s), conserved(transform, wait, s)[1]
         roots_error = root_errors(transform, wait, s)
-        first = values if begins is None else Transform(begins, transform.decay)(s)
+        first = values if begins is None else begins(s)
         broken = 1.0 / s - first.held
         amplitude = 2.0 * values.force * np.exp(-s * wait) * broken / slope
         turned = 3.0 * np.abs(values.bend / values.slope) + wait + 1.0 / np.abs(s)

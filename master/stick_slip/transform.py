@@ -14,7 +14,8 @@ from master.steady.travel import FEW, NONE, SHORTEST, Travel
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-# Last coefficients of the tilted tables, over their largest values.
+# Last coefficients of the tilted tables, over their largest values; where heat breaks contacts born
+# at many stretches, those of Travel, as each survival takes long.
 ACCURACY = 1e-13
 # Most of |s| times the width of a piece: the Gauss nodes integrate a table's polynomial times such
 # a wave to rounding.
@@ -129,7 +130,9 @@ class Transform:
             return np.asarray(found * np.exp(np.minimum(decay * way - self._shift, 700.0)))
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
-        self._table = table = Table(tilted, edges, ACCURACY, shortest)
+        at_once = travel.born.is_single or travel.life.quick
+        accuracy = ACCURACY if at_once else travel.accuracy
+        self._table = table = Table(tilted, edges, accuracy, shortest)
         self._error = travel.life.error
         self._known: dict[int, _Nodes] = {}
         self.jumps = jumps_of(travel)

@@ -10,8 +10,6 @@ import numpy.typing as npt
 from origins.errors import InputError, refuse
 from origins.laws.rate_law import Array, RateLaw
 
-# A/v, no unit: beyond it no contact is left, and the difference of two such integrals is round-off
-_LARGE = 50.0
 # ln(h/ω): above it no contact holds, and its exponential times ω is still a number
 _LARGEST = 50.0
 _LEAST_WAY = 1e-15  # of the stretch: shorter ways back than this cannot be told from none
@@ -98,39 +96,6 @@ class BreakingRate:
             out[across] = np.logaddexp(out[across], rest)
         return out
 
-    def per_length(
-        self,
-        x: Array,
-        threshold: Array,
-        start: Array,
-        stiffness: Array | float,
-        velocity: float,
-    ) -> tuple[Array, Array]:
-        """h/v at x, and A/v from `start` <= x on, for sums over many contacts.
-
-        Neither checked nor in logarithms; |x| and |start| at most the threshold. Errors of A/v stay
-        below 1e-13 of 1 + A/v.
-        """
-        rate, passed = self.rates.rate_and_passed(x, threshold, stiffness, velocity)
-        if not np.any(start):
-            return rate, passed
-        before = self.rates.rate_and_passed(start, threshold, stiffness, velocity)[1]
-        if np.abs(before).max(initial=0.0) < _LARGE:
-            return rate, passed - before
-        return rate, np.exp(self.log_per_length(x, threshold, start, stiffness, velocity))
-
-    def log_per_length(
-        self,
-        x: Array,
-        threshold: Array,
-        start: Array,
-        stiffness: Array | float,
-        velocity: float,
-    ) -> Array:
-        """ln(A/v) of the same, finite where that underflows."""
-        arrays = np.broadcast_arrays(x, start, threshold, stiffness)
-        return self._log_between(*arrays) - np.log(velocity)
-
     def inverse(
         self,
         amount: npt.ArrayLike,
@@ -155,10 +120,6 @@ class BreakingRate:
             behind = log_amount[back], -begin[back], limit[back], spring[back]
             out[back] = self._from_behind(*behind)
         return out.reshape(shape)[()]
-
-    def inverse_from_rest(self, log_amount: Array, threshold: Array, stiffness: Array) -> Array:
-        """The same from x = 0 at ln A, for sums over many contacts: not checked."""
-        return np.asarray(self.rates.reached(log_amount, 0.0, threshold, stiffness))
 
     def _from_behind(
         self, log_amount: Array, begin: Array, threshold: Array, stiffness: Array

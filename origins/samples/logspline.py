@@ -36,8 +36,8 @@ class Fit:
 
 
 def cost(size: float) -> float:
-    """Log-likelihood that a number read off `size` samples must be worth: Schwarz' log(size)/2 for few, and 2, twice
-    Akaike's, from 55 samples on. A cost that grew further would leave a bias of many standard errors."""
+    """Penalty per fitted parameter, in units of log-likelihood: log(size)/2 (Schwarz, BIC) for few samples, and 2,
+    twice Akaike's, from 55 samples on. A larger one would leave biases of many standard errors in large samples."""
     return min(0.5 * float(np.log(size)), 2.0)
 
 

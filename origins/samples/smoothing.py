@@ -10,17 +10,17 @@ from origins.samples.logspline import Fit, cost, fit
 from origins.samples.smoothed import Smoothed, Variable
 from origins.samples.spline import Spline
 from origins.samples.tilting import with_mean
-from origins.thresholds.gaussian import CutGaussian
+from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import Array, Thresholds
 
-# an edge, a gap and a density that diverges at 0 must be worth this much more of the log-likelihood than a number
+# penalty of an edge, a gap or a density that diverges at 0, in log-likelihood, beyond that of a parameter
 _EDGE = 3.0
-_SUSPECT = 1.5  # samples that the law expects beyond the extreme one, from where on an edge there is tried
+_SUSPECT = 1.5  # expected number of samples beyond the extreme one, above which an edge is tried there
 _FAR, _FARTHEST = 8.0, 1000.0  # times the median: samples beyond may be, or are, thresholds of many decades
 _STANDS_OUT, _OBVIOUS = 10.0, 100.0  # width of a gap beyond the log of the number of samples, and for sure
 _DEEPEST = 12
 _FAR_OFF = 2.0  # sampling errors of <x^2>/2<x>, from where on a law has not the shape of its samples
-# standard deviation of a stray's kernel, at most: of its value, and of the gap before it
+# largest standard deviation of the Gaussian of a value beyond a gap, relative to that value and to the gap
 _OF_VALUE, _OF_GAP = 0.125, 0.15
 
 
@@ -42,9 +42,11 @@ class _Choice:
 
 
 def smooth(x: Array, shares: Array, counts: Array, size: float, depth: int = 0) -> list[Piece]:
-    """Smooth laws, one for each side of every gap, sorted, through samples x (distinct, sorted, at least 2) that count
-    by `shares` (sum 1), are there `counts` times and are worth `size` samples. Fewer than five values beyond a gap get
-    a narrow kernel each."""
+    """Smooth laws, one for each side of every gap, sorted by place.
+
+    x : samples, distinct and sorted, at least 2; shares : weight of each, of sum 1; counts : how often each value
+    occurs; size : the effective number of samples. Fewer than five values beyond a gap get a narrow Gaussian each.
+    """
     place, beyond = cut_off(x, counts, FEW - 1) if depth < _DEEPEST else (0, 0)
     if place:
         return _with_strays(x, shares, counts, size, depth, place, above=place == x.size - beyond)
@@ -75,7 +77,7 @@ def smooth(x: Array, shares: Array, counts: Array, size: float, depth: int = 0) 
 
 
 def _off(law: Thresholds, x: Array, shares: Array, size: float) -> float:
-    """How many sampling errors the law's <x^2>/2<x> is off that of the samples."""
+    """Difference between the kinetic force <x²>/2<x> of the law and of the samples, in standard errors."""
     mean = float(shares @ x)
     each = x * (x / (2.0 * mean))
     force = float(shares @ each)
@@ -86,8 +88,10 @@ def _off(law: Thresholds, x: Array, shares: Array, size: float) -> float:
 def _with_strays(
     x: Array, shares: Array, counts: Array, size: float, depth: int, place: int, above: bool
 ) -> list[Piece]:
-    """Laws through the samples before a gap, and for each of the few beyond it a bell of the relative width of the law
-    next to it: that they vary by as much, in their proportion, is all there is to go by."""
+    """Laws through the samples before a gap, and a Gaussian for each of the few values beyond it.
+
+    Each Gaussian has the coefficient of variation of the group next to it: there is no other information on its width.
+    """
     main, strays = (slice(None, place), slice(place, None)) if above else (slice(place, None), slice(None, place))
     share = float(shares[main].sum())
     found = smooth(x[main], shares[main] / share, counts[main], size * share, depth + 1)
@@ -98,7 +102,7 @@ def _with_strays(
     gap = float(x[place] - x[place - 1])
     kernels = []
     for value, own in zip(x[strays].tolist(), shares[strays].tolist(), strict=True):
-        law = CutGaussian(value, min(relative * value, _OF_GAP * gap))
+        law = gaussian(value, min(relative * value, _OF_GAP * gap))
         score += size * own * float(np.log(own) + law.logpdf(value)) - cost(size)
         kernels.append(Piece(law, own, 0.0))
     return [replace(piece, score=score) for piece in (found + kernels if above else kernels + found)]

@@ -45,14 +45,6 @@ class Spline:
         c0, c1, c2, c3 = self._powers
         return c0[piece] + away * (c1[piece] + away * (c2[piece] + away * c3[piece]))
 
-    def powers(self, y: Array) -> Array:
-        """Coefficients of the powers 0 to 3 of the distance above each y, good to the next knot; shape (4, y)."""
-        piece = np.searchsorted(self.knots, y, side="right")
-        away = y - self._from[piece]
-        c0, c1, c2, c3 = self._powers[:, piece]
-        slope = c1 + away * (2.0 * c2 + away * 3.0 * c3)
-        return np.stack([c0 + away * (c1 + away * (c2 + away * c3)), slope, c2 + 3.0 * away * c3, c3])
-
 
 def bends(knots: Array) -> Array:
     """Matrix (k, k) from heights at the knots to second derivatives there, constant in the first and last interval."""

@@ -1,5 +1,6 @@
 """Gaussian thresholds, the parent normal cut at x = 0 and normalised."""
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -12,11 +13,14 @@ from origins.thresholds.quadrature import gauss
 
 _LARGEST, _UNIT = 1e150, "choose another unit of length"  # so that squares are numbers
 _NARROWEST = 1e-15  # std over mean, which rounding takes for one value
+_CLOSED = 5.0  # widths below 0, from where on the closed forms lose digits
 _ROOT_TWO = np.sqrt(2.0)
 _ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
 
-def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upper: float | None = None) -> Thresholds:
+def gaussian(
+    mean: float, std: float, form: Literal["cut", "paper"] = "cut", upper: float | None = None
+) -> Thresholds:
     """Thresholds from the normal law of `mean` and `std`, both lengths (paper, Eq. Q14e).
 
     form = "cut": the normal law conditional on x > 0.
@@ -29,19 +33,31 @@ def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upp
     if abs(mean) > _LARGEST:
         refuse("mean", mean, f"must be at most {_LARGEST:g}; {_UNIT}")
     if std < _NARROWEST * mean:
-        refuse("std", std, f"is below 1e-15 of the mean: one value to round-off; take identical, value = {mean:g}")
+        refuse(
+            "std",
+            std,
+            f"is below 1e-15 of the mean: one value to round-off; take identical, value = {mean:g}",
+        )
     if std < -_NARROWEST * mean:
-        refuse("mean", mean, f"lies more than 1e15 widths below 0, where nothing is left of the law; std = {std:g}")
+        refuse(
+            "mean",
+            mean,
+            f"lies more than 1e15 widths below 0, where nothing is left of the law; std = {std:g}",
+        )
     if form == "cut":
         if upper is not None:
             refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')
-        return CutGaussian(mean, std)
+        return (NormalAboveZero if mean > -_CLOSED * std else CutGaussian)(mean, std)
     if form != "paper":
         refuse("form", form, 'must be "cut" or "paper"')
     if not mean > 0.0:
         refuse("mean", mean, 'form = "paper" needs 0 < mean < upper')
     if upper is None:
-        refuse("upper", upper, f'form = "paper" needs the end of its interval, such as upper = {3.0 * mean:g}')
+        refuse(
+            "upper",
+            upper,
+            f'form = "paper" needs the end of its interval, such as upper = {3.0 * mean:g}',
+        )
     upper = positive("upper", upper)
     if not mean < upper:
         refuse("mean", mean, f'form = "paper" needs 0 < mean < upper = {upper:g}')
@@ -49,7 +65,7 @@ def gaussian(mean: float, std: float, form: Literal["cut", "paper"] = "cut", upp
 
 
 class CutGaussian(Thresholds):
-    """The normal law with parent mean and width, conditional on x > 0."""
+    """The normal law with parent mean and width, conditional on x > 0, from its density alone."""
 
     onset_power = 0.0
 
@@ -57,11 +73,15 @@ class CutGaussian(Thresholds):
         self.parent_mean = parent_mean
         self.parent_std = parent_std
         self._z0 = -parent_mean / parent_std
+        # P_c(0), and its log, by the form that stays finite however little of the parent is kept
         self._log_kept = float(log_ndtr(-self._z0))
         self._kept = float(ndtr(-self._z0))
-        # P_c(0) by the form that stays finite however little of the parent is kept
-        edge = 2.0 / float(erfcx(self._z0 / _ROOT_TWO)) if self._z0 > 0.0 else np.exp(-0.5 * self._z0**2) / self._kept
-        self._at_zero = edge / (_ROOT_TWO_PI * parent_std)
+        if self._z0 > 0.0:
+            self._at_zero = 2.0 / float(erfcx(self._z0 / _ROOT_TWO)) / (_ROOT_TWO_PI * parent_std)
+        else:
+            self._at_zero = np.exp(-0.5 * self._z0**2 - self._log_kept) / (
+                _ROOT_TWO_PI * parent_std
+            )
 
     def support(self) -> tuple[float, float]:
         return 0.0, np.inf
@@ -69,77 +89,46 @@ class CutGaussian(Thresholds):
     def _z(self, x: Array) -> Array:
         return (x - self.parent_mean) / self.parent_std
 
-    def _fall(self, x: Array) -> Array:
-        """log of P_c(x) / P_c(0), for a parent mean below 0."""
-        with np.errstate(over="ignore"):
-            u = x / self.parent_std
-            return -u * (0.5 * u + self._z0)
-
     def _logpdf(self, x: Array) -> Array:
-        if self._z0 > 0.0:
-            return np.log(self._at_zero) + self._fall(x)
         with np.errstate(over="ignore"):
-            return -0.5 * self._z(x) ** 2 - np.log(_ROOT_TWO_PI * self.parent_std * self._kept)
+            if self._z0 > 0.0:
+                u = x / self.parent_std
+                return np.log(self._at_zero) - u * (0.5 * u + self._z0)
+            return -0.5 * self._z(x) ** 2 - np.log(_ROOT_TWO_PI * self.parent_std) - self._log_kept
 
-    def _pdf(self, x: Array) -> Array:
-        return np.exp(self._logpdf(x))
+
+class NormalAboveZero(CutGaussian):
+    """The same in closed form, for parents whose mean lies no more than some widths below 0."""
 
     def _logsf(self, x: Array) -> Array:
-        if self._z0 > 0.0:
-            out = self._fall(x) + np.log(erfcx(self._z(x) / _ROOT_TWO) / erfcx(self._z0 / _ROOT_TWO))
-        else:
-            out = log_ndtr(-self._z(x)) - self._log_kept
-        near = out > -0.5
-        if near.any():
-            out[near] = np.log1p(-self._cdf(x[near]))
-        return out
+        return self._near_one(x, log_ndtr(-self._z(x)) - self._log_kept)
 
     def _sf(self, x: Array) -> Array:
-        if self._z0 > 0.0:
-            return np.exp(self._logsf(x))
         return np.minimum(ndtr(-self._z(x)) / self._kept, 1.0)
 
     def _cdf(self, x: Array) -> Array:
-        z, out = self._z(x), np.empty(x.shape)
+        # from the side of the parent's median on which less cancels
+        side = -1.0 if self._z0 > 0.0 else 1.0
+        out = np.abs(ndtr(side * self._z(x)) - ndtr(side * self._z0)) / self._kept
         # just above 0 the difference cancels: integrate the density instead
         near = x * max(1.0, abs(self._z0)) < 0.3 * self.parent_std
-        far = ~near
-        if self._z0 > 0.0:
-            with np.errstate(under="ignore"):
-                ratio = erfcx(z[far] / _ROOT_TWO) / erfcx(self._z0 / _ROOT_TWO)
-                out[far] = 1.0 - ratio * np.exp(self._fall(x[far]))
-        else:
-            out[far] = (ndtr(z[far]) - ndtr(self._z0)) / self._kept
         if near.any():
             nodes, weights = gauss(np.zeros(int(near.sum())), x[near])
             out[near] = (weights * self._pdf(nodes)).sum(-1)
         return np.minimum(out, 1.0)
 
-    def _from_hazard(self, hazard: Array) -> Array:
-        """For a parent mean below 0: two of Newton's steps from a guess that is off by 1e-6 at most."""
-        u = -ndtri_exp(self._log_kept - hazard) - self._z0
-        # near 0 that is round-off, and the hazard a straight line
-        near = ~(u > 1e-6 * (1.0 + self._z0))
-        u[near] = hazard[near] / (self._at_zero * self.parent_std)
-        x = self.parent_std * u
-        for _ in range(2):
-            log_survival = self._logsf(x)
-            x = np.maximum(x + (hazard + log_survival) * np.exp(log_survival - self._logpdf(x)), 0.5 * x)
-        return x
-
     def _isf(self, q: Array) -> Array:
-        if self._z0 > 0.0:
-            return super()._isf(q)
         x = self.parent_mean - self.parent_std * ndtri_exp(np.log(q) + self._log_kept)
         return self._polish(x, q, self._sf, 1.0)
 
     def _ppf(self, q: Array) -> Array:
         if self._z0 > 0.0:
-            return super()._ppf(q)
-        x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * self._kept)
+            x = self.parent_mean - self.parent_std * ndtri_exp(np.log1p(-q) + self._log_kept)
+        else:
+            x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * self._kept)
         return self._polish(x, q, self._cdf, -1.0)
 
-    def _polish(self, x: Array, q: Array, function, sign: float) -> Array:  # type: ignore[no-untyped-def]
+    def _polish(self, x: Array, q: Array, function: Callable[[Array], Array], sign: float) -> Array:
         """Two Newton steps, for the digits lost where x is small beside the parent mean."""
         for _ in range(2):
             x = np.maximum(x, 0.0)

@@ -5,19 +5,24 @@ from scipy.special import gammainc, gammaincc, gammainccinv, gammaincinv, gammal
 
 from origins.thresholds.law import Array, Thresholds
 
-_NODES, _WEIGHTS = np.polynomial.laguerre.laggauss(40)
+_TAIL_NODES, _TAIL_WEIGHTS = np.polynomial.laguerre.laggauss(40)
 _SMALL = 1e-20  # t below which the cdf is its leading power, even where t itself underflows
-_FAR = 1e-280
-_MOST = 1e300
+_FAR = 1e-280  # survival below which it is an integral along the tail
+_MOST = 1e300  # t at most, so that its square roots and logarithms stay numbers
 
 
 class GeneralisedGamma(Thresholds):
-    """t = (x/width)^decay follows the gamma law of shape a = (power + 1)/decay; power > -1, decay > 0."""
+    """t = (x/width)^decay follows the gamma law of the order a = (power + 1)/decay; power > -1, decay > 0.
 
-    def __init__(self, width: float, power: float, decay: float) -> None:
+    order : a, where it is known without rounding. At a = 1, a Weibull law, S = e^-t; at a = 2 S = (1 + t) e^-t.
+    """
+
+    def __init__(
+        self, width: float, power: float, decay: float, order: float | None = None
+    ) -> None:
         self.width, self.onset_power, self.decay = width, power, decay
-        self._shape = (power + 1.0) / decay
-        self._log_front = float(np.log(decay / width) - gammaln(self._shape))
+        self._order = (power + 1.0) / decay if order is None else order
+        self._log_front = float(np.log(decay / width) - gammaln(self._order))
 
     def support(self) -> tuple[float, float]:
         return 0.0, np.inf
@@ -32,44 +37,55 @@ class GeneralisedGamma(Thresholds):
 
     def _cdf(self, x: Array) -> Array:
         t = self._t(x)
-        out = gammainc(self._shape, t)
+        out = -np.expm1(-t) if self._order == 1.0 else gammainc(self._order, t)
         onset = t < _SMALL
-        power = (self.onset_power + 1.0) * np.log(x[onset] / self.width)
-        out[onset] = np.exp(power - gammaln(1.0 + self._shape))
+        if onset.any():
+            power = (self.onset_power + 1.0) * np.log(x[onset] / self.width)
+            out[onset] = np.exp(power - gammaln(1.0 + self._order))
         return out
 
     def _sf(self, x: Array) -> Array:
         t = self._t(x)
-        out = gammaincc(self._shape, t)
+        if self._order == 1.0:
+            return np.exp(-t)
+        if self._order == 2.0:
+            return (1.0 + t) * np.exp(-t)
+        out = gammaincc(self._order, t)
         onset = t < _SMALL
-        # t may have underflowed where the cdf has not
-        out[onset] = 1.0 - self._cdf(x[onset])
+        if onset.any():  # t may have underflowed where the cdf has not
+            out[onset] = 1.0 - self._cdf(x[onset])
         return out
 
     def _logsf(self, x: Array) -> Array:
         t = self._t(x)
-        survival = gammaincc(self._shape, t)
+        if self._order == 1.0:
+            return -t
+        if self._order == 2.0:
+            return self._near_one(x, np.log1p(t) - t)
         with np.errstate(divide="ignore"):
-            out = np.log(survival)
-        near, far = survival > 0.6, survival < _FAR
-        out[near] = np.log1p(-self._cdf(x[near]))
+            survival = gammaincc(self._order, t)
+            out = self._near_one(x, np.log(survival))
+        far = survival < _FAR
         if far.any():
             t = t[far]
-            rest = (1.0 + _NODES / t[:, None]) ** (self._shape - 1.0) @ _WEIGHTS
-            out[far] = (self._shape - 1.0) * np.log(t) - t - gammaln(self._shape) + np.log(rest)
+            rest = (1.0 + _TAIL_NODES / t[:, None]) ** (self._order - 1.0) @ _TAIL_WEIGHTS
+            out[far] = (self._order - 1.0) * np.log(t) - t - gammaln(self._order) + np.log(rest)
         return out
 
     def _ppf(self, q: Array) -> Array:
-        t = gammaincinv(self._shape, q)
-        onset = np.exp((np.log(q) + gammaln(1.0 + self._shape)) / (self.onset_power + 1.0))
+        t = -np.log1p(-q) if self._order == 1.0 else gammaincinv(self._order, q)
+        onset = np.exp((np.log(q) + gammaln(1.0 + self._order)) / (self.onset_power + 1.0))
         return self.width * np.where(t < _SMALL, onset, t ** (1.0 / self.decay))
 
     def _isf(self, q: Array) -> Array:
+        if self._order == 1.0:
+            return self.width * (-np.log(q)) ** (1.0 / self.decay)
         # near 1 q holds no more digits than its complement; and t may underflow where x does not
-        t = gammainccinv(self._shape, q)
+        t = gammainccinv(self._order, q)
         far = self.width * t ** (1.0 / self.decay)
         near = self._ppf(np.maximum(1.0 - q, np.finfo(float).tiny))
         return np.where((q < 0.5) & (t > _SMALL), far, near)
 
     def _moment(self, n: int) -> float:
-        return self.width**n * float(poch(self._shape, n / self.decay))
+        with np.errstate(over="ignore"):
+            return float(np.float64(self.width) ** n * poch(self._order, n / self.decay))

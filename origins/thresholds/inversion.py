@@ -1,12 +1,9 @@
 """Quantiles of a law that has no closed inverse: Newton steps that never leave a bracket."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-if TYPE_CHECKING:
-    from origins.thresholds.law import Thresholds
 
 Array = npt.NDArray[np.float64]
 
@@ -16,7 +13,7 @@ _MISS, _STEP = 1e-9, 1e-8
 _LAST_BIT = 4e-16
 
 
-def invert_hazard(thresholds: "Thresholds", hazard: Array, left: Array, right: Array, guess: Array) -> Array:
+def invert_hazard(thresholds: Any, hazard: Array, left: Array, right: Array, guess: Array) -> Array:
     """Thresholds x in [left, right] with -log sf(x) = hazard; all arrays of one shape (n,).
 
     Newton's step is taken for log hazard against log distance from the support's lower end, where every power

@@ -1,34 +1,41 @@
-"""Thresholds: the law P_c(x) of the stretch at which a contact breaks.
-
-A family overrides the private methods on the inside of its support; this class does what all share: the
-outside of the support, the inverses, the moments and the sampling. Names and meanings are those of a
-frozen scipy.stats distribution.
-"""
+"""Thresholds: the law P_c(x) of the stretch at which a contact breaks. What a new law states stands in the class."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import refuse
+from origins.errors import InputError, refuse
 from origins.thresholds.inversion import invert_hazard
-
-if TYPE_CHECKING:
-    from origins.domains.rotated import DomainSamples
-    from origins.roughness.interface import Interface
+from origins.thresholds.numerical import NumericalLaw
+from origins.thresholds.quadrature import moment as panel_moment
 
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
 
+_LOOSE = 1e-6  # error of a density's norm that no rounding explains
+_ROUNDING = 1e-9  # by which sums of a family's survival may leave [0, 1]
+
 
 class Thresholds:
-    """Distribution of breaking thresholds x_s >= 0 (a length).
+    """Distribution of breaking thresholds x_s >= 0 (a length), with the names and meanings of a frozen scipy.stats one.
 
-    Survival is computed as such, not as 1 - cdf, and its logarithm stays finite where the survival
-    underflows. A law may hold exact single values: they are `atoms`, and `pdf` is the density of the rest.
+    A family states, for arrays x inside its support:
+
+    - required: `support()`, and one of `_log_weight(x)`, the log of the density up to a constant, or of
+      `_logpdf(x)` and `_pdf(x)`, which are normalised. Densities are also asked at finite ends of the support.
+      They owe a relative 1e-10, the logarithms 1e-10 of max(1, |log|), also where the density underflows.
+    - required where they are not what they are here: `breakpoints` inside the support, `onset_power`, `atoms`.
+    - optional, where a closed form is shorter or faster than the NumericalLaw of the density, which gives the rest:
+      `_cdf` together with `_sf` (each to a relative 1e-10 where it is small, never as 1 less the other), `_logsf`
+      (finite where the survival underflows), `_ppf` and `_isf` (1e-12 in x, or 1e-10 in the probability), `_moment`
+      and `_variance` (1e-10). A family with atoms states `_cdf` and `_sf`.
+
+    InputError, with the family's name, where its survival leaves [0, 1].
 
     Attributes
     ----------
@@ -39,42 +46,52 @@ class Thresholds:
         Its error: 0 where the family states it, else that of the fit.
     domains : DomainSamples or None
         Barriers, angles and sizes of the islands, where the law comes from rotated domains.
-    knows_breakpoints : bool
-        Whether `breakpoints` are all there are; a foreign law may bend or jump elsewhere.
     interface : Interface or None
         Load, contact density, stiffness and friction in SI units, where the law comes from a rough surface.
+    cut_weight : float
+        Weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
+    knows_breakpoints : bool
+        Whether `breakpoints` are all there are; a foreign law may bend or jump elsewhere.
     """
 
     onset_power: float = np.inf
     onset_power_error: float = 0.0
-    interface: Interface | None = None
-    domains: DomainSamples | None = None
+    interface: Any = None
+    domains: Any = None
+    cut_weight: float = 0.0
     knows_breakpoints: bool = True
-    _lowest_atom: float = 0.0  # weight of an atom at the lower end of a support that reaches further
+    # weight of an atom at the lower end of a support that reaches further
+    _lowest_atom: float = 0.0
 
-    # -- what a family states: x lies inside the support; densities are also asked at its finite ends ----
+    # -- what a family states: x lies inside the support ------------------------------------------------
+    def _log_weight(self, x: Array) -> Array:
+        if type(self)._logpdf is Thresholds._logpdf and type(self)._pdf is Thresholds._pdf:
+            raise NotImplementedError(f"{type(self).__name__}: state _log_weight, _logpdf or _pdf")
+        return self._logpdf(x)
+
+    def _logpdf(self, x: Array) -> Array:
+        if type(self)._pdf is Thresholds._pdf:
+            return self._numerical.logpdf(x)
+        with np.errstate(divide="ignore"):
+            return np.log(self._pdf(x))
+
     def _pdf(self, x: Array) -> Array:
         # where the density diverges it may exceed all numbers
         with np.errstate(over="ignore"):
             return np.exp(self._logpdf(x))
 
-    def _logpdf(self, x: Array) -> Array:
-        with np.errstate(divide="ignore"):
-            return np.log(self._pdf(x))
-
     def _cdf(self, x: Array) -> Array:
-        raise NotImplementedError
+        return self._numerical.cdf(x)
 
     def _sf(self, x: Array) -> Array:
-        raise NotImplementedError
+        return self._numerical.sf(x)
 
     def _logsf(self, x: Array) -> Array:
+        if type(self)._sf is Thresholds._sf:
+            return self._numerical.logsf(x)
         with np.errstate(divide="ignore"):
             out = np.log(self._sf(x))
-        near = out > -0.5
-        if near.any():
-            out[near] = np.log1p(-self._cdf(x[near]))
-        return out
+        return self._near_one(x, out)
 
     def _ppf(self, q: Array) -> Array:
         return self._from_hazard(-np.log1p(-q))
@@ -83,23 +100,24 @@ class Thresholds:
         return self._from_hazard(-np.log(q))
 
     def _from_hazard(self, hazard: Array) -> Array:
-        lower, upper = self._bracket(float(hazard.max()))
+        """Thresholds at which -log of the survival is `hazard`."""
         flat = hazard.ravel()
-        left, right = np.full(flat.shape, lower), np.full(flat.shape, upper)
-        return invert_hazard(self, flat, left, right, 0.5 * left + 0.5 * right).reshape(hazard.shape)
+        if type(self)._sf is Thresholds._sf:
+            left, right = self._numerical.bracket(flat)
+        else:
+            left, right = (np.full(flat.shape, end) for end in self._bracket(float(flat.max())))
+        return invert_hazard(self, flat, left, right, 0.5 * left + 0.5 * right).reshape(
+            hazard.shape
+        )
 
     def _moment(self, n: int) -> float:
-        from origins.thresholds.quadrature import moment
-
-        return moment(self, n)
+        return self._central_moment(n, 0.0)
 
     def _variance(self) -> float:
-        from origins.thresholds.quadrature import moment
-
         mean, square = self.moment(1), self.moment(2)
         if not square - mean * mean < 1e-3 * square:
             return square - mean * mean
-        return moment(self, 2, centre=mean)
+        return self._central_moment(2, mean)
 
     def support(self) -> tuple[float, float]:
         """Ends (lower, upper) of the support; upper may be inf."""
@@ -110,10 +128,21 @@ class Thresholds:
         """Sorted finite points where P_c or one of its derivatives is not smooth, the support's ends included."""
         return np.array([end for end in self.support() if np.isfinite(end)])
 
-    @property
-    def panels(self) -> Array | None:
-        """Edges of panels on each of which the density is a polynomial that 8 nodes integrate; None where it is not."""
-        return None
+    @cached_property
+    def _numerical(self) -> NumericalLaw:
+        """What the density alone gives; InputError where the family calls one normalised that is not."""
+        found = NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
+        normalised = type(self)._log_weight is Thresholds._log_weight
+        if normalised and not abs(found.log_whole) < _LOOSE:
+            whole = f"{np.exp(found.log_whole):.6g}, not to 1"
+            rule = "state it as _log_weight, which need not be normalised"
+            raise InputError(f"{type(self).__name__}: its density adds up to {whole}; {rule}")
+        return found
+
+    def _central_moment(self, n: int, centre: float) -> float:
+        if type(self)._sf is Thresholds._sf:
+            return self._numerical.moment(n, centre)
+        return panel_moment(self, n, centre)
 
     @property
     def atoms(self) -> tuple[Array, Array]:
@@ -135,7 +164,7 @@ class Thresholds:
 
     def sf(self, x: npt.ArrayLike) -> Array:
         """Survival: probability that a threshold exceeds x."""
-        return self._inside(self._sf, x, 1.0, 1.0 - self._lowest_atom, 0.0)
+        return self._inside(self._checked_sf, x, 1.0, 1.0 - self._lowest_atom, 0.0)
 
     def logsf(self, x: npt.ArrayLike) -> Array:
         """log of the survival, finite where it underflows."""
@@ -167,14 +196,38 @@ class Thresholds:
         """Standard deviation of x_s, a length."""
         return float(np.sqrt(max(self._variance(), 0.0)))
 
-    def rvs(self, size: int | tuple[int, ...] | None = None, random_state: RandomState = None) -> Array:
+    def rvs(
+        self, size: int | tuple[int, ...] | None = None, random_state: RandomState = None
+    ) -> Array:
         """Independent thresholds; random_state is None, a seed or a numpy Generator."""
         generator = np.random.default_rng(random_state)
         return self.isf(1.0 - generator.random(size))
 
     # -- shared machinery -------------------------------------------------------------------------------
+    def _checked_sf(self, x: Array) -> Array:
+        survival = self._sf(x)
+        if survival.size and (survival.max() > 1.0 + _ROUNDING or survival.min() < -_ROUNDING):
+            bad = ~((survival >= -_ROUNDING) & (survival <= 1.0 + _ROUNDING))
+            name, at, value = type(self).__name__, x[bad].flat[0], survival[bad].flat[0]
+            raise InputError(
+                f"{name}: its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf"
+            )
+        return survival
+
+    def _near_one(self, x: Array, log_survival: Array) -> Array:
+        """log_survival, and where that is near 0 the digits that the cdf has."""
+        near = log_survival > -0.5
+        if near.any():
+            log_survival[near] = np.log1p(-self._cdf(x[near]))
+        return log_survival
+
     def _inside(
-        self, inner: Callable[[Array], Array], x: npt.ArrayLike, below: float, at_lower: float, above: float
+        self,
+        inner: Callable[[Array], Array],
+        x: npt.ArrayLike,
+        below: float,
+        at_lower: float,
+        above: float,
     ) -> Array:
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
@@ -182,7 +235,9 @@ class Thresholds:
         if x.ndim and x.size and within.all():
             return inner(x)
         # a NaN compares false everywhere and stays what it is
-        out = np.where(x >= upper, above, np.where(x < lower, below, np.where(x == lower, at_lower, x)))
+        out = np.where(
+            x >= upper, above, np.where(x < lower, below, np.where(x == lower, at_lower, x))
+        )
         if within.any():
             out[within] = inner(x[within])
         return out[()]
@@ -198,7 +253,9 @@ class Thresholds:
             out[within] = inner(x[within])
         return out[()]
 
-    def _quantile(self, inner: Callable[[Array], Array], q: npt.ArrayLike, ends: tuple[float, float]) -> Array:
+    def _quantile(
+        self, inner: Callable[[Array], Array], q: npt.ArrayLike, ends: tuple[float, float]
+    ) -> Array:
         q = np.asarray(q, dtype=float)
         if not ((q >= 0.0) & (q <= 1.0)).all():
             bad = q[~((q >= 0.0) & (q <= 1.0))].flat[0]

@@ -4,13 +4,10 @@ The panels follow the law at every scale it has: jumps sit on edges, an x^(1/3) 
 halving, and a spike that every node misses betrays itself because the panel's mass differs from the cdf's.
 """
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-if TYPE_CHECKING:
-    from origins.thresholds.law import Thresholds
 
 Array = npt.NDArray[np.float64]
 
@@ -35,16 +32,13 @@ def gauss(left: Array, right: Array) -> tuple[Array, Array]:
 
 
 def panel_edges(
-    thresholds: "Thresholds", upper: float = np.inf, accuracy: float = 1e-15, tail: float = _TAIL
+    thresholds: Any, upper: float = np.inf, accuracy: float = 1e-15, tail: float = _TAIL
 ) -> Array:
     """Edges of panels on each of which 8 nodes integrate P_c(x) and x P_c(x) to `accuracy` of the whole.
 
     Covers the support up to `upper`, and an infinite tail to survival `tail`. Atoms are not looked at.
     """
     lower, end = thresholds.support()
-    known = thresholds.panels
-    if known is not None:
-        return np.append(known[known < upper], upper) if known[0] < upper < known[-1] else known[known <= upper]
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
     low, high = thresholds.rough_quantiles(_SEEDS, np.concatenate([_SEEDS, far, [tail]]))
     # a quantile that a law cannot give is no seed
@@ -103,27 +97,27 @@ def _middle(left: Array, right: Array) -> Array:
     return np.where((left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right))
 
 
-def _reach(thresholds: "Thresholds", x: float, tail: float) -> float:
+def _reach(thresholds: Any, x: float, tail: float) -> float:
     """x, or further out where survival is still above `tail`."""
     while float(thresholds.sf(x)) > 1.01 * tail and x < 1e150:
         x *= 2.0
     return x
 
 
-def _mass(thresholds: "Thresholds", left: Array, right: Array, scale: float) -> Array:
+def _mass(thresholds: Any, left: Array, right: Array, scale: float) -> Array:
     """Weight and first moment (over scale) of panels, shape (m, 2, n) for ends of shape (m, n)."""
     nodes, weights = gauss(left, right)
     weights *= finite_density(thresholds, nodes)
     return np.stack([weights.sum(-1), np.einsum("...i,...i->...", weights, nodes) / scale], axis=-2)
 
 
-def finite_density(thresholds: "Thresholds", nodes: Array) -> Array:
+def finite_density(thresholds: Any, nodes: Array) -> Array:
     """P_c, but 0 where a node was rounded onto a point at which it diverges."""
     density = thresholds.pdf(nodes)
     return np.where(np.isfinite(density), density, 0.0)
 
 
-def _cdf_mass(thresholds: "Thresholds", left: Array, right: Array) -> Array:
+def _cdf_mass(thresholds: Any, left: Array, right: Array) -> Array:
     """Weight between left and right, atoms left out."""
     ends = np.stack([left, right])
     below, above = thresholds.cdf(ends), thresholds.sf(ends)
@@ -133,7 +127,7 @@ def _cdf_mass(thresholds: "Thresholds", left: Array, right: Array) -> Array:
     return mass
 
 
-def moment(thresholds: "Thresholds", n: int, centre: float = 0.0) -> float:
+def moment(thresholds: Any, n: int, centre: float = 0.0) -> float:
     """<(x_s - centre)^n> by panels, atoms added; for laws whose tail falls faster than any power.
 
     Where the nodes' rounding spoils a panel, beside a density that diverges, the cdf gives its weight.

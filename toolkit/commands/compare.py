@@ -10,8 +10,12 @@ ALL_RANKS = True
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """SCENE... and --out."""
-    parser.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files, or names of shipped scenes")
-    parser.add_argument("--out", metavar="DIR", help="folder for table and picture (default: ./compare-output)")
+    parser.add_argument(
+        "scenes", metavar="SCENE", nargs="+", help="scene files, or names of shipped scenes"
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder for table and picture (default: ./compare-output)"
+    )
 
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
@@ -31,7 +35,11 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
             scenes.append(load_scene(scene, comm=comm))
     for index, scene in enumerate(scenes):
         if scene.name in [other.name for other in scenes[:index]]:
-            refuse("scenes", scene.name, "two scenes of this name could not be told apart; rename one of the files")
+            refuse(
+                "scenes",
+                scene.name,
+                "two scenes of this name could not be told apart; rename one of the files",
+            )
     folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))
     first = comm is None or comm.Get_rank() == 0
@@ -59,7 +67,11 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 
 def _numbers(verdict: Any) -> dict[str, Any]:
-    plain = {field.name: getattr(verdict, field.name) for field in fields(verdict) if field.name != "result"}
+    plain = {
+        field.name: getattr(verdict, field.name)
+        for field in fields(verdict)
+        if field.name != "result"
+    }
     if verdict.evidence is not None:
         plain["evidence"] = asdict(verdict.evidence)
     return plain

@@ -10,8 +10,12 @@ ALL_RANKS = False
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """SCENE and --out."""
-    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
-    parser.add_argument("--out", metavar="DIR", help="folder for table and picture (default: ./NAME-output)")
+    parser.add_argument(
+        "scene", metavar="SCENE", help="a scene file, or the name of a shipped scene"
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder for table and picture (default: ./NAME-output)"
+    )
 
 
 def execute(arguments: argparse.Namespace, comm: Any) -> int:

@@ -12,8 +12,12 @@ ALL_RANKS = True
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """SCENE, --out, --checkpoint and --dry-run."""
-    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
-    parser.add_argument("--out", metavar="DIR", help="folder for the results (default: ./NAME-output)")
+    parser.add_argument(
+        "scene", metavar="SCENE", help="a scene file, or the name of a shipped scene"
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder for the results (default: ./NAME-output)"
+    )
     parser.add_argument(
         "--checkpoint",
         metavar="SECONDS",
@@ -23,7 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: 60)",
     )
     parser.add_argument(
-        "--dry-run", action="store_true", help="tell work, memory, time and error by small pilots; write nothing"
+        "--dry-run",
+        action="store_true",
+        help="tell work, memory, time and error by small pilots; write nothing",
     )
 
 
@@ -46,12 +52,14 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
         print("\n".join(told))
         return 0
     # refused before the work, not after it
-    kept = open_checkpoint(folder, scene, comm, arguments.checkpoint)
-    with notice, closing(Progress()) as progress:
-        result, finished = solve(scene, comm, progress if first else None, kept, Refinement if first else None)
-    for line in report(result):
-        print(line)
-    write(result, folder, comm, kept if finished else None)
+    with open_checkpoint(folder, scene, comm, arguments.checkpoint) as kept:
+        with notice, closing(Progress()) as progress:
+            result, finished = solve(
+                scene, comm, progress if first else None, kept, Refinement if first else None
+            )
+        for line in report(result):
+            print(line)
+        write(result, folder, comm, kept if finished else None)
     print(f"written to {folder}")
     for name, answer in (("master", result.master), ("eq", result.eq), ("sweep", result.sweep)):
         if answer is not None and not answer.success and first:
@@ -67,11 +75,17 @@ def _foretold(scene: Any, folder: str, comm: Any) -> list[str]:
 
     told = [scene.title or scene.name]
     # one of another scene is refused, as the run would
-    done = sum(state.contacts for state in Checkpoint(folder, scene, comm).earlier()) if scene.eq is not None else 0
+    done = (
+        sum(state.contacts for state in Checkpoint(folder, scene, comm).earlier())
+        if scene.eq is not None
+        else 0
+    )
     if scene.master is not None:
         told += pilot_lines(pilot(scene))
     if scene.sweep is not None:
-        told.append(f"sweep           {scene.sweep.velocity.size:,} points; their time is not foreseen")
+        told.append(
+            f"sweep           {scene.sweep.velocity.size:,} points; their time is not foreseen"
+        )
     if scene.eq is not None and scene.drive.spring is not None:
         told += coupled_lines(scene, scene.eq, comm, done)
     elif scene.eq is not None:
@@ -81,8 +95,8 @@ def _foretold(scene: Any, folder: str, comm: Any) -> list[str]:
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
-    from toolkit.results.records import AgeingRecord, SoftRecord
-    from toolkit.running.coupled import CoupledRecord, slip_lines
+    from toolkit.results.records import AgeingRecord, CoupledRecord, SoftRecord
+    from toolkit.running.coupled import slip_lines
     from toolkit.scene.interfaces import in_a_line, with_error
 
     lines = [result.title or result.name]
@@ -106,7 +120,11 @@ def report(result: Any) -> list[str]:
             )
     if result.sweep is not None:
         sweep = result.sweep
-        springs = "" if sweep.critical_spring_error is None else f", K* error {sweep.critical_spring_error.max():.1e}"
+        springs = (
+            ""
+            if sweep.critical_spring_error is None
+            else f", K* error {sweep.critical_spring_error.max():.1e}"
+        )
         lines.append(
             f"sweep   error {sweep.force_error.max():.1e} of <x_s>{springs}  run time {sweep.run_time:.4f} s  "
             f"{sweep.force.size} points along {' and '.join(sweep.along)}"
@@ -129,12 +147,20 @@ def report(result: Any) -> list[str]:
         if apart is None:
             lines.append(f"eq less master: not compared: {why_not_compared(result)}")
         else:
-            own = result.master.force_error * result.mean_threshold / float(result.eq.force_standard_error.max())
+            own = (
+                result.master.force_error
+                * result.mean_threshold
+                / float(result.eq.force_standard_error.max())
+            )
             besides = f" (each with master's own error, {own:.1g} of one)" if own > _FELT else ""
-            chance = "chance makes about 3" + ("" if apart < _APART else ": they do not agree, please report it")
+            chance = "chance makes about 3" + (
+                "" if apart < _APART else ": they do not agree, please report it"
+            )
             if result.papers_closure:
                 chance = "chance makes about 3, the rest is the paper's closure, which single contacts do not follow"
-            lines.append(f"eq less master: at most {apart:.1f} standard errors{besides} over the path; {chance}")
+            lines.append(
+                f"eq less master: at most {apart:.1f} standard errors{besides} over the path; {chance}"
+            )
     return [*lines, *(f"note    {note}" for note in result.notes)]
 
 

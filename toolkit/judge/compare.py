@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from origins.errors import InputError
 from toolkit.judge.deviation import why_not_compared, worst_deviation
 from toolkit.results.describe import conditions
-from toolkit.results.records import Result, Simulated
+from toolkit.results.records import Result, SimulatedRecord
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import run
 from toolkit.scene.interfaces import HEIGHT_INTEGRALS, remarks, why_infinite, with_error
@@ -82,7 +82,8 @@ def compare(
 
     Parameters
     ----------
-    scenes : checked scenes; their own [master] and [eq] are run too, for the picture and the evidence.
+    scenes : checked scenes; their own [master] and [eq] are run too, for the picture and the evidence, but where a
+        spring pulls or the slider turns: forces along such paths are not compared, and a caution says so.
     comm, progress : as for toolkit.run.
 
     Raises InputError, with the name of the scene, for thresholds of infinite <x_s^2>: there is no kinetic force to
@@ -91,9 +92,10 @@ def compare(
     verdicts = []
     for scene in scenes:
         with naming(scene.name):
-            scene.only_forward("compare")
             verdicts.append(_judge(scene, comm, progress))
-    return sorted(verdicts, key=lambda verdict: (-verdict.critical_spring, -verdict.static_to_kinetic))
+    return sorted(
+        verdicts, key=lambda verdict: (-verdict.critical_spring, -verdict.static_to_kinetic)
+    )
 
 
 @contextmanager
@@ -114,14 +116,21 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
 
     def measures() -> tuple[Any, Any, dict[str, float]]:
         found = master.propensity(scene.contacts, velocity=speed.value)
-        return found, master.steady_state(scene.contacts, velocity=speed.value), sampling_errors(scene.contacts)
+        return (
+            found,
+            master.steady_state(scene.contacts, velocity=speed.value),
+            sampling_errors(scene.contacts),
+        )
 
     found, steady, sampled = on_root(comm, measures)
 
     def with_sampling(name: str, error: float) -> float:
         return float(np.hypot(error, sampled.get(name, 0.0)))
 
-    result = run(scene, comm=comm, progress=progress)
+    apart = _not_drawn(scene)
+    result = run(
+        replace(scene, master=None, eq=None) if apart else scene, comm=comm, progress=progress
+    )
     unit = scene.contacts.mean_threshold
     interface = scene.contacts.interface
     friction = None if interface is None else interface.friction_coefficient
@@ -137,15 +146,23 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
         static_to_kinetic=found.static_to_kinetic,
         static_to_kinetic_error=with_sampling("static_to_kinetic", found.static_to_kinetic_error),
         decoherence_length=found.decoherence_length / unit,
-        decoherence_length_error=with_sampling("decoherence_length", found.decoherence_length_error) / unit,
+        decoherence_length_error=with_sampling("decoherence_length", found.decoherence_length_error)
+        / unit,
         kinetic_force=steady.force / unit,
         kinetic_force_error=with_sampling("kinetic_force", steady.force_error * unit) / unit,
         friction_coefficient=friction,
-        friction_coefficient_error=None if friction is None else friction * (relative + HEIGHT_INTEGRALS),
+        friction_coefficient_error=None
+        if friction is None
+        else friction * (relative + HEIGHT_INTEGRALS),
         mean_threshold=unit,
         unit=result.thresholds.unit,
         sampled=bool(sampled),
-        cautions=(*infinite, *unseen(sampled, found.critical_spring), *remarks(scene.contacts.thresholds)),
+        cautions=(
+            *apart,
+            *infinite,
+            *unseen(sampled, found.critical_spring),
+            *remarks(scene.contacts.thresholds),
+        ),
         velocity=speed.value,
         conditions=tuple(conditions(scene.contacts, speed.value, speed.chosen)),
         run_time=found.run_time,
@@ -154,7 +171,18 @@ def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None)
     )
 
 
-def _evidence(result: Result, eq: Simulated, kinetic: float) -> Evidence:
+def _not_drawn(scene: Scene) -> list[str]:
+    """Why this scene's force is not drawn among the others' in words; nothing where it is."""
+    if scene.given_drive is None:
+        return []
+    try:
+        scene.only_forward("the picture of forces")
+    except InputError as error:
+        return [f"F(X) is left out: {error}"]
+    return []
+
+
+def _evidence(result: Result, eq: SimulatedRecord, kinetic: float) -> Evidence:
     curve = eq if result.master is None else result.master
     at = int(np.argmax(curve.force))
     expected = deviation = reason = None
@@ -183,7 +211,10 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
     lines = [head, "-" * len(head)]
     for rank, verdict in enumerate(verdicts, start=1):
         friction = ""
-        if verdict.friction_coefficient is not None and verdict.friction_coefficient_error is not None:
+        if (
+            verdict.friction_coefficient is not None
+            and verdict.friction_coefficient_error is not None
+        ):
             friction = _with_error(verdict.friction_coefficient, verdict.friction_coefficient_error)
         line = (
             f"{rank:2d} {verdict.name:{names}}  {_with_error(verdict.onset_power, verdict.onset_power_error, 4):>15}  "
@@ -197,9 +228,13 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
             evidence = verdict.evidence
             measured = with_error(evidence.static_to_kinetic, evidence.static_to_kinetic_error, 6)
             deviation = "none" if evidence.not_compared is not None else ""
-            deviation = deviation if evidence.worst_deviation is None else f"{evidence.worst_deviation:.1f}"
+            deviation = (
+                deviation if evidence.worst_deviation is None else f"{evidence.worst_deviation:.1f}"
+            )
             there = "" if evidence.expected is None else f"{evidence.expected:.5f}"
-            line += f"  {measured:>16}  {there:>8}  {deviation:>7}  {_seconds(evidence.run_time):>7}"
+            line += (
+                f"  {measured:>16}  {there:>8}  {deviation:>7}  {_seconds(evidence.run_time):>7}"
+            )
         lines.append(line.rstrip())
     lines += _notes(verdicts)
     return lines
@@ -208,10 +243,16 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
 def _notes(verdicts: Sequence[Verdict]) -> list[str]:
     notes = []
     if any(verdict.evidence is not None for verdict in verdicts):
-        notes.append("EQ at the peak, ME there: both solvers' F/F_k where the master's is largest on the path;")
-        notes.append("max |z|: their largest difference over the path in standard errors, about 3 by chance")
+        notes.append(
+            "EQ at the peak, ME there: both solvers' F/F_k where the master's is largest on the path;"
+        )
+        notes.append(
+            "max |z|: their largest difference over the path in standard errors, about 3 by chance"
+        )
     if any(verdict.friction_coefficient is not None for verdict in verdicts):
-        notes.append("F_k/load: k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest")
+        notes.append(
+            "F_k/load: k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest"
+        )
     named: dict[str, list[str]] = {}
     for verdict in verdicts:
         evidence = verdict.evidence
@@ -220,10 +261,15 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
         for note in (*verdict.conditions, *apart, *verdict.cautions):
             named.setdefault(note, []).append(verdict.name)
     everyone = len(verdicts) if len(verdicts) > 1 else 0
-    notes += [f"{'all' if len(names) == everyone else ', '.join(names)}: {note}" for note, names in named.items()]
+    notes += [
+        f"{'all' if len(names) == everyone else ', '.join(names)}: {note}"
+        for note, names in named.items()
+    ]
     if any(verdict.sampled for verdict in verdicts):
         names = ", ".join(verdict.name for verdict in verdicts if verdict.sampled)
-        notes.append(f"{names}: thresholds from samples; errors are sampling errors, by {RESAMPLES} resampled laws")
+        notes.append(
+            f"{names}: thresholds from samples; errors are sampling errors, by {RESAMPLES} resampled laws"
+        )
     return notes
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from toolkit.results.records import Result, Simulated
-from toolkit.running.coupled import CoupledRecord
+from toolkit.results.records import CoupledRecord, Result, SimulatedRecord
 
 Array = npt.NDArray[np.float64]
 
@@ -23,7 +22,11 @@ def deviation(result: Result) -> tuple[Array, Array]:
     if solved is None or eq is None:
         raise ValueError("a result of both solvers is needed")
     tell = np.flatnonzero(telling(result))
-    allowed = eq.force_standard_error[tell] + eq.step_error[tell] + solved.force_error * result.mean_threshold
+    allowed = (
+        eq.force_standard_error[tell]
+        + eq.step_error[tell]
+        + solved.force_error * result.mean_threshold
+    )
     return eq.path[tell], (eq.force[tell] - solved.force[tell]) / allowed
 
 
@@ -42,7 +45,7 @@ def telling(result: Result) -> npt.NDArray[np.bool_]:
     return np.isfinite(eq.force_standard_error) & enough
 
 
-def _of_one_contact(result: Result, eq: Simulated) -> Array:
+def _of_one_contact(result: Result, eq: SimulatedRecord) -> Array:
     """About what a single broken contact changes the force by, a length, at each point of the path."""
     return np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
 

@@ -8,20 +8,24 @@ import numpy as np
 import numpy.typing as npt
 
 from toolkit.pictures.axes import Lengths
-from toolkit.results.records import OWN_UNIT, Curve, Result
+from toolkit.results.records import OWN_UNIT, Curve, Result, SoftRecord
 from toolkit.scene.drive import make_drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from toolkit.scene.scene import DriveTable
     from toolkit.scene.sweep import SweepRecord
+    from toolkit.scene.tables import DriveTable
 
 Array = npt.NDArray[np.float64]
 
+_NCK = r"$N_c\langle k\rangle$"
 _MARKS = str.maketrans("", "", "$^{}")  # of a formula
 _WIDE = 70  # letters of a title's line
-_DIGIT, _GAP = 0.0155, 0.015  # of an axis, which a digit of a tick's label takes, and the room between two
+_DIGIT, _GAP = (
+    0.0155,
+    0.015,
+)  # of an axis, which a digit of a tick's label takes, and the room between two
 
 
 def curves(result: Result) -> list[Curve]:
@@ -41,11 +45,30 @@ def along(result: Result, curve: Curve) -> Array:
     return curve.path if times is None else times[: curve.path.size]
 
 
+def with_slips(places: Array, force: Array, solved: SoftRecord) -> tuple[Array, Array]:
+    """The curve with the ends of each slip put in where it happens, between points of the path.
+
+    `places` are what the curve is drawn against. A drive that turns or rests is left as it is.
+    """
+    if not (np.diff(solved.path) > 0.0).all():
+        return places, force
+    at = np.searchsorted(solved.path, solved.slip_drive)
+    there = np.interp(solved.slip_drive, solved.path, places)
+    ends = np.column_stack([solved.slip_force_before, solved.slip_force_after]).ravel()
+    return np.insert(places, at.repeat(2), there.repeat(2)), np.insert(force, at.repeat(2), ends)
+
+
 def write_along(axes: "Axes", result: Result) -> None:
     """The axis of that."""
-    reach = max((float(np.abs(along(result, curve)).max()) for curve in curves(result)), default=0.0)
+    reach = max(
+        (float(np.abs(along(result, curve)).max()) for curve in curves(result)), default=0.0
+    )
     times = clock(result)
-    if times is not None and result.asked.drive is not None and result.asked.drive.hold_scale is not None:
+    if (
+        times is not None
+        and result.asked.drive is not None
+        and result.asked.drive.hold_scale is not None
+    ):
         _write_stretched(axes, times, result.asked.drive)
         scale = f"{result.asked.drive.hold_scale:.3g}{' s' * bool(units(result, 's'))}"
         axes.set_xlabel(
@@ -82,7 +105,9 @@ def _write_stretched(axes: "Axes", times: Array, asked: "DriveTable") -> None:
     for k in range(1, ends.size):
         if told[k] == f"{ends[k - 1]:.7g}":  # what a hold of years leaves of a time
             told[k] = f"+{ends[k] - ends[k - 1]:.4g}"
-    ticks = [(float(ends[k]), told[k]) for k in (-1, *range(ends.size - 1))]  # first come, first kept
+    ticks = [
+        (float(ends[k]), told[k]) for k in (-1, *range(ends.size - 1))
+    ]  # first come, first kept
     path = make_drive(asked).path
     for begin, end in pairwise(ends):
         if np.ptp(path[(times >= begin) & (times <= end)]) == 0.0:
@@ -91,7 +116,10 @@ def _write_stretched(axes: "Axes", times: Array, asked: "DriveTable") -> None:
             ticks += [(float(begin + 10.0**power), f"+$10^{{{power:.0f}}}$") for power in powers]
     kept: list[tuple[float, str]] = []
     for at, text in ticks:
-        room = (abs(places(at) - places(other)) / times.size - _half(text) - _half(there) for other, there in kept)
+        room = (
+            abs(places(at) - places(other)) / times.size - _half(text) - _half(there)
+            for other, there in kept
+        )
         if all(gap > _GAP for gap in room):
             kept.append((at, text))
     kept.sort()
@@ -119,7 +147,9 @@ def conditions(result: Result, sweep: "SweepRecord | None" = None) -> str:
     a sweep those that it does not vary."""
 
     def told(symbol: str, value: float, unit: str) -> str:
-        return f"${symbol}$ = {value:.3g}" + (f" {unit}" if result.thresholds.unit != OWN_UNIT else "")
+        return f"${symbol}$ = {value:.3g}" + (
+            f" {unit}" if result.thresholds.unit != OWN_UNIT else ""
+        )
 
     def value(name: str, own: float) -> float:
         """A sweep may have one of its own."""
@@ -147,7 +177,11 @@ def conditions(result: Result, sweep: "SweepRecord | None" = None) -> str:
     if contacts.stiffness == "linked":
         said.append("linked $k \\sim x_s$")
     if again is not None:
-        place = temperature(again) if "temperature" in again else f"{again.get('value', again.get('mean')):.3g}"
+        place = (
+            temperature(again)
+            if "temperature" in again
+            else f"{again.get('value', again.get('mean')):.3g}"
+        )
         width = f" ± {again['std']:.3g}" if "std" in again else ""
         unit = " m" if result.thresholds.unit != OWN_UNIT and "temperature" not in again else ""
         said.append(f"re-forming at {place}{width}{unit}")
@@ -164,7 +198,9 @@ def conditions(result: Result, sweep: "SweepRecord | None" = None) -> str:
     elif said and sweep is None and asked.drive is not None and asked.drive.times is None:
         said.append(told("v", asked.drive.velocity, "m/s"))
     if sweep is None and asked.drive is not None and asked.drive.spring is not None:
-        said.append(f"$K$ = {asked.drive.spring:.3g} $N_c\\langle k\\rangle$, slip: {asked.drive.slip or 'reset'}")
+        spring = asked.drive.spring
+        own = spring.replace("N_c<k>", _NCK) if isinstance(spring, str) else f"{spring:.3g} {_NCK}"
+        said.append(f"$K$ = {own}, slip: {asked.drive.slip or 'reset'}")
     return _in_lines(said)
 
 

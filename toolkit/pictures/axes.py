@@ -18,6 +18,17 @@ _SPIKE = 10.0
 _SHARE = 0.05
 
 
+def plain(text: str) -> str:
+    """`text` as matplotlib shows it: what is no formula, though it has dollars, letter by letter."""
+    from matplotlib.mathtext import MathTextParser
+
+    try:
+        MathTextParser("agg").parse(text)
+    except ValueError:
+        return text.replace("\\$", "$").replace("$", r"\$")
+    return text
+
+
 @dataclass(frozen=True)
 class Lengths:
     """How lengths up to some size are written: in units of 10^power, whose name, for metres, is `prefixed`."""
@@ -100,7 +111,9 @@ def heights(curve: ThresholdCurve, values: Any) -> Heights:
         return Heights(0.0, float(seen.max(initial=1.0)), False)
     order = np.argsort(seen)
     sums = np.cumsum(weight[order]) / weight.sum()
-    low, high = (float(seen[order][np.searchsorted(sums, share)]) for share in (_SHARE, 1.0 - _SHARE))
+    low, high = (
+        float(seen[order][np.searchsorted(sums, share)]) for share in (_SHARE, 1.0 - _SHARE)
+    )
     top = float(seen.max())
     if high > _DECADES * low:
         return Heights(low / 10.0, high * 10.0, True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.judge.compare import Verdict
 from toolkit.judge.deviation import deviation
-from toolkit.pictures.axes import Lengths, heights
+from toolkit.pictures.axes import Lengths, heights, plain
 from toolkit.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -18,7 +18,15 @@ if TYPE_CHECKING:
 # Okabe and Ito's, which the colour-blind tell apart too
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
 # the first is solid, and each of the others has gaps through which those drawn before are seen
-_DASHES = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (3, 3)), (0, (10, 4)), (0, (6, 2, 1, 2, 1, 2))]
+_DASHES = [
+    "-",
+    (0, (6, 3)),
+    (0, (1.5, 2)),
+    (0, (6, 2, 1, 2)),
+    (0, (3, 3)),
+    (0, (10, 4)),
+    (0, (6, 2, 1, 2, 1, 2)),
+]
 _COLUMNS = 5  # names in a row
 _BARS = 33
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
@@ -48,13 +56,18 @@ def draw_comparison(verdicts: Sequence[Verdict], surface: Any = None) -> "Figure
     plot_deviations(places["z"], verdicts)
     # below all axes: within them it would lie on curves
     named = places["F"].get_legend_handles_labels()
-    figure.legend(*named, loc="outside lower center", ncols=min(len(verdicts), _COLUMNS), fontsize="small")
+    if named[0]:
+        figure.legend(
+            *named, loc="outside lower center", ncols=min(len(named[0]), _COLUMNS), fontsize="small"
+        )
     return figure
 
 
 def plot_surface(axes: "Axes", surface: Any, sizes: tuple[float, float]) -> "Axes":
     """Heights (m) over an area of `sizes` (m)."""
-    image = axes.imshow(surface.T, origin="lower", extent=(0.0, sizes[0], 0.0, sizes[1]), cmap="cividis")
+    image = axes.imshow(
+        surface.T, origin="lower", extent=(0.0, sizes[0], 0.0, sizes[1]), cmap="cividis"
+    )
     bar = axes.figure.colorbar(image, ax=axes, shrink=0.85)
     Lengths.of(float(np.nanmax(np.abs(surface))), metres=True).write(bar.ax.yaxis, "height")
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
@@ -70,7 +83,14 @@ def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     for ink, dash, verdict in _inked(verdicts):
         curve, unit = verdict.result.thresholds, verdict.mean_threshold
         shown = np.isfinite(curve.density)
-        axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, color=ink, ls=dash, lw=1.3, label=verdict.name)
+        axes.plot(
+            curve.x[shown] / unit,
+            curve.density[shown] * unit,
+            color=ink,
+            ls=dash,
+            lw=1.3,
+            label=plain(verdict.name),
+        )
         if curve.density[shown].any():
             limits.append(heights(curve, curve.density * unit))
         if curve.atoms.size:
@@ -80,7 +100,9 @@ def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
             own.plot(curve.atoms / unit, curve.atom_weights, "D", ms=4, color=ink)
             reach = max(reach, float(curve.atoms.max()) / unit)
         reach = max(reach, float(curve.x[curve.survival > 2e-3].max(initial=unit)) / unit)
-    axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", ylabel=r"$\langle x_s\rangle\,P_c$")
+    axes.set(
+        title="thresholds", xlabel=r"$x/\langle x_s\rangle$", ylabel=r"$\langle x_s\rangle\,P_c$"
+    )
     axes.set_xlim(0.0, 1.05 * reach)
     if own is not None:
         own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, 1.05 * highest))
@@ -102,7 +124,7 @@ def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
         solved, eq = verdict.result.master, verdict.result.eq
         if solved is not None:
             x, y = solved.path / unit, solved.force / scale
-            axes.plot(x, y, color=ink, ls=dash, lw=1.3, zorder=3, label=verdict.name)
+            axes.plot(x, y, color=ink, ls=dash, lw=1.3, zorder=3, label=plain(verdict.name))
         if eq is not None:
             shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
             axes.errorbar(
@@ -115,7 +137,7 @@ def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
                 lw=0.8,
                 zorder=2,
                 color=ink,
-                label=None if solved is not None else verdict.name,
+                label=None if solved is not None else plain(verdict.name),
             )
     axes.axhline(1.0, color="0.6", lw=0.8, zorder=0)
     axes.set(ylabel="$F/F_k$", ylim=(0.0, None))
@@ -125,7 +147,7 @@ def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
         for curve in (verdict.result.master, verdict.result.eq)
         if curve is not None
     ]
-    shortest, longest = min(reaches), max(reaches)
+    shortest, longest = min(reaches, default=1.0), max(reaches, default=1.0)
     if longest > _APART * shortest:
         axes.set(xscale="log", xlim=(min(0.1, 0.1 * shortest), 1.05 * longest))
     else:
@@ -143,21 +165,36 @@ def plot_deviations(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
             axes.plot(path[shown] / verdict.mean_threshold, off[shown], ".", ms=3.5, color=ink)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     kind = ", logarithmic axis" if axes.get_xscale() == "log" else ""
-    axes.set(xlabel=rf"slider position $X/\langle x_s\rangle${kind}", ylabel="EQ − ME\n(std. errors)", ylim=(-5.0, 5.0))
+    axes.set(
+        xlabel=rf"slider position $X/\langle x_s\rangle${kind}",
+        ylabel="EQ − ME\n(std. errors)",
+        ylim=(-5.0, 5.0),
+    )
     return axes
 
 
 def plot_springs(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
     """K*/(N<k>) of each scene: a softer driving spring is unstable. Infinite ones reach the edge."""
-    finite = [verdict.critical_spring for verdict in verdicts if 0.0 < verdict.critical_spring < np.inf]
+    finite = [
+        verdict.critical_spring for verdict in verdicts if 0.0 < verdict.critical_spring < np.inf
+    ]
     low, high = min([*finite, 1e-3]) / 3.0, max([*finite, 1.0]) * 3.0
     room = (high / low) ** 0.2  # for the numbers behind the bars
     for row, (ink, _, verdict) in enumerate(_inked(verdicts)):
         value = min(max(verdict.critical_spring, low), high)
         axes.barh(row, value - low, left=low, color=ink, height=0.6)
         text = "infinite" if np.isinf(verdict.critical_spring) else f"{verdict.critical_spring:.3g}"
-        axes.annotate(text, (value, row), xytext=(3, 0), textcoords="offset points", va="center", fontsize="small")
-    axes.set_yticks(range(len(verdicts)), [verdict.name for verdict in verdicts], fontsize="small")
+        axes.annotate(
+            text,
+            (value, row),
+            xytext=(3, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize="small",
+        )
+    axes.set_yticks(
+        range(len(verdicts)), [plain(verdict.name) for verdict in verdicts], fontsize="small"
+    )
     axes.invert_yaxis()
     axes.set(xscale="log", xlim=(low, high * room), xlabel=r"$K^*/(N_c\langle k\rangle)$")
     axes.set_title("stick-slip below this spring")

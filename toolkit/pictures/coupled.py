@@ -8,8 +8,8 @@ import numpy as np
 
 from toolkit.pictures.abscissa import along, write_along
 from toolkit.pictures.axes import INK
-from toolkit.results.records import Result
-from toolkit.running.coupled import CoupledRecord, slips_beside
+from toolkit.results.records import CoupledRecord, Result
+from toolkit.running.coupled import slips_beside
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolkit.judge.precision import TELLING, Point, Precision
+from toolkit.pictures.axes import plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,10 +58,21 @@ def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
         faint = np.array([point.at_reference for point in points])
         axes.plot(run_time[~faint], error[~faint], marker + "-", color=ink, lw=1, ms=6, label=shown)
         axes.plot(run_time[faint], error[faint], marker, color=ink, ms=6, alpha=0.3)
-        claimed = np.array([np.nan if point.claimed_error is None else point.claimed_error for point in points])
+        claimed = np.array(
+            [np.nan if point.claimed_error is None else point.claimed_error for point in points]
+        )
         if claim and (claimed > 0.0).any():
             claimed[claimed < own] = np.nan
-            axes.plot(run_time, claimed, marker, mfc="none", mec=ink, ms=6, mew=0.9, label=f"{label}: {claim}")
+            axes.plot(
+                run_time,
+                claimed,
+                marker,
+                mfc="none",
+                mec=ink,
+                ms=6,
+                mew=0.9,
+                label=f"{label}: {claim}",
+            )
     axes.set(
         xscale="log",
         yscale="log",
@@ -71,6 +83,9 @@ def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
     axes.axhspan(bottom, TELLING * own, color="0.93", zorder=0, label="the reference errs too")
     axes.set_ylim(bottom=bottom)
     axes.grid(alpha=0.3)
-    axes.set_title(f"{measured.title}\nagainst {measured.reference.source}, good to {own:.0e}", fontsize="medium")
+    axes.set_title(
+        f"{plain(measured.title)}\nagainst {measured.reference.source}, good to {own:.0e}",
+        fontsize="medium",
+    )
     axes.legend(fontsize="small")
     return axes

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolkit.pictures.abscissa import conditions
-from toolkit.pictures.axes import Lengths
+from toolkit.pictures.axes import Lengths, plain
 from toolkit.results.records import OWN_UNIT, Result
 from toolkit.scene.sweep import SweepRecord
 
@@ -33,10 +33,18 @@ def plot_sweep(axes: "Axes", result: Result) -> "Axes":
     """F_k/(N_c<k>) along the sweep, a line for each value of its second quantity."""
     if result.sweep is not None:
         _draw(axes, result, result.sweep, result.sweep.force)
-        force = Lengths.of(float(np.abs(result.sweep.force).max()), result.thresholds.unit != OWN_UNIT)
+        force = Lengths.of(
+            float(np.abs(result.sweep.force).max()), result.thresholds.unit != OWN_UNIT
+        )
         force.write(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$")
         if result.master is None and result.eq is None:
-            axes.set_title("\n".join(filter(None, [result.title or result.name, conditions(result, result.sweep)])))
+            axes.set_title(
+                "\n".join(
+                    filter(
+                        None, [plain(result.title or result.name), conditions(result, result.sweep)]
+                    )
+                )
+            )
         if len(result.sweep.along) > 1:
             axes.legend(fontsize="small")
     return axes
@@ -53,7 +61,9 @@ def plot_swept_holding(axes: "Axes", result: Result) -> "Axes":
 def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
     """K*/(N_c<k>) along the sweep: below it stick-slip."""
     if result.sweep is not None and result.sweep.critical_spring is not None:
-        values = np.where(np.isfinite(result.sweep.critical_spring), result.sweep.critical_spring, np.nan)
+        values = np.where(
+            np.isfinite(result.sweep.critical_spring), result.sweep.critical_spring, np.nan
+        )
         _draw(axes, result, result.sweep, values)
         axes.set_ylabel(r"$K^*/(N_c\langle k\rangle)$")
         low, high = np.nanmin(values, initial=np.inf), np.nanmax(values, initial=0.0)

@@ -74,7 +74,9 @@ def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Des
             except InputError as error:
                 notes.append(str(error))
     else:
-        notes.append("<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with")
+        notes.append(
+            "<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with"
+        )
     sampled = sampling_errors(contacts) if "critical_spring" in numbers else {}
     if "critical_spring" in numbers and np.isinf(numbers["critical_spring"].value):
         notes.append(why_infinite(contacts))
@@ -82,7 +84,9 @@ def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Des
         notes += unseen(sampled, numbers["critical_spring"].value)
     for name, scatter in sampled.items():
         known = numbers[name]
-        numbers[name] = Number(known.value, float(np.hypot(known.error or 0.0, scatter)), known.unit)
+        numbers[name] = Number(
+            known.value, float(np.hypot(known.error or 0.0, scatter)), known.unit
+        )
     if law.interface is not None:
         numbers |= of_interface(law.interface)
     if law.domains is not None:
@@ -98,8 +102,10 @@ def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[st
     said = []
     if contacts.thermal is not None:
         own = contacts.thermal
-        kelvin = "" if contacts.interface is None else (
-            f" ({own.temperature / contacts.interface.temperature(kelvin=1.0):.4g} K)"
+        kelvin = (
+            ""
+            if contacts.interface is None
+            else (f" ({own.temperature / contacts.interface.temperature(kelvin=1.0):.4g} K)")
         )
         said.append(f"T = {own.temperature:.4g}{length + '²' if si else ''}{kelvin}")
         said.append(f"attempt frequency {own.attempt_frequency:.4g}{' 1/s' if si else ''}")
@@ -111,7 +117,9 @@ def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[st
         said.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
     if not said:
         return []
-    said.insert(0, f"v = {velocity:.4g}{length + '/s' if si else ''}{f' ({chosen})' if chosen else ''}")
+    said.insert(
+        0, f"v = {velocity:.4g}{length + '/s' if si else ''}{f' ({chosen})' if chosen else ''}"
+    )
     return [f"F_k, K*, F_s/F_k and X* at {', '.join(said)}; all else is P_c alone"]
 
 
@@ -143,13 +151,19 @@ def _spread(law: Thresholds, unit: str) -> Number:
     if off is None or spread == 0.0:
         return Number(spread, None if off is None else 0.0, unit)
     # the variance of a narrow law is a small difference in the second road only
-    return Number(spread, min(off, 4.0 * _EPSILON * second) / spread + 4.0 * _EPSILON * spread, unit)
+    return Number(
+        spread, min(off, 4.0 * _EPSILON * second) / spread + 4.0 * _EPSILON * spread, unit
+    )
 
 
 def _quantile(law: Thresholds, q: float, above: bool, unit: str) -> Number:
     x = float(law.isf(q) if above else law.ppf(q))
     tail, density = float(law.sf(x) if above else law.cdf(x)), float(law.pdf(x))
-    off = abs(tail - q) / density if density > 0.0 and np.isfinite(density) and not law.atoms[0].size else 0.0
+    off = (
+        abs(tail - q) / density
+        if density > 0.0 and np.isfinite(density) and not law.atoms[0].size
+        else 0.0
+    )
     return Number(x, off + 4.0 * _EPSILON * x, unit)
 
 
@@ -157,7 +171,9 @@ def _of_propensity(found: "master.Propensity", unit: str) -> dict[str, Number]:
     return {
         "critical_spring": Number(found.critical_spring, found.critical_spring_error, ""),
         "static_to_kinetic": Number(found.static_to_kinetic, found.static_to_kinetic_error, ""),
-        "decoherence_length": Number(found.decoherence_length, found.decoherence_length_error, unit),
+        "decoherence_length": Number(
+            found.decoherence_length, found.decoherence_length_error, unit
+        ),
     }
 
 

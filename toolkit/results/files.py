@@ -4,27 +4,28 @@ import json
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, asdict, fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origins.errors import InputError, refuse
+from origins.errors import refuse
 from toolkit.results.folders import write_folder
+from toolkit.results.opened import RESULT, opened
 from toolkit.results.records import (
     OWN_UNIT,
     AgeingRecord,
+    CoupledRecord,
     Result,
     SimulatedRecord,
     SoftRecord,
     SolvedRecord,
     ThresholdCurve,
 )
-from toolkit.running.coupled import CoupledRecord, slips_beside
-from toolkit.running.deferred import Deferred
-from toolkit.running.untold import Untold
+from toolkit.results.sealed import write_sealed
+from toolkit.results.summary import summary
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 
@@ -33,19 +34,7 @@ if TYPE_CHECKING:
 
     from eq_model.histogram import Histogram
 
-Record = TypeVar(
-    "Record",
-    SolvedRecord,
-    SoftRecord,
-    AgeingRecord,
-    SimulatedRecord,
-    CoupledRecord,
-    SweepRecord,
-    ThresholdCurve,
-    "Histogram",
-)
-
-RESULT, SUMMARY, PICTURE, TABLE = "result.h5", "summary.json", "picture.png", "sweep.csv"
+SUMMARY, PICTURE, TABLE = "summary.json", "picture.png", "sweep.csv"
 
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
@@ -76,7 +65,9 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
         PICTURE: lambda path: save_picture(result, path),
     }
     if (sweep := result.sweep) is not None:
-        units = _units("length" if result.thresholds.unit == OWN_UNIT else "m") | {"force_error": "<x_s>"}
+        units = _units("length" if result.thresholds.unit == OWN_UNIT else "m") | {
+            "force_error": "<x_s>"
+        }
         writers[TABLE] = lambda path: write_csv(sweep, units, path)
     write_folder(folder, writers, left_over(folder, result))
 
@@ -89,115 +80,36 @@ def load(folder: str | os.PathLike[str]) -> Result:
     `.density`, `.survival`, `.unit`; `mean_threshold`; `notes`; `interface["contact_density"].value` and more; `text`,
     the scene. Raises InputError where there is none.
     """
-    import h5py
-
     file = Path(folder) / RESULT
     if Path(folder).is_file():
         refuse("folder", str(folder), f"is a file; give the folder, {str(Path(folder).parent)!r}")
     if not file.is_file():
-        refuse("folder", str(folder), f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one")
-    try:
-        with h5py.File(file) as store:
-            return Result(
-                name=str(store.attrs["name"]),
-                title=str(store.attrs["title"]),
-                text=str(store.attrs["scene"]),
-                version=str(store.attrs["version"]),
-                mean_threshold=float(store.attrs["mean_threshold"]),
-                thresholds=_read(store["thresholds"], ThresholdCurve),
-                master=_read_solved(store["master"]) if "master" in store else None,
-                eq=_read_simulated(store["eq"], file) if "eq" in store else None,
-                notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
-                interface=_read_interface(store["interface"]) if "interface" in store else None,
-                sweep=_read(store["sweep"], SweepRecord) if "sweep" in store else None,
-            )
-    except (OSError, KeyError) as error:
-        raise InputError(f"folder = {str(folder)!r}: its {RESULT} is not one of mesofriction: {error}") from error
-
-
-def summary(result: Result) -> dict[str, Any]:
-    """The numbers of a run that one looks at first; lengths in the unit of the thresholds, times in seconds."""
-    asked = result.asked
-    content: dict[str, Any] = {
-        "name": result.name,
-        "title": result.title,
-        "version": result.version,
-        "unit": result.thresholds.unit,
-        "mean_threshold": result.mean_threshold,
-        "success": result.success,
-    }
-    if result.master is not None and asked.master is not None:
-        content["master"] = {
-            "tolerance": asked.master.tolerance,
-            "force_error": float(result.master.force_error),
-            "run_time": float(result.master.run_time),
-            "success": bool(result.master.success),
-            "message": result.master.message,
-            "last_force": float(result.master.force[-1]),
-        }
-        if isinstance(result.master, SoftRecord):
-            soft = result.master
-            content["master"] |= {
-                "verdict": soft.verdict,
-                "reason": soft.reason,
-                "slips": int(soft.slip_drive.size),
-                "slip_drive_error": soft.slip_drive_error,
-                "period": soft.period,
-                "period_error": 2.0 * soft.slip_drive_error,
-                "critical_spring": soft.critical_spring,
-                "critical_spring_error": soft.critical_spring_error,
-            }
-        if isinstance(result.master, AgeingRecord):
-            aged = result.master
-            content["master"] |= {
-                "largest_mass_defect": float(np.abs(aged.mass_defect).max()),
-                "largest_positivity_defect": float(aged.positivity_defect.max()),
-                "outrun": float(aged.outrun),
-            }
-    if result.eq is not None and asked.eq is not None:
-        content["eq"] = {
-            "contacts": asked.eq.contacts,
-            "replicas": asked.eq.replicas,
-            "seed": asked.eq.seed,
-            "tolerance": asked.eq.tolerance,
-            "followed": int(result.eq.contacts),
-            "success": bool(result.eq.success),
-            "message": result.eq.message,
-            "largest_standard_error": float(np.max(result.eq.force_standard_error)),
-            "largest_step_error": float(np.max(result.eq.step_error)),
-            "run_time": float(result.eq.run_time),
-            "compile_time": float(result.eq.compile_time),
-            "breaks": int(result.eq.breaks),
-            "breaks_per_rank": [int(breaks) for breaks in result.eq.breaks_per_rank],
-            "last_force": float(result.eq.force[-1]),
-        }
-        if isinstance(result.eq, CoupledRecord):
-            content["eq"] |= {
-                "slip_fraction": float(result.eq.slip_fraction),
-                "slips": int(result.eq.slip_number.size),
-                "slips_beside": [slip._asdict() for slip in slips_beside(result)],
-            }
-    if result.sweep is not None:
-        sweep = result.sweep
-        content["sweep"] = {
-            "along": list(sweep.along),
-            "points": int(sweep.force.size),
-            "largest_force_error": float(sweep.force_error.max()),
-            "run_time": float(sweep.run_time),
-            "success": bool(sweep.success),
-            "message": sweep.message,
-        }
-        if sweep.critical_spring_error is not None:
-            content["sweep"]["largest_critical_spring_error"] = float(sweep.critical_spring_error.max())
-    if result.interface is not None:
-        content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
-    content["notes"] = list(result.notes)
-    return content
+        refuse(
+            "folder",
+            str(folder),
+            f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one",
+        )
+    with opened(file) as store:
+        return Result(
+            name=str(store.attrs["name"]),
+            title=str(store.attrs["title"]),
+            text=str(store.attrs["scene"]),
+            version=str(store.attrs["version"]),
+            mean_threshold=float(store.attrs["mean_threshold"]),
+            thresholds=_read(store["thresholds"], ThresholdCurve),
+            master=_read_solved(store["master"]) if "master" in store else None,
+            eq=_read_simulated(store["eq"], file) if "eq" in store else None,
+            notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
+            interface=_read_interface(store["interface"]) if "interface" in store else None,
+            sweep=_read(store["sweep"], SweepRecord) if "sweep" in store else None,
+        )
 
 
 def write_json(content: dict[str, Any], path: Path) -> None:
     """Write `content` as indented JSON; what is not finite becomes null, since JSON has no word for it."""
-    path.write_text(json.dumps(_speakable(content), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    path.write_text(
+        json.dumps(_speakable(content), indent=2, allow_nan=False) + "\n", encoding="utf-8"
+    )
 
 
 def _speakable(value: Any) -> Any:
@@ -209,20 +121,17 @@ def _speakable(value: Any) -> Any:
 
 
 def _write_result(result: Result, path: Path) -> None:
-    """Signals wait until no function of HDF5 is at work: an exception within would take the process down."""
+    """In memory first: a signal, or a disk that refuses, within HDF5 would take the process down."""
     import h5py
 
-    def check() -> None:
-        file.check()
-        asked.pass_on("nothing was written")
-
-    with Deferred() as asked, Untold(path) as file:
-        with h5py.File(file, "w") as store:
-            _fill(result, store, check)
-        file.check()
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as store:
+        _fill(result, store)
+        store.flush()
+        contents = store.id.get_file_image()
+    write_sealed(path, contents)
 
 
-def _fill(result: Result, store: "h5py.File", check: Callable[[], None]) -> None:
+def _fill(result: Result, store: "h5py.File") -> None:
     store.attrs.update(
         name=result.name,
         title=result.title,
@@ -241,21 +150,24 @@ def _fill(result: Result, store: "h5py.File", check: Callable[[], None]) -> None
     if result.interface is not None:
         _write_interface(store.create_group("interface"), result.interface)
     if result.master is not None:
-        solved = result.master
-        for kind in (SoftRecord, AgeingRecord, SolvedRecord):
-            if isinstance(solved, kind) or kind is SolvedRecord:
-                _write(store.create_group("master"), solved, kind, unit)
-                break
+        _write(
+            store.create_group("master"), result.master, _kind_of(result.master, SolvedRecord), unit
+        )
     if result.sweep is not None:
         _write(store.create_group("sweep"), result.sweep, SweepRecord, unit)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
         group = store.create_group("eq")
-        _write(group, result.eq, CoupledRecord if isinstance(result.eq, CoupledRecord) else SimulatedRecord, unit)
-        _write_histograms(group, result.eq.histograms, unit, check)
+        _write(group, result.eq, _kind_of(result.eq, SimulatedRecord), unit)
+        _write_histograms(group, result.eq.histograms, unit)
 
 
-def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str) -> None:
+def _kind_of(answer: object, plain: type) -> type:
+    """The record that an answer is, or else `plain`, whose fields it has."""
+    return type(answer) if isinstance(answer, plain) else plain
+
+
+def _write(group: "h5py.Group", answer: object, record: type[Any], unit: str) -> None:
     """The fields of `record`, as found on `answer`: arrays as data sets, the rest as attributes."""
     units = _units(unit)
     for field in fields(record):
@@ -270,8 +182,17 @@ def _write(group: "h5py.Group", answer: object, record: type[Record], unit: str)
 def _units(unit: str) -> dict[str, str]:
     """Of all arrays that have one, by name; `unit` is that of lengths."""
     clock = "s" if unit == "m" else "time"
-    units = {"density": f"1 / {unit}", **dict.fromkeys(_LENGTHS, unit), "delay": clock, "kelvin": "K"}
-    return units | {"velocity": f"{unit} / {clock}", "temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
+    units = {
+        "density": f"1 / {unit}",
+        **dict.fromkeys(_LENGTHS, unit),
+        "delay": clock,
+        "kelvin": "K",
+    }
+    return units | {
+        "velocity": f"{unit} / {clock}",
+        "temperature": f"({unit})^2",
+        "rate": f"({unit})^2 / {clock}",
+    }
 
 
 def _write_interface(group: "h5py.Group", numbers: dict[str, Number]) -> None:
@@ -286,7 +207,9 @@ def _read_interface(group: "h5py.Group") -> dict[str, Number]:
     numbers = {}
     for name, data in group.items():
         error, unit = data.attrs.get("error"), str(data.attrs["units"])
-        numbers[name] = Number(float(data[()]), None if error is None else float(error), "" if unit == "1" else unit)
+        numbers[name] = Number(
+            float(data[()]), None if error is None else float(error), "" if unit == "1" else unit
+        )
     return numbers
 
 
@@ -296,10 +219,8 @@ def _read_solved(group: "h5py.Group") -> SolvedRecord:
     return _read(group, SoftRecord) if "position" in group else _read(group, SolvedRecord)
 
 
-def _write_histograms(
-    group: "h5py.Group", histograms: Sequence["Histogram"], unit: str, check: Callable[[], None]
-) -> None:
-    """One group each, so that one is held at a time, and `check` after each."""
+def _write_histograms(group: "h5py.Group", histograms: Sequence["Histogram"], unit: str) -> None:
+    """One group each, so that each can be read by itself."""
     for index, histogram in enumerate(histograms):
         one = group.create_group(f"{_HISTOGRAMS}/{index}")
         for field in fields(histogram):
@@ -309,7 +230,6 @@ def _write_histograms(
                 one[field.name].attrs["units"] = unit if field.name in _LENGTHS else f"1 / {unit}"
             else:
                 one.attrs[field.name] = value
-        check()
 
 
 def _read_simulated(group: "h5py.Group", file: Path) -> SimulatedRecord:
@@ -319,11 +239,13 @@ def _read_simulated(group: "h5py.Group", file: Path) -> SimulatedRecord:
     seen = _seen(file)
 
     def read(index: int) -> Histogram:
-        import h5py
-
         if not file.is_file() or _seen(file) != seen:
-            refuse("folder", str(file.parent), f"its {RESULT} is another one since it was loaded; load it again")
-        with h5py.File(file) as store:
+            refuse(
+                "folder",
+                str(file.parent),
+                f"its {RESULT} is another one since it was loaded; load it again",
+            )
+        with opened(file, checked=True) as store:
             return _read(store[f"{group_name}/{_HISTOGRAMS}/{index}"], Histogram)
 
     group_name = group.name
@@ -337,15 +259,21 @@ def _seen(file: Path) -> tuple[int, int, int]:
     return status.st_ino, status.st_mtime_ns, status.st_size
 
 
-def _read(group: "h5py.Group", record: type[Record], given: Mapping[str, Any] = MappingProxyType({})) -> Record:
+def _read(
+    group: "h5py.Group", record: type[Any], given: Mapping[str, Any] = MappingProxyType({})
+) -> Any:
     """The fields of `record`, but for those `given`."""
     values: dict[str, Any] = {name: data[()] for name, data in group.items() if name not in given}
     for name, value in group.attrs.items():
         plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
         values[name] = tuple(plain) if isinstance(plain, list) else plain
     if _PER_RANK in values:
-        values[_PER_RANK] = tuple(values[_PER_RANK].tolist())  # of thousands of ranks: too many for an attribute
+        values[_PER_RANK] = tuple(
+            values[_PER_RANK].tolist()
+        )  # of thousands of ranks: too many for an attribute
     values |= given
-    optional = {field.name: field.default for field in fields(record) if field.default is not MISSING}
+    optional = {
+        field.name: field.default for field in fields(record) if field.default is not MISSING
+    }
     values = optional | values
     return record(**{field.name: values[field.name] for field in fields(record)})

@@ -1,30 +1,85 @@
 """Output folders: written whole or not at all."""
 
+import fcntl
 import os
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from hashlib import sha256
 from pathlib import Path
 
-from origins.errors import InputError, refuse
+from origins.errors import InputError, refuse, shown
+from toolkit.results.sealed import flush_folder
+
+_TRIED = bytes(512)
 
 
 def check_folder(folder: str | os.PathLike[str]) -> Path:
-    """`folder` as a path that can be written. Raises InputError where it lies below a file or may not be written."""
+    """`folder` as a path that can be written, which is tried. Raises InputError where it lies below a file or cannot
+    be written."""
     path = Path(folder)
-    for place in (path, *path.absolute().parents):
-        if place.is_dir():
-            if not os.access(place, os.W_OK | os.X_OK):
-                refuse("out", str(folder), f"{place} may not be written; choose another folder")
-            return path
-        if os.path.lexists(place):
-            refuse("out", str(folder), f"{place} is a file, not a folder; choose another folder")
+    try:
+        for place in (path, *path.absolute().parents):
+            if place.is_dir():
+                if not os.access(place, os.W_OK | os.X_OK):
+                    refuse("out", str(folder), f"{place} may not be written; choose another folder")
+                break
+            if os.path.lexists(place):
+                refuse(
+                    "out", str(folder), f"{place} is a file, not a folder; choose another folder"
+                )
+        with _beside(path, keep=False) as draft:
+            (draft / "try").write_bytes(_TRIED)
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise _unwritable(folder, error) from error
     return path
 
 
+@contextmanager
+def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
+    """Hold `folder` against other runs on this machine, which would replace one result by another.
+
+    Raises InputError where another run holds it. The lock is a file in the system's folder for temporary files, since
+    the output folder need not exist yet; it ends with the process, however that ends.
+    """
+    name = sha256(str(Path(folder).resolve()).encode("utf-8", "surrogateescape")).hexdigest()[:24]
+    try:
+        lock = os.open(
+            Path(tempfile.gettempdir()) / f"mesofriction-{name}.lock", os.O_RDWR | os.O_CREAT, 0o666
+        )
+    except OSError:  # no room for locks, or another user's
+        yield
+        return
+    try:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            rule = "another run is writing there; choose another folder, or wait until it has ended"
+            raise InputError(f"out = {str(folder)!r}: {rule}") from error
+        yield
+    finally:
+        os.close(lock)
+
+
+def _flush(path: Path) -> None:
+    """Bring what a file holds to the disk: a checkpoint is removed once the results are there."""
+    if path.is_file():
+        with path.open("rb") as stream:
+            os.fsync(stream.fileno())
+
+
+def _unwritable(folder: str | os.PathLike[str], error: Exception) -> InputError:
+    why = getattr(error, "strerror", None) or error
+    return InputError(f"out = {shown(str(folder))}: cannot be written: {why}")
+
+
 def write_folder(
-    folder: str | os.PathLike[str], writers: Mapping[str, Callable[[Path], None]], gone: Sequence[str] = ()
+    folder: str | os.PathLike[str],
+    writers: Mapping[str, Callable[[Path], None]],
+    gone: Sequence[str] = (),
 ) -> None:
     """Write files into `folder`, each by a function that is given its path: all of them, or none.
 
@@ -36,18 +91,21 @@ def write_folder(
         with _beside(path) as draft:
             for name, write in writers.items():
                 write(draft / name)
+                _flush(draft / name)
             if path.is_dir():
                 for name in writers:
                     os.replace(draft / name, path / name)
+                flush_folder(path)
                 for name in gone:
                     (path / name).unlink(missing_ok=True)
     except OSError as error:
-        raise InputError(f"out = {str(folder)!r}: cannot be written: {error.strerror or error}") from error
+        raise _unwritable(folder, error) from error
 
 
 @contextmanager
-def _beside(path: Path) -> Iterator[Path]:
-    """A draft folder that becomes `path`, missing parents included, in one rename; inside `path` where that exists."""
+def _beside(path: Path, keep: bool = True) -> Iterator[Path]:
+    """A draft folder that becomes `path`, missing parents included, in one rename; inside `path` where that exists.
+    Without `keep` it becomes nothing."""
     path = path.absolute()
     if path.is_dir():
         top = None
@@ -60,7 +118,8 @@ def _beside(path: Path) -> Iterator[Path]:
         draft.mkdir(parents=True)
     try:
         yield draft
-        if top is not None:
+        if top is not None and keep:
             os.rename(home / top.name, top)
+            flush_folder(top.parent)
     finally:
         shutil.rmtree(home, ignore_errors=True)

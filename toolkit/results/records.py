@@ -1,12 +1,9 @@
-"""What the toolkit needs of a solver's result, and what it keeps of a whole run.
-
-The solvers' results share no base class: whatever has these attributes will do, a record read back from a file too.
-"""
+"""What is kept of each solver's answer, and of a whole run."""
 
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,78 +12,27 @@ from origins.brief import brief
 from origins.thresholds.law import Thresholds
 from origins.thresholds.quadrature import panel_edges
 from toolkit.scene.interfaces import Number
-from toolkit.scene.scene import SceneTable, read_table
 from toolkit.scene.sweep import SweepRecord
+from toolkit.scene.tables import SceneTable, read_table
 
 if TYPE_CHECKING:
+    from eq_model import CoupledSlips
     from eq_model.histogram import Histogram
-    from master.paper.q15_transient import AgeingTransient
     from master.soft.regime import Regime, Verdict
     from master.soft.slips import Slips
-    from master.soft.solution import SoftSolution
 
 Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
 
 OWN_UNIT = "length unit of the thresholds"
 _PER_PANEL = 24
 
 
-class Curve(Protocol):
-    """A force over a path: `path`, `force` (n,) lengths, `holding` (n,) the fraction of contacts that hold."""
-
-    @property
-    def path(self) -> Array: ...
-    @property
-    def force(self) -> Array: ...
-    @property
-    def holding(self) -> Array: ...
-    @property
-    def run_time(self) -> float: ...
-
-
-class Solved(Curve, Protocol):
-    """The master equation's answer; `force_error` is relative to the mean threshold."""
-
-    @property
-    def force_error(self) -> float: ...
-    @property
-    def success(self) -> bool: ...
-    @property
-    def message(self) -> str: ...
-
-
-class Simulated(Curve, Protocol):
-    """The ensemble's answer; `force_standard_error` and `step_error` (n,) are lengths, the error of the fraction that
-    holds is a number.
-
-    `histograms` are those of stretches and thresholds that were asked for; times are in seconds.
-    """
-
-    @property
-    def force_standard_error(self) -> Array: ...
-    @property
-    def step_error(self) -> Array: ...
-    @property
-    def holding_standard_error(self) -> Array: ...
-    @property
-    def histograms(self) -> Sequence["Histogram"]: ...
-    @property
-    def contacts(self) -> int: ...
-    @property
-    def success(self) -> bool: ...
-    @property
-    def message(self) -> str: ...
-    @property
-    def breaks(self) -> int: ...
-    @property
-    def breaks_per_rank(self) -> Sequence[int]: ...
-    @property
-    def compile_time(self) -> float: ...
-
-
 @dataclass(frozen=True)
 class SolvedRecord:
-    """A master equation's answer read back from a file."""
+    """A master equation's answer: F = `force` over `path` (lengths, shape (n,)), `holding`, the fraction of contacts
+    that hold, `force_error` in mean thresholds, `run_time` in s. The solvers' own answers have these fields, and
+    more."""
 
     path: Array
     force: Array
@@ -135,8 +81,16 @@ class SoftRecord(SolvedRecord):
     def regime(self) -> "Regime":
         from master.soft.regime import Regime
 
-        own = {"slips": int(self.slip_drive.size), "trend": None if np.isnan(self.trend) else self.trend}
-        return Regime(**{field.name: own.get(field.name, getattr(self, field.name)) for field in fields(Regime)})
+        own = {
+            "slips": int(self.slip_drive.size),
+            "trend": None if np.isnan(self.trend) else self.trend,
+        }
+        return Regime(
+            **{
+                field.name: own.get(field.name, getattr(self, field.name))
+                for field in fields(Regime)
+            }
+        )
 
 
 @dataclass(frozen=True)
@@ -151,32 +105,10 @@ class AgeingRecord(SolvedRecord):
     __repr__ = brief
 
 
-def ageing_record(solution: "AgeingTransient") -> AgeingRecord:
-    """What is kept of a transient in the paper's closure of ageing."""
-    return AgeingRecord(**{field.name: getattr(solution, field.name) for field in fields(AgeingRecord)})
-
-
-def soft_record(solution: "SoftSolution") -> SoftRecord:
-    """What is kept of a soft slider's solution."""
-    slips, regime = solution.slips, solution.regime
-    return SoftRecord(
-        **{field.name: getattr(solution, field.name) for field in fields(SolvedRecord)},
-        balance=solution.balance,
-        position=solution.position,
-        **{f"slip_{field.name}": getattr(slips, field.name) for field in fields(slips)},
-        period=np.nan if solution.period is None else solution.period,
-        verdict=regime.verdict,
-        reason=regime.reason,
-        critical_spring=regime.critical_spring,
-        critical_spring_error=regime.critical_spring_error,
-        stiffness_ratio=regime.stiffness_ratio,
-        trend=np.nan if regime.trend is None else regime.trend,
-    )
-
-
 @dataclass(frozen=True)
 class SimulatedRecord:
-    """An ensemble's answer read back from a file."""
+    """An ensemble's answer: arrays of shape (n,), lengths but for the fraction that holds and its error; `histograms`
+    are those that were asked for; times are in s. The ensemble's own answer has these fields."""
 
     path: Array
     force: Array
@@ -194,6 +126,59 @@ class SimulatedRecord:
     message: str
 
     __repr__ = brief
+
+
+@dataclass(frozen=True)
+class CoupledRecord(SimulatedRecord):
+    """That of contacts on a soft slider: `path` is the drive's, and of the replicas' slips arrays of shape (m,).
+
+    Fields as of eq_model.CoupledResult, whose `slips` are these: lengths, but for whole numbers `slip_replica`,
+    `slip_number` and `slip_breaks`.
+    """
+
+    position: Array
+    position_standard_error: Array
+    positions: Array
+    forces: Array
+    avalanches: Whole
+    slip_fraction: float
+    balance: float
+    slip_replica: Whole
+    slip_number: Whole
+    slip_drive: Array
+    slip_before: Array
+    slip_after: Array
+    slip_force_before: Array
+    slip_force_after: Array
+    slip_breaks: Whole
+
+    __repr__ = brief
+
+    @property
+    def slips(self) -> "CoupledSlips":
+        from eq_model import CoupledSlips
+
+        return CoupledSlips(
+            **{field.name: getattr(self, f"slip_{field.name}") for field in fields(CoupledSlips)}
+        )
+
+
+Curve = SolvedRecord | SimulatedRecord
+
+
+def record_of(answer: Any) -> Any:
+    """What is kept of a solver's answer: a record where the answer has parts of its own, else itself."""
+    marks = {"avalanches": CoupledRecord, "regime": SoftRecord, "mass_defect": AgeingRecord}
+    kind: Any = next((kind for mark, kind in marks.items() if hasattr(answer, mark)), None)
+    if kind is None:
+        return answer
+    values: dict[str, Any] = {}
+    for name in (field.name for field in fields(kind)):
+        if name.startswith("slip_") and hasattr(answer.slips, name.removeprefix("slip_")):
+            values[name] = getattr(answer.slips, name.removeprefix("slip_"))
+        else:
+            values[name] = getattr(answer if hasattr(answer, name) else answer.regime, name)
+    return kind(**{name: np.nan if value is None else value for name, value in values.items()})
 
 
 @dataclass(frozen=True)
@@ -225,11 +210,11 @@ class Result:
         <x_s>, a length.
     thresholds : ThresholdCurve
         P_c as drawn: `x`, `density`, `survival`, `atoms`, `atom_weights`, `unit`.
-    master : Solved or None
+    master : SolvedRecord or None
         `path`, `force` = F/(N_c<k>) (lengths), `holding` (a fraction), each of shape (n,); `force_error` (in <x_s>),
         `success`, `message`, `run_time`; a SoftRecord where a spring pulls, an AgeingRecord in the paper's closure of
         ageing. None where not asked for.
-    eq : Simulated or None
+    eq : SimulatedRecord or None
         `path`, `force`, `holding`, `force_standard_error` and `step_error` (lengths), `holding_standard_error`, each of
         shape (n,);
         `histograms`, of eq_model.histogram.Histogram, each read when it is asked for; `contacts` followed, `breaks`,
@@ -254,8 +239,8 @@ class Result:
     version: str
     mean_threshold: float
     thresholds: ThresholdCurve
-    master: Solved | None
-    eq: Simulated | None
+    master: SolvedRecord | None
+    eq: SimulatedRecord | None
     notes: tuple[str, ...] = ()
     interface: dict[str, Number] | None = None
     sweep: SweepRecord | None = None
@@ -289,7 +274,9 @@ class Result:
     @property
     def success(self) -> bool:
         """Whether every solver reached what was asked of it."""
-        return all(answer is None or answer.success for answer in (self.master, self.eq, self.sweep))
+        return all(
+            answer is None or answer.success for answer in (self.master, self.eq, self.sweep)
+        )
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
@@ -298,7 +285,9 @@ def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
     tail = np.geomspace(1e-6, 0.5, 100)
     quantiles = np.concatenate([thresholds.ppf(tail), thresholds.isf(tail)])
     upper = 1.05 * quantiles.max()
-    edges = np.unique(np.concatenate([[0.0], panel_edges(thresholds, upper), thresholds.breakpoints, [upper]]))
+    edges = np.unique(
+        np.concatenate([[0.0], panel_edges(thresholds, upper), thresholds.breakpoints, [upper]])
+    )
     within = np.linspace(edges[:-1], edges[1:], _PER_PANEL).ravel()
     jumps = thresholds.breakpoints
     x = np.unique(np.concatenate([quantiles, within, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))

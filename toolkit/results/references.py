@@ -48,7 +48,9 @@ def reference(contacts: Contacts, path: npt.ArrayLike) -> Reference:
         solved = master.solve(contacts, positions, tolerance=tolerance)
         if solved.force_error < best.force_error:
             best, at = solved, tolerance
-    return Reference(best.force, float(best.force_error), f"the master equation itself at tolerance {at:.0e}")
+    return Reference(
+        best.force, float(best.force_error), f"the master equation itself at tolerance {at:.0e}"
+    )
 
 
 def closed_form(contacts: Contacts, path: Array) -> Reference | None:
@@ -59,7 +61,9 @@ def closed_form(contacts: Contacts, path: Array) -> Reference | None:
     F = x_0 + X - sum over n of E[threshold n; X_n < X].
     """
     thresholds, start = contacts.thresholds, contacts.start
-    if not isinstance(thresholds, CutGaussian) or not (start.is_single or isinstance(start, GaussianStart)):
+    if not isinstance(thresholds, CutGaussian) or not (
+        start.is_single or isinstance(start, GaussianStart)
+    ):
         return None
     mean, width, first = thresholds.parent_mean, thresholds.parent_std, start.mean()
     spread = 0.0 if start.is_single else 1.0 / (_ROOT_TWO_PI * float(start.pdf(first)))

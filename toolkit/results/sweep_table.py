@@ -14,7 +14,9 @@ def write_csv(sweep: SweepRecord, units: Mapping[str, str], path: Path) -> None:
     """Write the sweep's arrays, those that it has, as comma-separated values with all their digits; the first line has
     their names, with the unit in brackets where `units` has one for the name."""
     columns = {field.name: getattr(sweep, field.name) for field in fields(sweep)}
-    columns = {name: value.ravel() for name, value in columns.items() if isinstance(value, np.ndarray)}
+    columns = {
+        name: value.ravel() for name, value in columns.items() if isinstance(value, np.ndarray)
+    }
     heads = [f"{name} [{units[name]}]" if name in units else name for name in columns]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")

@@ -2,17 +2,21 @@
 
 import signal
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from toolkit.running.checkpoint import Checkpoint, say
-from toolkit.running.deferred import Deferred
+from toolkit.running.signals import Deferred
 
 if TYPE_CHECKING:
     from eq_model import CoupledEnsemble, CoupledResult, Ensemble, EnsembleResult
 
     AnyResult = EnsembleResult | CoupledResult
+
+_STOP = 7117  # tag of the message by which a rank passes a signal on to the others
+_WORTH_KEEPING = 1.0  # seconds of work: a shorter ensemble is followed again as fast as it is read
 
 
 def follow(
@@ -20,11 +24,13 @@ def follow(
     progress: Callable[[int, int], None] | None = None,
     checkpoint: Checkpoint | None = None,
     done_before: int = 0,
+    deadline: float | None = None,
 ) -> "AnyResult":
     """Work through the ensemble to its result.
 
-    SIGINT and SIGTERM wait until the block is finished and its checkpoint written, and then do what they did before:
-    end the program as a rule. In an interactive session SIGINT ends this rank's share of the ensemble alone: the result
+    SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then do what they did
+    before: end the program as a rule. A rank that gets one tells the other ranks, which end likewise. In an interactive
+    session SIGINT ends this rank's share of the ensemble alone: the result
     is that of the finished blocks, with success = False, once the other ranks have come to their end; a second SIGINT
     does what it did before.
 
@@ -34,9 +40,10 @@ def follow(
     progress : called as progress(done, expected), contacts of the whole run; other ranks count as far as this one is.
     checkpoint : where to keep what is done, None for nowhere.
     done_before : contacts that the ensemble was given as done.
+    deadline : s of the monotonic clock after which no block begins; None for none.
     """
     ranks = 1 if ensemble.comm is None else ensemble.comm.Get_size()
-    shown, interrupted = (-1, -1), False
+    shown, interrupted, begun = (-1, -1), False, time.monotonic()
     with Deferred() as asked:
         blocks = iter(ensemble)
         while True:
@@ -54,6 +61,12 @@ def follow(
                     raise
                 interrupted = True
                 break
+            if deadline is not None and time.monotonic() > deadline:
+                ensemble.stop()
+            if asked.signal is None and ranks > 1 and ensemble.comm.Iprobe(tag=_STOP):
+                asked.signal = ensemble.comm.recv(tag=_STOP)
+            elif asked.signal is not None and ranks > 1 and not _interactive():
+                _tell_the_others(ensemble.comm, asked.signal)
             if asked.signal is not None:
                 if checkpoint is not None:
                     checkpoint.write(ensemble.state)
@@ -65,13 +78,21 @@ def follow(
             elif checkpoint is not None:
                 checkpoint.keep(ensemble.state)
     result: AnyResult = ensemble.result()
-    if checkpoint is not None and unfinished(ensemble, result):
+    left = unfinished(ensemble, result)
+    # a finished one too: the disk may refuse the result
+    if checkpoint is not None and (left or time.monotonic() - begun > _WORTH_KEEPING):
         checkpoint.write(ensemble.state)
-        if checkpoint.is_first and not interrupted:
+        if left and checkpoint.is_first and not interrupted:
             say(f"stopped by the wall time; run it again with --out {checkpoint.folder} to go on")
-    if interrupted and unfinished(ensemble, result):
+    if interrupted and left:
         result = replace(result, success=False, message=f"interrupted: {result.message}")
     return result
+
+
+def _tell_the_others(comm: Any, number: int) -> None:
+    for rank in range(comm.Get_size()):
+        if rank != comm.Get_rank():
+            comm.isend(number, dest=rank, tag=_STOP)
 
 
 def unfinished(ensemble: "Ensemble | CoupledEnsemble", result: "AnyResult") -> bool:

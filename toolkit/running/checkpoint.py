@@ -29,7 +29,8 @@ from origins.errors import InputError, positive
 from origins.thresholds.law import Thresholds
 from toolkit.running.ranks import on_root
 from toolkit.running.state_file import BLOCKS, read_state, write_state
-from toolkit.scene.scene import Scene, read_table
+from toolkit.scene.scene import Scene
+from toolkit.scene.tables import read_table
 
 if TYPE_CHECKING:
     from eq_model.coupled.result import CoupledState
@@ -40,7 +41,12 @@ if TYPE_CHECKING:
 NAME = "checkpoint"
 EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
 
-_BESIDE = {"title", "master.tolerance", "eq.wall_time"}  # what the ensemble's numbers do not depend on
+_BESIDE = {
+    "title",
+    "master.tolerance",
+    "eq.wall_time",
+    "wall_time",
+}  # what the ensemble's numbers do not depend on
 _LONG = 60  # letters
 _QUANTILES = np.linspace(0.0, 1.0, 66)[1:-1]
 
@@ -56,7 +62,9 @@ class Checkpoint:
     every : seconds from one checkpoint to the next, at most.
     """
 
-    def __init__(self, folder: str | os.PathLike[str], scene: Scene, comm: Any = None, every: float = EVERY) -> None:
+    def __init__(
+        self, folder: str | os.PathLike[str], scene: Scene, comm: Any = None, every: float = EVERY
+    ) -> None:
         self.every = positive("checkpoint", every)
         self.folder = Path(folder)
         self._home, self._comm = self.folder / NAME, comm
@@ -75,7 +83,11 @@ class Checkpoint:
     @property
     def note(self) -> str:
         """What is left when the run ends here."""
-        kept = "its finished blocks are kept in" if self._written_well else "what it found last could not be written to"
+        kept = (
+            "its finished blocks are kept in"
+            if self._written_well
+            else "what it found last could not be written to"
+        )
         return f"{kept} {self._home}"
 
     def earlier(self) -> list[AnyState]:
@@ -104,7 +116,9 @@ class Checkpoint:
         self._written_well = False
         try:
             self._home.mkdir(parents=True, exist_ok=True)
-            write_state(self._home / f"{self._turn:03d}-rank-{self._rank:05d}.npz", state, self._identity)
+            write_state(
+                self._home / f"{self._turn:03d}-rank-{self._rank:05d}.npz", state, self._identity
+            )
             if self.is_first:
                 while self._old:  # all of it is in the new one
                     self._old.pop().unlink(missing_ok=True)
@@ -141,7 +155,9 @@ class Checkpoint:
             if _take(state.done, taken):
                 found = state if found is None else found.joined(state)  # type: ignore[arg-type]
         if found is not None:
-            say(f"going on from the checkpoint in {self._home}: {found.contacts:,} contacts are done")
+            say(
+                f"going on from the checkpoint in {self._home}: {found.contacts:,} contacts are done"
+            )
             if not isinstance(found, CoupledState):
                 found = replace(found, done=reduce(layout.joined, taken, []))
         return found
@@ -162,7 +178,11 @@ class Checkpoint:
 def identity(scene: Scene) -> dict[str, str]:
     """All that the ensemble's numbers depend on, by name: the scene's keys, the laws as drawn, the version."""
     table = msgspec.to_builtins(read_table(tomllib.loads(scene.text)))
-    told = {name: value for name, value in _flat(table, ()) if name not in _BESIDE and not name.startswith("master")}
+    told = {
+        name: value
+        for name, value in _flat(table, ())
+        if name not in _BESIDE and not name.startswith("master")
+    }
     told["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
     if scene.contacts.ageing is not None:
         told["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
@@ -204,7 +224,9 @@ def _take(done: list[range], taken: list[range]) -> bool:
     for part in done:
         at = bisect_left(taken, part.start, key=lambda other: other.start)
         before, after = taken[max(at - 1, 0) : at], taken[at : at + 1]
-        if any(other.stop > part.start for other in before) or any(other.start < part.stop for other in after):
+        if any(other.stop > part.start for other in before) or any(
+            other.start < part.stop for other in after
+        ):
             return False
     for part in done:
         insort(taken, part, key=lambda other: other.start)

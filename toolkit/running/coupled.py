@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from origins.brief import brief
-from toolkit.results.records import Result, SimulatedRecord, SoftRecord
+from toolkit.results.records import CoupledRecord, Result, SoftRecord
 from toolkit.scene.interfaces import with_error
 
 if TYPE_CHECKING:
-    from eq_model import CoupledResult, CoupledSlips
-    from toolkit.scene.scene import EqTable, Scene
-
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
+    from toolkit.scene.scene import Scene
+    from toolkit.scene.tables import EqTable
 
 _SHOWN = 10  # slips that are told one by one
 _DIGITS = 7
@@ -25,50 +19,6 @@ _PILOT = 4096  # contacts
 _EACH = 4e-8  # s for a break or a start, on a core of 2024; twice as long on an old one
 _BEFORE = 2e-3  # s for a replica, however few its contacts
 _BYTES = 24  # of a contact, at most
-
-
-@dataclass(frozen=True)
-class CoupledRecord(SimulatedRecord):
-    """That of contacts on a soft slider: `path` is the drive's, and of the replicas' slips arrays of shape (m,).
-
-    Fields as of eq_model.CoupledResult, whose `slips` are these: lengths, but for whole numbers `slip_replica`,
-    `slip_number` and `slip_breaks`.
-    """
-
-    position: Array
-    position_standard_error: Array
-    positions: Array
-    forces: Array
-    avalanches: Whole
-    slip_fraction: float
-    balance: float
-    slip_replica: Whole
-    slip_number: Whole
-    slip_drive: Array
-    slip_before: Array
-    slip_after: Array
-    slip_force_before: Array
-    slip_force_after: Array
-    slip_breaks: Whole
-
-    __repr__ = brief
-
-    @property
-    def slips(self) -> CoupledSlips:
-        from eq_model import CoupledSlips
-
-        return CoupledSlips(
-            **{field.name: getattr(self, f"slip_{field.name}") for field in fields(CoupledSlips)}
-        )
-
-
-def coupled_record(found: CoupledResult) -> CoupledRecord:
-    """What is kept of such an ensemble."""
-    slips = {
-        f"slip_{field.name}": getattr(found.slips, field.name) for field in fields(found.slips)
-    }
-    others = (field.name for field in fields(CoupledRecord) if field.name not in slips)
-    return CoupledRecord(**{name: getattr(found, name) for name in others}, **slips)
 
 
 def coupled_lines(scene: Scene, asked: EqTable, comm: Any, done: int) -> list[str]:

@@ -14,7 +14,11 @@ _VARIABLES = (
     ("MPI_LOCALNRANKS", "MPI_LOCALRANKID"),
     (_STEP, "SLURM_PROCID"),
 )
-_OTHERS = ("OMPI_COMM_WORLD_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")  # mpirun within a step of Slurm's
+_OTHERS = (
+    "OMPI_COMM_WORLD_SIZE",
+    "MV2_COMM_WORLD_SIZE",
+    "MPI_LOCALNRANKS",
+)  # mpirun within a step of Slurm's
 
 
 @dataclass(frozen=True)
@@ -34,4 +38,8 @@ def read_environment(environment: Mapping[str, str] = os.environ) -> Launch:
             launches.append(Launch(int(environment[size]), int(environment[rank])))
     found = max(launches, key=lambda launch: launch.size)
     by_slurm = found.size > 1 and environment.get(_STEP) == str(found.size)
-    return replace(found, by="srun") if by_slurm and not any(name in environment for name in _OTHERS) else found
+    return (
+        replace(found, by="srun")
+        if by_slurm and not any(name in environment for name in _OTHERS)
+        else found
+    )

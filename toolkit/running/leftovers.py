@@ -8,7 +8,7 @@ from pathlib import Path
 from origins.errors import InputError, refuse
 from toolkit.results.files import TABLE, load
 from toolkit.results.records import Result
-from toolkit.scene.scene import read_table
+from toolkit.scene.tables import read_table
 
 THRESHOLDS = ("thresholds.json", "thresholds.png")
 
@@ -30,10 +30,22 @@ def left_over(folder: str | os.PathLike[str], result: Result) -> list[str]:
 def check_beside(folder: str | os.PathLike[str], name: str, text: str) -> None:
     """InputError where `folder` holds the result of another scene than that of this name and TOML text: what a run may
     have taken hours for is not taken away for a table."""
+    if (whose := another(folder, name, text)) is not None:
+        refuse(
+            "out",
+            str(folder),
+            f"holds the result of {whose}; choose another, or run this scene there",
+        )
+
+
+def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
+    """In words, whose result `folder` holds; None where that is of this scene, by name and TOML text, or none is."""
     before = _result(Path(folder))
-    if before is not None and not _same((before.name, before.text), (name, text)):
-        whose = f"another scene, {before.name}" if before.name != name else "this scene with other contacts"
-        refuse("out", str(folder), f"holds the result of {whose}; choose another, or run this scene there")
+    if before is None or _same((before.name, before.text), (name, text)):
+        return None
+    return (
+        f"another scene, {before.name}" if before.name != name else "this scene with other contacts"
+    )
 
 
 def _same(one: tuple[str, str], other: tuple[str, str]) -> bool:

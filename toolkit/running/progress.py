@@ -1,5 +1,5 @@
-"""Progress of long runs: in a terminal a bar, once they have lasted a second; in a log file, or under mpirun, a line
-after ten seconds and then every thirty. Both count the time from the start."""
+"""Progress of long runs on stderr: in a terminal a bar of tqdm once they have lasted a second, in a log file, or under
+mpirun, a line after ten seconds and then every thirty. Both count the time from the start."""
 
 import math
 import sys
@@ -7,75 +7,34 @@ import threading
 import time
 from typing import Any
 
-_PATIENCE, _LOG_PATIENCE = 1.0, 10.0
-_LOG_PACE = 30.0
-_PACE = 0.1
-_NOT_YET = 1e-9  # that a bar is not drawn before it knows when it began
-
-
-class Progress:
-    """Call as progress(done, expected); on rank 0 only. It shows contacts per second and the time left.
-
-    patience : seconds before anything is shown; None: those of a terminal or of a log file."""
-
-    def __init__(self, patience: float | None = None) -> None:
-        self._begun = time.monotonic()
-        self._bar: Any = None
-        self._terminal = sys.stderr.isatty()
-        usual = _PATIENCE if self._terminal else _LOG_PATIENCE
-        self._next = self._begun + (usual if patience is None else patience)
-        self._first: tuple[float, int] | None = None
-
-    def __call__(self, done: int, expected: int) -> None:
-        now = time.monotonic()
-        if self._first is None:
-            self._first = now, done
-            self._next = max(self._next, now + _PATIENCE)  # a first block does not tell the pace
-        if done >= expected:
-            self.close()
-            self._first = None  # of the next scene
-        elif self._bar is not None:
-            self._bar.total = expected
-            self._bar.update(done - self._bar.n)
-        elif now >= self._next and self._terminal:
-            from tqdm import tqdm
-
-            shown = {"unit": " contacts", "unit_scale": True, "mininterval": _PACE}
-            self._bar = tqdm(leave=False, total=expected, initial=done, delay=_NOT_YET, **shown)
-            self._bar.start_t -= now - self._begun
-            self._bar.initial = self._first[1]
-            self._bar.refresh()
-        elif now >= self._next:
-            self._next = now + _LOG_PACE
-            _log(self._line(now, done, expected))
-
-    def _line(self, now: float, done: int, expected: int) -> str:
-        """What there is to tell in words."""
-        begun, before = self._first or (now, done)
-        said = f"eq: {done:,} of {expected:,} contacts ({done / expected:.0%}) after {_clock(now - self._begun)}"
-        if done == before:
-            return said
-        pace = (done - before) / (now - begun)
-        return f"{said}, {pace:.3g} a second, {_clock((expected - done) / pace)} left"
-
-    def close(self) -> None:
-        """Take the bar away."""
-        if self._bar is not None:
-            self._bar.close()
-            self._bar = None
+_PATIENCE, _LOG_PATIENCE = 1.0, 10.0  # seconds before anything is shown
+_LOG_PACE = 30.0  # seconds from line to line
+_EARLY = 0.2  # of the patience: when the time that is left is looked at first
+_LONG = 60.0  # seconds: work that takes longer is said so early
 
 
 class Refinement:
     """Call as refinement(error) with the error that a solution has; it shows how many of the powers of ten from the
-    first one to the tolerance are gone, and the time since it was made, also while nothing is called.
+    first one to the tolerance are gone, also while nothing is called.
 
+    tolerance : that was asked for; None for work that knows no error on its way.
     patience : seconds before anything is shown; None: those of a terminal or of a log file.
-    done : an event for which it waits between what it shows, and which ends it; None: one of its own."""
+    done : an event for which it waits between what it shows, and which ends it; None: one of its own.
+    what : the work in words.
+    """
 
-    def __init__(self, tolerance: float, patience: float | None = None, done: threading.Event | None = None) -> None:
-        self._tolerance = tolerance
+    _tells_what_is_left = False
+
+    def __init__(
+        self,
+        tolerance: float | None,
+        patience: float | None = None,
+        done: threading.Event | None = None,
+        what: str = "master equation",
+    ) -> None:
+        self._tolerance, self._what = tolerance, what
         self._first = self._best = math.inf
-        self._bar: Any = None
+        self._begun = time.monotonic()
         self._patience, self._done = patience, done or threading.Event()
         self._ticking = threading.Thread(target=self._tick, daemon=True)
         self._ticking.start()
@@ -85,41 +44,102 @@ class Refinement:
             self._first = error
         self._best = min(self._best, error)
 
-    def _tick(self) -> None:
-        begun, terminal = time.monotonic(), sys.stderr.isatty()
-        wait, pace = (_PATIENCE, _PATIENCE) if terminal else (_LOG_PATIENCE, _LOG_PACE)
-        wait = wait if self._patience is None else self._patience
-        while not self._done.wait(wait):
-            wait = pace
-            said = f"error {self._best:.1e} of {self._tolerance:.1e} asked"
-            said = said if math.isfinite(self._best) else "no error estimate yet"
-            if not terminal:
-                _log(f"master equation: {said}, after {_clock(time.monotonic() - begun)}")
-                continue
-            if self._bar is None:
-                from tqdm import tqdm
-
-                form = "master equation: {bar} {postfix}, {elapsed}"
-                self._bar = tqdm(leave=False, total=1.0, bar_format=form, mininterval=0.0, delay=_NOT_YET)
-                self._bar.start_t -= time.monotonic() - begun
-            self._bar.n = self._share()
-            self._bar.set_postfix_str(said)
-
-    def _share(self) -> float:
-        if not math.isfinite(self._first) or self._first <= self._tolerance:
-            return 0.0
-        return min(1.0, math.log(self._first / self._best) / math.log(self._first / self._tolerance))
-
     def close(self) -> None:
         """Take the bar away."""
         self._done.set()
         self._ticking.join()
-        if self._bar is not None:
-            self._bar.close()
+
+    def _tick(self) -> None:
+        terminal, bar = sys.stderr.isatty(), None
+        patience, pace = (_PATIENCE, _PATIENCE) if terminal else (_LOG_PATIENCE, _LOG_PACE)
+        patience = patience if self._patience is None else self._patience
+        early = self._tells_what_is_left and not terminal
+        wait = _EARLY * patience if early else patience
+        while not self._done.wait(wait):
+            wait, due = (patience - wait, self._left() > _LONG) if early else (pace, True)
+            early = False
+            if not self._at_work():
+                continue
+            if terminal:
+                bar = bar or self._bar()
+                bar.n = self._share()
+                bar.set_postfix_str(self._said())
+            elif due:
+                since = _clock(time.monotonic() - self._begun)
+                line = f"mesofriction: {self._what}: {self._said()}, after {since}"
+                print(line, file=sys.stderr, flush=True)
+        if bar is not None:
+            bar.close()
+
+    def _bar(self) -> Any:
+        from tqdm import tqdm
+
+        form = self._what + ": {percentage:3.0f}%|{bar}| {postfix}, {elapsed}"
+        bar = tqdm(leave=False, total=1.0, bar_format=form, mininterval=0.0, delay=1e-9)
+        bar.start_t -= time.monotonic() - self._begun
+        return bar
+
+    def _said(self) -> str:
+        if self._tolerance is None:
+            return "at work"
+        if not math.isfinite(self._best):
+            return "no error estimate yet"
+        return f"error {self._best:.1e} of {self._tolerance:.1e} asked"
+
+    def _share(self) -> float:
+        """Of the work that is done, as far as that is known."""
+        if self._tolerance is None or not math.isfinite(self._first):
+            return 0.0
+        if self._first <= self._tolerance:
+            return 0.0
+        decades = math.log(self._first / self._tolerance)
+        return min(1.0, math.log(self._first / self._best) / decades)
+
+    def _at_work(self) -> bool:
+        return True
+
+    def _left(self) -> float:
+        """Seconds that it will take, 0 where that is not known."""
+        return 0.0
 
 
-def _log(line: str) -> None:
-    print(f"mesofriction: {line}", file=sys.stderr, flush=True)
+class Progress(Refinement):
+    """Call as progress(done, expected); on rank 0 only. It shows contacts per second and the time left."""
+
+    _tells_what_is_left = True
+
+    def __init__(self, patience: float | None = None, done: threading.Event | None = None) -> None:
+        self._now = self._before = 0, 0
+        self._started = math.inf
+        super().__init__(None, patience, done, what="eq")
+
+    def __call__(self, done: int, expected: int) -> None:  # type: ignore[override]
+        if math.isinf(self._started):  # a first block does not tell the pace
+            self._started, self._before = time.monotonic(), (done, expected)
+        self._now = done, expected
+        if done >= expected:
+            self._started = math.inf  # of the next scene
+
+    def _at_work(self) -> bool:
+        return not math.isinf(self._started)
+
+    def _said(self) -> str:
+        done, expected = self._now
+        said = f"{done:,} of {expected:,} contacts ({done / expected:.0%})"
+        pace = self._pace()
+        return said if not pace else f"{said}, {pace:.3g} a second, {_clock(self._left())} left"
+
+    def _share(self) -> float:
+        return self._now[0] / max(self._now[1], 1)
+
+    def _left(self) -> float:
+        pace = self._pace()
+        return (self._now[1] - self._now[0]) / pace if pace else 0.0
+
+    def _pace(self) -> float:
+        """Contacts a second, 0 where that is not known."""
+        since = time.monotonic() - self._started
+        return (self._now[0] - self._before[0]) / since if since > 0.0 else 0.0
 
 
 def _clock(seconds: float) -> str:

@@ -11,13 +11,14 @@ from typing import Any, NoReturn, TypeVar
 
 from origins.errors import InputError
 from toolkit.running.launch import Launch
-from toolkit.running.terminated import Terminated, terminable
+from toolkit.running.signals import Terminated, terminable
 
 T = TypeVar("T")
 
 _PASSED_ON = 0.2  # seconds, for the launcher to pass on what was said before it ends all
 _PATIENCE = 5.0  # seconds to wait for the other ranks to fail alike
 _GRACE = 10.0  # and to finish their blocks and write their checkpoints; schedulers kill some 30 s after their SIGTERM
+_NOTHING_TO_KEEP = 1.0  # and where a rank is stopped outside of the ensemble
 _NAP = 0.001  # seconds
 
 
@@ -33,7 +34,7 @@ def communicator(launch: Launch) -> Any:
             # that a launcher of another MPI was used is said below, in one line
             warnings.simplefilter("ignore", RuntimeWarning)
             from mpi4py import MPI
-    except (ImportError, RuntimeError) as error:
+    except (ImportError, RuntimeError, OSError) as error:
         raise InputError(
             f"{launch.by}: started {launch.size} ranks, but mpi4py cannot be imported ({error}); install it against "
             f"the MPI that is there (docs/clusters.md), or the extra [mpi], or run without {launch.by}"
@@ -71,8 +72,8 @@ def on_root(comm: Any, work: Callable[[], T]) -> T:
 def end_together(work: Callable[[Any], int], launched: Launch) -> int:
     """Exit status of `work`, called with the communicator of all ranks launched (None: this process alone).
 
-    Bad input is one line and status 2, SIGINT one and 130, SIGTERM one and 143, each printed once. Any other exception
-    of one rank ends all ranks.
+    Bad input is one line and status 2, SIGINT one and 130, SIGTERM and SIGHUP one and 143, each printed once. Any other
+    exception of one rank ends all ranks.
     """
     ending = None
     try:
@@ -90,9 +91,10 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
         return 2
     except (KeyboardInterrupt, Terminated) as stop:
         status, word = (143, "terminated") if isinstance(stop, Terminated) else (130, "interrupted")
-        alike = ending is None or _arrived(ending, _GRACE)
+        notes = getattr(stop, "__notes__", None)
+        alike = ending is None or _arrived(ending, _GRACE if notes else _NOTHING_TO_KEEP)
         if launched.rank == 0 or not alike:
-            note = (getattr(stop, "__notes__", None) or ["nothing was written"])[0]
+            note = (notes or ["nothing was written"])[0]
             print(f"mesofriction: {word}; {note}", file=sys.stderr, flush=True)
         if ending is None:
             return status

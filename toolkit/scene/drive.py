@@ -6,37 +6,101 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from origins.contacts import Contacts
 from origins.drive import Drive
 from origins.errors import InputError, finite, positive, refuse, whole
 from toolkit.scene import laws
 
 if TYPE_CHECKING:
-    from toolkit.scene.scene import DriveTable
+    from toolkit.scene.tables import DriveTable
 
 Array = npt.NDArray[np.float64]
 
 _MOST_POINTS = 10_000_000
 _LISTED = 4
+_NEWTONS, _CONTACTS = "N/m", "N_c<k>"  # units of a spring
 _LEAST_SCALE = 1e-14  # of times, whose rounding it would be
 
 
-def make_drive(table: "DriveTable") -> Drive:
-    """The checked drive of a scene. Raises InputError with the path of the bad key."""
+def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
+    """drive.spring as K/(N_c<k>), a number; None without one. Raises InputError.
+
+    Text tells the unit: "0.5 N_c<k>", or "50 N/m", which for thresholds from a surface takes drive.area, the nominal
+    area in m². For these a bare number is refused, as it may be meant in either unit.
+    """
+    interface, given = contacts.interface, table.spring
+    if table.area is not None and not (isinstance(given, str) and given.endswith(_NEWTONS)):
+        refuse(
+            "drive.area",
+            table.area,
+            'is for a spring in N/m, such as spring = "50 N/m"; leave it out',
+        )
+    if given is None or (interface is None and not isinstance(given, str)):
+        return given
+    if not isinstance(given, str):
+        each = interface.contact_density * interface.mean_stiffness  # type: ignore[union-attr]
+        refuse(
+            "drive.spring",
+            given,
+            f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m², of '
+            f'which each has N_c<k> = {each:.3g} N/m, or spring = "{given:g} N_c<k>" for so many times that',
+        )
+    number, _, unit = given.partition(" ")
+    try:
+        value = positive("drive.spring", float(number), "such as 0.5")
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        refuse(
+            "drive.spring", given, 'must be a number and a unit, such as "50 N/m" or "0.5 N_c<k>"'
+        )
+    if unit == _CONTACTS:
+        return value
+    if unit != _NEWTONS:
+        refuse("drive.spring", given, f'must be in "{_NEWTONS}" or "{_CONTACTS}"')
+    if interface is None:
+        refuse(
+            "drive.spring",
+            given,
+            "needs <k> in N/m, which thresholds from a rough surface know; give a number",
+        )
+    if table.area is None:
+        refuse(
+            "drive.spring", given, "needs drive.area, the nominal area in m², such as area = 1e-4"
+        )
+    return value / (
+        interface.contact_density * interface.mean_stiffness * positive("drive.area", table.area)
+    )
+
+
+def make_drive(table: "DriveTable", spring: float | None = None) -> Drive:
+    """The checked drive of a scene. Raises InputError with the path of the bad key.
+
+    `spring` is what `spring_number` finds. Left out, one that has a unit counts as 1, for who asks for the path alone.
+    """
+    if spring is None:
+        spring = 1.0 if isinstance(table.spring, str) else table.spring
     points = whole("drive.points", table.points, least=2)
     if points > _MOST_POINTS:
         refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
     if (table.to is None) == (table.turns is None):
         both = "both are given" if table.to is not None else "neither is given"
-        raise InputError(f"drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; {both}")
+        raise InputError(
+            f"drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; {both}"
+        )
     if table.slip is not None and table.spring is None:
         rule = "is what a slip of a soft slider does, and without drive.spring the slider is rigid; give one or neither"
         refuse("drive.slip", table.slip, rule)
     places, clock = _corners(table)
     if points < places.size:
-        refuse("drive.turns", table.turns, f"must hold positions fewer than drive.points = {points}")
+        refuse(
+            "drive.turns", table.turns, f"must hold positions fewer than drive.points = {points}"
+        )
     path, time = _path(places, clock, points, table.hold_scale)
-    with laws.inside("drive", {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}):
-        return Drive(path, table.velocity, time, table.spring, table.slip or "reset")
+    with laws.inside(
+        "drive", {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}
+    ):
+        return Drive(path, table.velocity, time, spring, table.slip or "reset")
 
 
 @dataclass(frozen=True)
@@ -61,7 +125,9 @@ def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
     legs = [piece for piece in pieces(drive, float(drive.path[0])) if piece.travel != 0.0]
     if not legs:
         return Speed(drive.velocity, "as all legs are holds")
-    speeds = [float(f"{abs(leg.travel) / leg.duration:.12g}") for leg in legs]  # less what times round
+    speeds = [
+        float(f"{abs(leg.travel) / leg.duration:.12g}") for leg in legs
+    ]  # less what times round
     others = [f"{speed:.4g}" for speed in dict.fromkeys(speeds) if speed != speeds[0]]
     more = "" if len(others) <= _LISTED else " and more"
     said = f"the first leg's, others slide at {', '.join(others[:_LISTED])}{more}" if others else ""
@@ -78,10 +144,18 @@ def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
         refuse("drive.turns", ends, "must hold a position at least")
     if table.times is None:
         if table.hold_scale is not None:
-            refuse("drive.hold_scale", table.hold_scale, "is of holds, and without drive.times there is none")
+            refuse(
+                "drive.hold_scale",
+                table.hold_scale,
+                "is of holds, and without drive.times there is none",
+            )
         same = np.flatnonzero(np.diff(places) == 0.0)
         if same.size and given and not same[0]:
-            refuse("drive.from", begin, "is where the path ends or turns first; leave it out, or put it elsewhere")
+            refuse(
+                "drive.from",
+                begin,
+                "is where the path ends or turns first; leave it out, or put it elsewhere",
+            )
         if same.size:
             rule = "is where the path already stands; leave it out, or give drive.times for a hold"
             refuse(f"drive.turns[{same[0]}]", ends[same[0]], rule)
@@ -100,11 +174,17 @@ def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
 def _end(to: float | None) -> float:
     end = finite("drive.to", to)
     if end <= 0.0:
-        refuse("drive.to", end, f"must be above zero; for the other way write turns = [{end or -1.0:g}]")
+        refuse(
+            "drive.to",
+            end,
+            f"must be above zero; for the other way write turns = [{end or -1.0:g}]",
+        )
     return end
 
 
-def _path(places: Array, clock: Array | None, points: int, hold_scale: float | None) -> tuple[Array, Array | None]:
+def _path(
+    places: Array, clock: Array | None, points: int, hold_scale: float | None
+) -> tuple[Array, Array | None]:
     """Straight from one corner to the next, all of them among the points, and when; points as even as that allows, with
     times as many to each piece, and even in ln(1 + t/hold_scale) where one is a hold."""
     if clock is None:
@@ -113,11 +193,22 @@ def _path(places: Array, clock: Array | None, points: int, hold_scale: float | N
     number = _numbers(np.arange(places.size, dtype=float), points)
     path, time = (np.interp(np.arange(points), number, values) for values in (places, clock))
     if hold_scale is not None:
-        scale, holds = positive("drive.hold_scale", hold_scale), np.flatnonzero(np.diff(places) == 0.0)
+        scale, holds = (
+            positive("drive.hold_scale", hold_scale),
+            np.flatnonzero(np.diff(places) == 0.0),
+        )
         if not holds.size:
-            refuse("drive.hold_scale", hold_scale, "is of holds, and none of drive.turns is where the path stands")
+            refuse(
+                "drive.hold_scale",
+                hold_scale,
+                "is of holds, and none of drive.turns is where the path stands",
+            )
         if scale < _LEAST_SCALE * clock[-1]:
-            refuse("drive.hold_scale", hold_scale, f"is lost beside the last of drive.times, {clock[-1]:g}")
+            refuse(
+                "drive.hold_scale",
+                hold_scale,
+                f"is lost beside the last of drive.times, {clock[-1]:g}",
+            )
         for leg in holds:
             share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
             later = scale * np.expm1(share * np.log1p((clock[leg + 1] - clock[leg]) / scale))

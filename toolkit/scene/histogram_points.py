@@ -14,7 +14,9 @@ _SAME_PLACE = 1e-9  # of the furthest point
 _SAME_TIME = 1e-9  # of itself
 
 
-def histogram_points(drive: Drive, positions: Sequence[float] | None, times: Sequence[float] | None) -> Points:
+def histogram_points(
+    drive: Drive, positions: Sequence[float] | None, times: Sequence[float] | None
+) -> Points:
     """Indices of the path's points at these positions, each time the slider comes there, where it rests the first and
     the last of them; and at these times. None twice, in order.
 
@@ -27,7 +29,10 @@ def histogram_points(drive: Drive, positions: Sequence[float] | None, times: Seq
         if away.min() > close:
             _refuse(f"eq.histograms[{k}]", position, drive.path, away, "")
         there = np.flatnonzero(away <= close)
-        comes, leaves = np.diff(there, prepend=-2) > 1, np.diff(there, append=drive.path.size + 1) > 1
+        comes, leaves = (
+            np.diff(there, prepend=-2) > 1,
+            np.diff(there, append=drive.path.size + 1) > 1,
+        )
         found.append(there[comes | leaves])
     if times is not None and drive.time is None:
         rule = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"
@@ -41,6 +46,16 @@ def histogram_points(drive: Drive, positions: Sequence[float] | None, times: Seq
     return np.unique(np.concatenate(found))
 
 
-def _refuse(key: str, value: float, points: npt.NDArray[np.float64], away: npt.NDArray[np.float64], more: str) -> None:
+def _refuse(
+    key: str,
+    value: float,
+    points: npt.NDArray[np.float64],
+    away: npt.NDArray[np.float64],
+    more: str,
+) -> None:
     nearest = np.unique(points[np.argsort(away, kind="stable")[:2]])
-    refuse(key, value, f"is none of the path's points; near it are {' and '.join(f'{x:.12g}' for x in nearest)}{more}")
+    refuse(
+        key,
+        value,
+        f"is none of the path's points; near it are {' and '.join(f'{x:.12g}' for x in nearest)}{more}",
+    )

@@ -10,7 +10,9 @@ from origins.roughness.interface import Interface
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
 
-HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as the tests hold it
+HEIGHT_INTEGRALS = (
+    1e-8  # relative error of what comes from a surface's heights, as the tests hold it
+)
 
 _UNITS = {
     "pressure": "Pa",
@@ -97,7 +99,15 @@ def remarks(law: Thresholds) -> list[str]:
     if law.interface is not None:
         said += law.interface.cautions
         if law.interface.moments.size is not None:
-            said.append("errors are numerical only, not those of the scan: what another scan would give is not in them")
+            said.append(
+                "errors are numerical only, not those of the scan: what another scan would give is not in them"
+            )
+        if gaps := law.interface.moments.missing_fraction:
+            said.append(
+                f"{gaps:.1%} of the scan's points are missing: a slope counts where the point and its next neighbours "
+                "along x and along y are all there, a curvature where both neighbours on each axis are; other rules, "
+                "such as filling gaps, give other slopes, up to several times as large where gaps are many"
+            )
     return said
 
 
@@ -111,6 +121,12 @@ def why_infinite(contacts: Contacts) -> str:
     _, weight, x = max(values)
     share = weight / float(law.sf(furthest)) if furthest > 0.0 else weight
     drop = share * x / (law.moment(2) / (2.0 * law.mean()))
-    many = "all" if share > 1.0 - 1e-12 else f"{share:.2g} of the" if share < 1e-3 else f"{100.0 * share:.3g} % of the"
+    many = (
+        "all"
+        if share > 1.0 - 1e-12
+        else f"{share:.2g} of the"
+        if share < 1e-3
+        else f"{100.0 * share:.3g} % of the"
+    )
     unit = " m" if contacts.interface is not None else ""
     return f"K* is infinite: {many} contacts break at one value, x = {x:.4g}{unit}, where F drops by {drop:.2g} F_k"

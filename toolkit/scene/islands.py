@@ -56,10 +56,14 @@ def domains(
     islands = None
     if island is not None:
         if lattice_constant is not None:
-            refuse("lattice_constant", lattice_constant, "the table island has its own; leave it out")
+            refuse(
+                "lattice_constant", lattice_constant, "the table island has its own; leave it out"
+            )
         islands = [laws.build(ISLANDS, laws.as_table("island", island), "island", folder)]
     if substrate is not None:
-        substrate = laws.build(SUBSTRATES, laws.as_table("substrate", substrate), "substrate", folder)
+        substrate = laws.build(
+            SUBSTRATES, laws.as_table("substrate", substrate), "substrate", folder
+        )
     return origins.domains(
         lattice_constant,
         sizes=sizes,
@@ -79,7 +83,9 @@ def domains(
 
 
 def fourier_substrate(
-    wavevectors: npt.ArrayLike, cosines: npt.ArrayLike | None = None, sines: npt.ArrayLike | None = None
+    wavevectors: npt.ArrayLike,
+    cosines: npt.ArrayLike | None = None,
+    sines: npt.ArrayLike | None = None,
 ) -> origins.Substrate:
     """sum of cosines cos(G·r) + sines sin(G·r), one of each for every wavevector, zero when left out."""
     count = len(wavevectors) if isinstance(wavevectors, list) else 0

@@ -59,7 +59,9 @@ def ageing(
     return origins.Ageing(law, rate, closure)  # type: ignore[arg-type]
 
 
-def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path, comm: Any = None) -> Any:
+def build(
+    kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path, comm: Any = None
+) -> Any:
     """What the table's kind makes of the table's other keys.
 
     The components of a mixture, tables with a kind of their own, are built first. A function
@@ -76,18 +78,36 @@ def build(kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder
     function = getattr(import_module(module), name)
     arguments = {key: value for key, value in table.items() if key != "kind"}
     if "components" in arguments:
-        arguments["components"] = _components(kinds, arguments["components"], f"{where}.components", folder, comm)
+        arguments["components"] = _components(
+            kinds, arguments["components"], f"{where}.components", folder, comm
+        )
     return call(function, arguments, where, kind, folder=folder, comm=comm)
 
 
-def _components(kinds: Mapping[str, str], value: object, where: str, folder: Path, comm: Any) -> list[Any]:
-    if not isinstance(value, list) or not value or not all(isinstance(item, Mapping) for item in value):
-        refuse(where, value, 'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]')
-    return [build(kinds, item, f"{where}[{index}]", folder, comm) for index, item in enumerate(value)]
+def _components(
+    kinds: Mapping[str, str], value: object, where: str, folder: Path, comm: Any
+) -> list[Any]:
+    if (
+        not isinstance(value, list)
+        or not value
+        or not all(isinstance(item, Mapping) for item in value)
+    ):
+        refuse(
+            where,
+            value,
+            'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]',
+        )
+    return [
+        build(kinds, item, f"{where}[{index}]", folder, comm) for index, item in enumerate(value)
+    ]
 
 
 def call(
-    function: Callable[..., Any], arguments: Mapping[str, Any], where: str, title: str = "it", **given: object
+    function: Callable[..., Any],
+    arguments: Mapping[str, Any],
+    where: str,
+    title: str = "it",
+    **given: object,
 ) -> Any:
     """function(**arguments), whose keys come from the table `where` of a scene.
 
@@ -105,7 +125,9 @@ def call(
         return function(**arguments, **given)
 
 
-def without_kelvin(table: Mapping[str, Any], where: str, thresholds: origins.Thresholds) -> Mapping[str, Any]:
+def without_kelvin(
+    table: Mapping[str, Any], where: str, thresholds: origins.Thresholds
+) -> Mapping[str, Any]:
     """The table with its `temperature` as k_BT/<k>, a length squared, where it is given as { kelvin = 300.0 }: for
     thresholds from a rough surface, whose contacts have a stiffness in N/m. Raises InputError for others."""
     given = table.get("temperature")

@@ -1,14 +1,18 @@
 """Your own thresholds in scenes: as a list, or from a text file with one sample a line."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import origins
-from origins.errors import InputError, refuse, whole
+from origins.errors import refuse, shown, whole
+from toolkit.scene.given_files import read_text
 
 QUANTITIES = ("x_s", "f_s")
+_DECIMAL = re.compile(r"\d,\d")
 
 
 def from_samples(
@@ -22,55 +26,71 @@ def from_samples(
     coefficient: float | None = None,
     stiffness: float | None = None,
     weights: Sequence[float] | None = None,
+    comm: Any = None,
 ) -> origins.Thresholds:
     """Thresholds through samples; see origins.from_samples.
 
-    `file` counts from the scene's folder; its columns, parted by blanks or commas, count from 1: `column` holds the
+    `file` counts from the scene's folder and is read by rank 0 of `comm`; its columns, parted by semicolons, or by
+    blanks or commas, count from 1: `column` holds the
     values, x_s or f_s as `quantity` says, `weight_column` how much each counts, left out, all alike. `column` may be
-    left out where there is one. # begins a comment, and the first line may be a header of text. Raises InputError.
+    left out where there is one. Beside semicolons or blanks as separators "1,5" is 1.5, a decimal comma. # begins a
+    comment, and the first line may be a header of text. Raises InputError.
     """
     given = {"x_s": x_s, "f_s": f_s}
     for name, value in (("column", column), ("weight_column", weight_column)):
         if value is not None:
             whole(name, value, 1)
             if file is None:
-                refuse(name, value, "says where in a file the samples are; leave it out without one")
+                refuse(
+                    name, value, "says where in a file the samples are; leave it out without one"
+                )
     if file is not None:
+        if not isinstance(file, str):
+            refuse("file", file, 'must be a file name, such as "thresholds.txt"')
         if x_s is not None or f_s is not None or weights is not None:
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
         if quantity not in QUANTITIES:
             refuse("quantity", quantity, 'must be "x_s" or "f_s"')
-        table = _read(folder, file, quantity, column, weight_column)
+        table = _read(folder, file, quantity, column, weight_column, comm)
         given[quantity] = table[:, 0].tolist()
         weights = table[:, 1].tolist() if weight_column is not None else None
     elif quantity != "x_s":
         refuse("quantity", quantity, "says what a file holds; leave it out without one")
-    return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness, weights=weights)
+    return origins.from_samples(
+        **given, coefficient=coefficient, stiffness=stiffness, weights=weights
+    )
 
 
-def _read(folder: Path, file: str, quantity: str, column: int | None, weight_column: int | None) -> np.ndarray:
+def _read(
+    folder: Path, file: str, quantity: str, column: int | None, weight_column: int | None, comm: Any
+) -> np.ndarray:
     """The values and, where asked for, their weights as columns."""
     if not isinstance(file, str):
         refuse("file", file, 'must be a file name, such as "thresholds.txt"')
-    try:
-        lines = (folder / file).read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"file = {file!r}: cannot be read as text ({error}); name a file beside the scene") from error
+    lines = read_text("file", folder / file, comm, file).splitlines()
     rows: list[list[float]] = []
     width = first = 0
     for number, line in enumerate(lines, start=1):
-        words = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
+        words = _words(line.partition("#")[0])
         if not words:
             continue
         first = first or number
-        if number == first and not any(_number(word) is not None for word in words):
+        if number == first and not any(map(_is_number, words)):
             continue  # a header
-        here = f"line {number} holds {line.strip()!r}"
+        # a file of words alone may be no table, and not meant to be shown
+        told = bool(rows) or any(map(_is_number, words))
+        here = f"line {number} holds {shown(line.strip()) if told else 'no number'}"
         width = width or len(words)
         if len(words) != width:
-            refuse("file", file, f"{here}; all lines must have as many columns as the first, {width}")
+            refuse(
+                "file", file, f"{here}; all lines must have as many columns as the first, {width}"
+            )
         if column is None and width > 1:
-            refuse("file", file, f"{here}; say which of the {width} columns holds {quantity}, such as column = {width}")
+            refuse(
+                "file",
+                file,
+                f"{here}; say which of the {width} columns holds {quantity}, such as column = {width}",
+            )
         row = []
         for name, place in ((quantity, column or 1), ("the weight", weight_column)):
             if place is None:
@@ -79,8 +99,8 @@ def _read(folder: Path, file: str, quantity: str, column: int | None, weight_col
                 refuse("file", file, f"{here}; there is no column {place}")
             value = _number(words[place - 1])
             if value is None:
-                rule = "is no number, write one value a line, or a header first"
-                refuse("file", file, f"{here}; {words[place - 1]!r} {rule}")
+                which = f"{words[place - 1]!r} is no number, " if told else ""
+                refuse("file", file, f"{here}; {which}write one value a line, or a header first")
             if not (np.isfinite(value) and value > 0.0):
                 refuse("file", file, f"{here}; {name} = {value:g} must be finite and above zero")
             row.append(value)
@@ -88,6 +108,23 @@ def _read(folder: Path, file: str, quantity: str, column: int | None, weight_col
     if not rows:
         refuse("file", file, "holds no numbers; write one value a line")
     return np.array(rows)
+
+
+def _words(line: str) -> list[str]:
+    """The columns of a line: parted by semicolons, or by blanks or commas.
+
+    A comma between two digits is a decimal one where something else parts the columns.
+    """
+    decimal = _DECIMAL.search(line) is not None
+    if ";" in line:
+        return line.replace(",", "." if decimal else ",").replace(";", " ").split()
+    if decimal and len(line.split()) > 1 and ", " not in line:
+        return line.replace(",", ".").split()
+    return line.replace(",", " ").split()
+
+
+def _is_number(word: str) -> bool:
+    return _number(word) is not None
 
 
 def _number(word: str) -> float | None:

@@ -48,7 +48,11 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
         moments = [law.mean(), law.std(), law.moment(2), law.moment(3)]
         quantiles = [float(law.ppf(0.01)), float(law.ppf(0.5)), float(law.isf(0.01))]
         # K* and X* may be infinite: their inverses are not
-        derived = [1.0 / (1.0 + found.critical_spring), found.static_to_kinetic, 1.0 / found.decoherence_length]
+        derived = [
+            1.0 / (1.0 + found.critical_spring),
+            found.static_to_kinetic,
+            1.0 / found.decoherence_length,
+        ]
         return np.array([*moments, *quantiles, law.moment(2) / (2.0 * law.mean()), *derived])
 
     spread = bootstrap(contacts.thresholds, statistic, resamples=RESAMPLES)
@@ -58,7 +62,9 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
     errors["critical_spring"] = _of_spring(values["critical_spring"], resampled["critical_spring"])
     rate = values["decoherence_length"]
     if errors["decoherence_length"] > 0.0:
-        errors["decoherence_length"] = errors["decoherence_length"] / rate**2 if rate > 0.0 else np.inf
+        errors["decoherence_length"] = (
+            errors["decoherence_length"] / rate**2 if rate > 0.0 else np.inf
+        )
     for name in _LEAST_IS_ONE:
         if values[name] == 1.0 and (resampled[name] == 1.0).all():
             errors[name] = np.inf
@@ -90,7 +96,9 @@ def misfit(law: Thresholds) -> list[str]:
     and one where sampling errors are missing; else nothing."""
     notes = [_of_one(part) for part in sampled_parts(law) if _few(part) or _misses(part)]
     if sampled_parts(law) and isinstance(law, ContinuousMixture):
-        notes.append("sampling errors are missing: the laws of this continuous mixture may all be of the same samples")
+        notes.append(
+            "sampling errors are missing: the laws of this continuous mixture may all be of the same samples"
+        )
     return notes
 
 
@@ -121,7 +129,11 @@ def _of_one(part: Sampled) -> str:
         told = f"few thresholds, {part.n_samples} samples{count}: {told}"
         advice.append("take more samples")
     if _misses(part):
-        advice.append("they are rounded coarsely, or hold structure that it misses; give that apart, in a mixture")
+        advice.append(
+            "they are rounded coarsely, or hold structure that it misses; give that apart, in a mixture"
+        )
     if alike and part.smooth_part is not None and part.samples.size < part.n_samples:
-        advice.append(f"values that repeat are exact from {OFTEN} times on; those you know to be exact are `identical`")
+        advice.append(
+            f"values that repeat are exact from {OFTEN} times on; those you know to be exact are `identical`"
+        )
     return "; ".join([told, *advice])

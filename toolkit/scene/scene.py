@@ -1,108 +1,40 @@
 """Scene files: what is asked for, checked whole before anything runs."""
 
-import re
 import tomllib
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
 import origins
-from origins.contacts import Contacts, too_cold
+from origins.contacts import Contacts, TooHot, too_cold
 from origins.drive import Drive
-from origins.errors import InputError, check_tolerance, positive, refuse, shown, whole, without_point
+from origins.errors import (
+    InputError,
+    check_tolerance,
+    positive,
+    refuse,
+    shown,
+    whole,
+)
+from toolkit.running.ranks import on_root
 from toolkit.scene import laws
-from toolkit.scene.drive import Speed, make_drive, sliding_speed
+from toolkit.scene.drive import Speed, make_drive, sliding_speed, spring_number
+from toolkit.scene.given_files import read_text
 from toolkit.scene.histogram_points import histogram_points
 from toolkit.scene.sweep import Sweep, make_sweep
+from toolkit.scene.tables import ContactsTable, DriveTable, EqTable, MasterTable, read_table
 from toolkit.scene.toml import to_toml
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
 _FURTHEST = 1e6  # mean thresholds
 _MEANT = 3  # names
-_EXPECTED = {
-    "object": "a table",
-    "array": "a list of numbers, such as [1.0, 2.0]",
-    "float": "a number, such as 1.0",
-    "int": "a whole number",
-    "str": 'text in quotes, such as "text"',
-    "bool": "true or false",
-}
-
-
-class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A table of the scene file: its fields are the keys it may hold."""
-
-
-class ContactsTable(Table, frozen=True):
-    thresholds: dict[str, Any]
-    start: dict[str, Any] | None = None
-    thermal: dict[str, Any] | None = None
-    ageing: dict[str, Any] | None = None
-    delay: dict[str, Any] | None = None
-    reforming: dict[str, Any] | None = None
-    stiffness: str = "independent"
-
-
-class DriveTable(Table, frozen=True):
-    points: int
-    to: float | None = None
-    begin: float | None = msgspec.field(default=None, name="from")
-    turns: list[float] | None = None
-    times: list[float] | None = None
-    hold_scale: float | None = None
-    velocity: float = 1.0
-    spring: float | None = None
-    slip: Literal["reset", "reform-after", "instant"] | None = None
-
-
-class MasterTable(Table, frozen=True):
-    tolerance: float = 1e-8
-
-
-class EqTable(Table, frozen=True):
-    contacts: int = 100_000
-    replicas: int = 16
-    seed: int = 1
-    tolerance: float | None = None
-    wall_time: float | None = None
-    slip_fraction: float | None = None
-    histograms: list[float] | None = None
-    histogram_times: list[float] | None = None
-
-
-class RangeTable(Table, frozen=True):
-    begin: float = msgspec.field(name="from")
-    to: float
-    points: int
-    spacing: Literal["log", "even"] = "log"
-
-
-Values = float | list[float] | RangeTable
-
-
-class SweepTable(Table, frozen=True):
-    velocity: Values | None = None
-    temperature: Values | None = None
-    kelvin: Values | None = None
-    rate: Values | None = None
-    delay: Values | None = None
-    critical_spring: bool = False
-
-
-class SceneTable(Table, frozen=True):
-    contacts: ContactsTable
-    drive: DriveTable | None = None
-    title: str = ""
-    master: MasterTable | None = None
-    eq: EqTable | None = None
-    sweep: SweepTable | None = None
 
 
 @dataclass(frozen=True)
@@ -111,7 +43,8 @@ class Scene:
 
     `text` is the TOML it came from, `folder` where its file names count from; `drive.path` are positions of the
     slider, or of the drive where there is a spring, (n,), lengths in the unit of the thresholds. `given_drive`,
-    `master`, `eq` and `sweep` are None where the scene has no such table.
+    `master`, `eq` and `sweep` are None where the scene has no such table. `wall_time`: seconds for all of them
+    together, None for no limit; `tolerance_given`: whether the scene names master.tolerance.
     """
 
     name: str
@@ -123,12 +56,16 @@ class Scene:
     master: MasterTable | None
     eq: EqTable | None
     sweep: Sweep | None
+    wall_time: float | None = None
+    tolerance_given: bool = True
 
     @property
     def drive(self) -> Drive:
         """The drive; InputError for a scene without [drive]."""
         if self.given_drive is None:
-            raise InputError("drive: is missing; say where the slider goes, such as to = 5.0 with points = 501")
+            raise InputError(
+                "drive: is missing; say where the slider goes, such as to = 5.0 with points = 501"
+            )
         return self.given_drive
 
     @property
@@ -172,23 +109,35 @@ def load_scene(
     """
     if isinstance(scene, Scene):
         return scene
-    if isinstance(scene, Mapping):
-        text = to_toml(scene)
-        return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
-    file = _find(scene)
     try:
-        text = file.read_text(encoding="utf-8")
-        tables = tomllib.loads(text)
-    except OSError as error:
-        raise InputError(f"scene = {str(scene)!r}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"scene = {str(scene)!r}: is not TOML: {error}") from error
-    return _checked(file.stem, text, tables, file.parent, solved, comm)
+        if isinstance(scene, Mapping):
+            text = to_toml(scene)
+            return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
+        file = on_root(comm, lambda: _find(scene))
+        text = read_text("scene", file, comm, scene, "is not TOML")
+        return _checked(file.stem, text, tomllib.loads(text), file.parent, solved, comm)
+    except RecursionError as error:
+        raise InputError(
+            "scene: its lists or tables are nested too deeply; a scene needs a few levels"
+        ) from error
+    except InputError:
+        raise
+    except ValueError as error:  # of tomllib: bad TOML, and whole numbers of thousands of digits
+        raise InputError(f"scene = {shown(str(scene))}: is not TOML: {error}") from error
 
 
 def _find(scene: object) -> Path:
     if not isinstance(scene, str | PathLike):
         refuse("scene", scene, "must be a dict, a scene file or the name of a shipped scene")
+    try:
+        return _found(scene)
+    except (OSError, ValueError) as error:  # a name too long for the disk, or with a NUL
+        if isinstance(error, InputError):
+            raise
+        refuse("scene", str(scene), f"cannot be read: {getattr(error, 'strerror', None) or error}")
+
+
+def _found(scene: str | PathLike[str]) -> Path:
     if isinstance(scene, str) and scene in shipped_scenes():
         return SHIPPED / f"{scene}.toml"
     file = Path(scene)
@@ -208,16 +157,34 @@ def _checked(
     name: str, text: str, tables: Mapping[str, Any], folder: Path, solved: bool, comm: Any
 ) -> Scene:
     table = read_table(tables)
+    _check_names(name, table.title)
     if solved and table.master is None and table.eq is None and table.sweep is None:
-        raise InputError("scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one")
+        raise InputError(
+            "scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one"
+        )
     if table.master is not None:
         check_tolerance("master.tolerance", table.master.tolerance)
+    if table.wall_time is not None:
+        positive("wall_time", table.wall_time, "such as 3600.0")
     if table.eq is not None:
         _check_ensemble(table.eq)
     contacts = _contacts(table.contacts, folder, comm)
-    drive = None if table.drive is None else make_drive(table.drive)
-    sweep = None if table.sweep is None else make_sweep(table.sweep, contacts, sliding_speed(drive).value)
-    scene = Scene(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep)
+    drive = (
+        None
+        if table.drive is None
+        else make_drive(table.drive, spring_number(table.drive, contacts))
+    )
+    sweep = (
+        None
+        if table.sweep is None
+        else make_sweep(table.sweep, contacts, sliding_speed(drive).value)
+    )
+    given = "tolerance" in tables.get("master", {})
+    scene = Scene(
+        *(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep),
+        wall_time=table.wall_time,
+        tolerance_given=given,
+    )
     if solved and (table.master is not None or table.eq is not None):
         _check_reach(scene, table.drive)
     if table.eq is not None:
@@ -226,13 +193,26 @@ def _checked(
     return scene
 
 
+def _check_names(name: str, title: str) -> None:
+    """Raise InputError for a name or a title that no result file could hold."""
+    bad = [letter for letter in title if not letter.isprintable() and letter not in "\t\n"]
+    if bad:
+        refuse("title", title, f"holds {bad[0]!r}, which no picture can show; leave it out")
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        refuse("scene", name, "its name is no UTF-8; rename the file")
+
+
 def _check_ensemble(table: EqTable) -> None:
     whole("eq.contacts", table.contacts, least=1)
     whole("eq.replicas", table.replicas, least=1)
     whole("eq.seed", table.seed, least=0)
     for name in ("tolerance", "wall_time"):
         if (value := getattr(table, name)) is not None:
-            positive(f"eq.{name}", value, "such as 1e-4" if name == "tolerance" else "such as 3600.0")
+            positive(
+                f"eq.{name}", value, "such as 1e-4" if name == "tolerance" else "such as 3600.0"
+            )
 
 
 def _check_coupled(scene: Scene, table: EqTable) -> None:
@@ -241,28 +221,36 @@ def _check_coupled(scene: Scene, table: EqTable) -> None:
 
     if scene.drive.spring is None:
         if table.slip_fraction is not None:
-            refuse("eq.slip_fraction", table.slip_fraction, "is of a soft slider; give drive.spring, or leave it out")
+            refuse(
+                "eq.slip_fraction",
+                table.slip_fraction,
+                "is of a soft slider; give drive.spring, or leave it out",
+            )
         return
     for name in ("tolerance", "histograms", "histogram_times"):
         if (value := getattr(table, name)) is not None:
             rule = "is of independent contacts; with drive.spring leave it out, and give replicas"
             refuse(f"eq.{name}", value, rule)
     if (np.diff(scene.path) < 0.0).any():
-        raise InputError("drive.turns: the ensemble [eq] of a soft slider takes a drive that does not turn back")
+        raise InputError(
+            "drive.turns: the ensemble [eq] of a soft slider takes a drive that does not turn back"
+        )
     with laws.inside("scene", {}):
         check_coupled(scene.contacts, scene.drive)
 
 
 def _check_reach(scene: Scene, table: DriveTable | None) -> None:
+    """Raise InputError where the ensemble's contacts would break millions of times each, which takes too long."""
     reach, mean = float(np.abs(scene.path).max()), scene.contacts.mean_threshold
-    if reach > _FURTHEST * mean:
-        unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
-        rule = f"is {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}"
-        assert table is not None
-        key, value = ("to", table.to) if table.turns is None else ("turns", table.turns)
-        if abs(table.begin or 0.0) == reach:
-            key, value = "from", table.begin
-        refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most")
+    if scene.eq is None or reach <= _FURTHEST * mean:
+        return
+    unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
+    rule = f"is {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}"
+    assert table is not None
+    key, value = ("to", table.to) if table.turns is None else ("turns", table.turns)
+    if abs(table.begin or 0.0) == reach:
+        key, value = "from", table.begin
+    refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most, or leave [eq] out")
 
 
 def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
@@ -273,11 +261,19 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.build(kinds, own, f"contacts.{name}", folder)
-    for name, law in (("thermal", origins.Thermal), ("ageing", laws.ageing), ("delay", origins.Delay)):
+    for name, law in (
+        ("thermal", origins.Thermal),
+        ("ageing", laws.ageing),
+        ("delay", origins.Delay),
+    ):
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
-    if "thermal" in made and thresholds.interface is not None and "attempt_frequency" not in (table.thermal or {}):
+    if (
+        "thermal" in made
+        and thresholds.interface is not None
+        and "attempt_frequency" not in (table.thermal or {})
+    ):
         raise InputError(
             "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such "
             "as 1e12, and has no default"
@@ -285,61 +281,6 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
     warmth = (table.thermal or {}).get("temperature")
     if isinstance(warmth, Mapping) and (rule := too_cold(made["thermal"].temperature, thresholds)):
         refuse("contacts.thermal.temperature.kelvin", warmth["kelvin"], rule)
-    with laws.inside("contacts", {name: name for name in made}):
+    with laws.inside("contacts", {name: name for name in made}), warnings.catch_warnings():
+        warnings.simplefilter("ignore", TooHot)  # a note of the run says it
         return Contacts(**made)
-
-
-def read_table(tables: Mapping[str, Any]) -> SceneTable:
-    """The tables with their types checked and defaults filled in. Raises InputError."""
-    try:
-        return msgspec.convert(tables, SceneTable)
-    except msgspec.ValidationError as error:
-        raise InputError(_explain(str(error), tables)) from error
-
-
-def _explain(message: str, tables: Mapping[str, Any]) -> str:
-    """msgspec's message, which ends in the place as `$.drive.to`, as one line in house style."""
-    rule, _, place = message.partition(" - at ")
-    keys = [key for key in place.strip("`").split(".")[1:] if key]
-    value: Any = tables
-    kind: Any = SceneTable
-    for key in keys:
-        name, *numbers = key.split("[")  # as in turns[1], an item of a list
-        kind, value = _field_type(kind, name), value[name]
-        for number in numbers:
-            value = value[int(number.rstrip("]"))]
-    unknown = re.match(r"Object contains unknown field `(.*)`", rule)
-    missing = re.match(r"Object missing required field `(.*)`", rule)
-    other = re.match(r"Expected `(\w+)", rule)
-    if unknown:
-        key = unknown[1]
-        known = ", ".join(kind.__struct_encode_fields__)
-        return f"{'.'.join([*keys, key])} = {shown(value[key])}: unknown key; known here: {known}"
-    if missing:
-        return f"{'.'.join([*keys, missing[1]])}: is missing"
-    if rule.startswith("Invalid enum value"):
-        allowed = [f'"{one}"' for one in _choices(kind)]
-        rule = f"must be {', '.join(allowed[:-1])} or {allowed[-1]}"
-    if kind is RangeTable and other:
-        rule = "must be a number, a list of numbers, or { from = 1.0, to = 100.0, points = 50 }"
-    elif other and other[1] in _EXPECTED:
-        rule = f"must be {_EXPECTED[other[1]]}"
-        rule += without_point(value, least=0) if other[1] == "int" else ""
-    if keys[-1:] == ["wall_time"]:
-        rule = "must be a number of seconds, such as 3600.0"
-    text = str(value).lower() if isinstance(value, bool) else shown(value)
-    return f"{'.'.join(keys)} = {text}: {rule}"
-
-
-def _choices(kind: Any) -> list[str]:
-    """The words that a Literal, or one among others, allows."""
-    found: list[str] = []
-    for one in get_args(kind):
-        found += [one] if isinstance(one, str) else _choices(one)
-    return found
-
-
-def _field_type(kind: Any, key: str) -> Any:
-    """The table, or the type, that `key` of table `kind` holds; of `Table | None` the table."""
-    types = {field.encode_name: field.type for field in msgspec.structs.fields(kind)}
-    return next((one for one in get_args(types[key]) if isinstance(one, type) and issubclass(one, Table)), types[key])

@@ -10,8 +10,10 @@ import numpy as np
 import origins
 from origins.errors import InputError, positive, refuse, whole
 from origins.roughness.self_affine import check_memory
-from origins.roughness.topography import METRES, as_topography, detrended
+from origins.roughness.topography import METRES, Topography, as_topography, detrended
+from toolkit.running.ranks import on_root
 from toolkit.scene import laws
+from toolkit.scene.given_files import check_regular
 
 if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
@@ -44,6 +46,7 @@ def from_topography(
     height_law: str = "gaussian",
     detrend: str | None = None,
     step: int | None = None,
+    comm: Any = None,
 ) -> origins.Thresholds:
     """Thresholds in metres of the surface that the tables describe; see origins.from_topography.
 
@@ -57,7 +60,7 @@ def from_topography(
         stiffness = laws.as_table(where, constants["contact_stiffness"])
         constants["contact_stiffness"] = laws.build(STIFFNESSES, stiffness, where, folder)
     kind = laws.as_table("surface", surface).get("kind")
-    built = laws.build(SURFACES, surface, "surface", folder)
+    built = laws.build(SURFACES, surface, "surface", folder, comm)
     options: dict[str, Any] = {
         "model": model,
         "law": law,
@@ -70,7 +73,11 @@ def from_topography(
     if kind not in HEIGHTS:
         for name, value in (("detrend", detrend), ("step", step)):
             if value is not None:
-                refuse(name, value, f'belongs to heights; a surface of kind = "{kind}" has none, so leave it out')
+                refuse(
+                    name,
+                    value,
+                    f'belongs to heights; a surface of kind = "{kind}" has none, so leave it out',
+                )
         return origins.from_moments(built, **options)
     periodic = kind == "self-affine"
     return origins.from_topography(
@@ -89,39 +96,58 @@ def open_scan(
     physical_sizes: object = None,
     unit: str | None = None,
     height_scale_factor: float | None = None,
-) -> tuple[Any]:
+    comm: Any = None,
+) -> tuple[Topography]:
     """A scan in any format that SurfaceTopography reads; `file` is relative to the scene's folder.
 
-    `physical_sizes`, `unit` and `height_scale_factor` are for files that hold none. Raises InputError where the file is
-    missing, is no scan, or contradicts them.
+    Rank 0 of `comm` reads it for all. `physical_sizes`, `unit` and `height_scale_factor` are for files that hold none.
+    Raises InputError where the file is missing, is no scan, or contradicts them.
     """
     if not isinstance(file, str):
         refuse("file", file, 'must be a file name, such as "scan.di"')
-    if (folder / file).is_dir():
-        refuse("file", file, "is a folder; name a scan in it")
-    if not (folder / file).is_file():
-        refuse("file", file, f"no such file in {folder.resolve()}")
+    channel = whole("channel", channel, least=0)
+    given = {
+        "physical_sizes": None
+        if physical_sizes is None
+        else _pair("physical_sizes", physical_sizes),
+        "unit": unit,
+        "height_scale_factor": None
+        if height_scale_factor is None
+        else positive("height_scale_factor", height_scale_factor),
+    }
+    return (on_root(comm, lambda: _read_scan(folder, file, channel, given)),)
+
+
+def _read_scan(folder: Path, file: str, channel: int, given: Mapping[str, Any]) -> Topography:
+    """The heights of one channel, in metres; `given` are what the scene says of the file, None where nothing."""
+    check_regular("file", folder / file, file, "scan")
     try:
         from SurfaceTopography import open_topography
         from SurfaceTopography.Exceptions import CannotDetectFileFormat, MetadataAlreadyFixedByFile
     except ImportError as error:
-        raise InputError(f"file = {file!r}: needs SurfaceTopography; install mesofriction[topography]") from error
-    channel = whole("channel", channel, least=0)
-    sizes = None if physical_sizes is None else _pair("physical_sizes", physical_sizes)
-    if height_scale_factor is not None:
-        height_scale_factor = positive("height_scale_factor", height_scale_factor)
-    given = {"physical_sizes": sizes, "unit": unit, "height_scale_factor": height_scale_factor}
+        raise InputError(
+            f"file = {file!r}: needs SurfaceTopography; install mesofriction[topography]"
+        ) from error
     try:
         with open_topography(str(folder / file)) as reader:
             if not reader.channels:
-                refuse("file", file, "cannot be read as a scan: it holds no heights; it may be cut short")
+                refuse(
+                    "file",
+                    file,
+                    "cannot be read as a scan: it holds no heights; it may be cut short",
+                )
             if channel >= len(reader.channels):
-                refuse("channel", channel, f"the file has {len(reader.channels)} channels, counted from 0")
+                refuse(
+                    "channel",
+                    channel,
+                    f"the file has {len(reader.channels)} channels, counted from 0",
+                )
             known = {key: value for key, value in given.items() if value is not None}
             scan = reader.topography(channel_index=channel, **known)
         if getattr(scan, "unit", None) not in METRES:
-            refuse("unit", unit, 'lengths need one unit, and the file holds none; write one, such as unit = "nm"')
-        return (scan,)
+            rule = 'lengths need one unit, and the file holds none; write one, such as unit = "nm"'
+            refuse("unit", given["unit"], rule)
+        return as_topography(scan)
     except InputError:
         raise
     except CannotDetectFileFormat as error:
@@ -135,7 +161,7 @@ def open_scan(
         raise
     except Exception as error:
         # readers raise whatever their parsing does
-        if sizes is None and "physical_sizes" in str(error):
+        if given["physical_sizes"] is None and "physical_sizes" in str(error):
             rule = "the file holds no sizes; write those of the whole scan, such as physical_sizes = [1e-5, 1e-5]"
             refuse("physical_sizes", None, rule)
         why = " ".join(str(error).split()) or type(error).__name__
@@ -158,7 +184,11 @@ def generate(
     short_cutoff: float | None = None,
 ) -> tuple[np.ndarray, Any]:
     """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
-    if isinstance(shape, list) and len(shape) == 2 and all(isinstance(n, int) and n > 0 for n in shape):
+    if (
+        isinstance(shape, list)
+        and len(shape) == 2
+        and all(isinstance(n, int) and n > 0 for n in shape)
+    ):
         check_memory((shape[0], shape[1]), _BYTES)
     heights = origins.self_affine_surface(
         shape,
@@ -178,12 +208,18 @@ def shared_surface(scenes: "Sequence[Scene]") -> tuple[Any, tuple[float, float]]
     if any(table["kind"] != "from-topography" for table in tables):
         return None
     first = tables[0]["surface"], scenes[0].folder
-    if any((table["surface"], scene.folder) != first for table, scene in zip(tables, scenes, strict=True)):
+    if any(
+        (table["surface"], scene.folder) != first
+        for table, scene in zip(tables, scenes, strict=True)
+    ):
         return None
     if first[0]["kind"] not in HEIGHTS:
         return None
     scan = as_topography(*laws.build(SURFACES, first[0], "surface", first[1]))
-    if tables[0].get("detrend", "centre" if first[0]["kind"] == "self-affine" else "curvature") == "curvature":
+    if (
+        tables[0].get("detrend", "centre" if first[0]["kind"] == "self-affine" else "curvature")
+        == "curvature"
+    ):
         scan = detrended(scan, "curvature")
     (nx, ny), (dx, dy) = scan.heights.shape, scan.pixel_size
     return scan.heights, (nx * dx, ny * dy)

@@ -13,13 +13,15 @@ from origins.errors import InputError, non_negative, positive, refuse, whole
 from toolkit.scene import laws
 
 if TYPE_CHECKING:
-    from toolkit.scene.scene import RangeTable, SweepTable
+    from toolkit.scene.tables import RangeTable, SweepTable
 
 Array = npt.NDArray[np.float64]
 
 QUANTITIES = ("velocity", "temperature", "rate", "delay")
 _MOST_POINTS = 100_000
 _MOST_AXES = 2
+_GOOD_ENOUGH = 1e-3  # relative error: less than a picture shows
+_TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -73,18 +75,32 @@ def make_sweep(table: "SweepTable", contacts: Contacts, velocity: float) -> Swee
     """The checked sweep of a scene, at `velocity` where it names none. Raises InputError with the path of a bad key."""
     if table.temperature is not None and table.kelvin is not None:
         raise InputError("sweep: has temperature and kelvin; give one of them")
-    for name, law in (("temperature", contacts.thermal), ("kelvin", contacts.thermal), ("rate", contacts.ageing)):
+    for name, law in (
+        ("temperature", contacts.thermal),
+        ("kelvin", contacts.thermal),
+        ("rate", contacts.ageing),
+    ):
         if getattr(table, name) is not None and law is None:
             lacking = "ageing" if name == "rate" else "thermal"
-            raise InputError(f"sweep.{name}: the contacts have no law for it; add [contacts.{lacking}]")
+            raise InputError(
+                f"sweep.{name}: the contacts have no law for it; add [contacts.{lacking}]"
+            )
     asked = {name: getattr(table, name) for name in (*QUANTITIES, "kelvin")}
     asked["velocity"] = velocity if table.velocity is None else table.velocity
-    given = {name: _values(f"sweep.{name}", value) for name, value in asked.items() if value is not None}
-    along = sorted((name for name in given if given[name].size > 1), key=lambda name: -given[name].size)
+    given = {
+        name: _values(f"sweep.{name}", value) for name, value in asked.items() if value is not None
+    }
+    along = sorted(
+        (name for name in given if given[name].size > 1), key=lambda name: -given[name].size
+    )
     if not along:
-        raise InputError("sweep: goes along nothing; give velocity = { from = 1e-2, to = 1e2, points = 50 }, or a list")
+        raise InputError(
+            "sweep: goes along nothing; give velocity = { from = 1e-2, to = 1e2, points = 50 }, or a list"
+        )
     if len(along) > _MOST_AXES:
-        raise InputError(f"sweep: {', '.join(along)} have several values each; give two of them at most")
+        raise InputError(
+            f"sweep: {', '.join(along)} have several values each; give two of them at most"
+        )
     points = int(np.prod([given[name].size for name in along]))
     if points > _MOST_POINTS:
         raise InputError(f"sweep: has {points:,} points; take {_MOST_POINTS:,} at most")
@@ -113,13 +129,21 @@ def _values(name: str, value: "float | list[float] | RangeTable") -> Array:
     points = whole(f"{name}.points", value.points, least=2)
     if points > _MOST_POINTS:
         refuse(f"{name}.points", points, f"must be at most {_MOST_POINTS:,}")
-    begin, end = (check(f"{name}.{key}", one) for key, one in (("from", value.begin), ("to", value.to)))
+    begin, end = (
+        check(f"{name}.{key}", one) for key, one in (("from", value.begin), ("to", value.to))
+    )
     if begin == end:
-        refuse(f"{name}.to", value.to, f"is where {name} begins; put it elsewhere, or give one number")
+        refuse(
+            f"{name}.to", value.to, f"is where {name} begins; put it elsewhere, or give one number"
+        )
     if value.spacing == "even":
         return np.linspace(begin, end, points)
     if begin == 0.0 or end == 0.0:
-        refuse(f"{name}.{'from' if begin == 0.0 else 'to'}", 0.0, 'has no logarithm; write spacing = "even"')
+        refuse(
+            f"{name}.{'from' if begin == 0.0 else 'to'}",
+            0.0,
+            'has no logarithm; write spacing = "even"',
+        )
     return np.geomspace(begin, end, points)
 
 
@@ -128,10 +152,16 @@ def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
     import master
 
     began = time.perf_counter()
-    others: dict[str, Any] = {"temperature": asked.temperature, "rate": asked.rate, "delay": asked.delay}
+    others: dict[str, Any] = {
+        "temperature": asked.temperature,
+        "rate": asked.rate,
+        "delay": asked.delay,
+    }
     with laws.inside("sweep", dict(zip(QUANTITIES, QUANTITIES, strict=True))):
         curve = master.kinetic_curve(contacts, asked.velocity, **others)
-        line = master.phase_line(contacts, asked.velocity, **others) if asked.critical_spring else None
+        line = (
+            master.phase_line(contacts, asked.velocity, **others) if asked.critical_spring else None
+        )
     return SweepRecord(
         asked.along,
         curve.velocity,
@@ -146,6 +176,20 @@ def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
         curve.delay,
         None if line is None else line.critical_spring,
         None if line is None else line.critical_spring_error,
-        bool(curve.success.all() and (line is None or line.success.all())),
+        _good(
+            curve.success,
+            curve.force_error / np.maximum(curve.force, _TINY) * contacts.mean_threshold,
+        )
+        and (
+            line is None
+            or _good(
+                line.success, line.critical_spring_error / np.maximum(line.critical_spring, _TINY)
+            )
+        ),
         curve.message if line is None else f"{curve.message}; {line.message}",
     )
+
+
+def _good(success: npt.NDArray[np.bool_], relative_error: Array) -> bool:
+    """Whether all points are as good as asked, or, since a scene names no tolerance of a sweep, good."""
+    return bool((success | (relative_error <= _GOOD_ENOUGH)).all())

@@ -50,7 +50,9 @@ def _value(value: object, where: str) -> str:
     if isinstance(value, str):
         return _string(value)
     if isinstance(value, list | tuple):
-        return f"[{', '.join(_value(item, f'{where}[{index}]') for index, item in enumerate(value))}]"
+        return (
+            f"[{', '.join(_value(item, f'{where}[{index}]') for index, item in enumerate(value))}]"
+        )
     if isinstance(value, Mapping):
         items = (f"{_key(key)} = {_value(item, f'{where}.{key}')}" for key, item in value.items())
         return f"{{{', '.join(items)}}}"

@@ -1,0 +1,170 @@
+"""Pictures of a law of thresholds: P_c, its survival and its hazard."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from origins.samples.from_samples import Sampled
+from origins.thresholds.law import Thresholds
+from toolkit.pictures.axes import INK, Lengths, heights, plain, spans_decades
+from toolkit.results.records import OWN_UNIT, Result, ThresholdCurve, sample_curve
+from toolkit.scene import laws
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_ELSEWHERE = (
+    "from-topography",
+    "from-samples",
+    "domains",
+    "mixture",
+)  # files, or work, of their own
+_STEPS = 2000  # as many as a picture can show
+
+
+def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
+    """P_c(x), with exact single values as lines as high as their weight."""
+    finite = np.isfinite(curve.density)
+    if curve.density[finite].any():
+        _upright(axes, curve, curve.density)
+        axes.fill_between(
+            curve.x[finite], curve.density[finite], color=INK["thresholds"], alpha=0.25, lw=0
+        )
+        axes.plot(curve.x[finite], curve.density[finite], color=INK["thresholds"], lw=1.2)
+    _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
+    if curve.atoms.size:
+        # a weight is no density: beside one it has an axis of its own
+        own = axes.twinx() if curve.density[finite].any() else axes
+        own.vlines(curve.atoms, 0.0, curve.atom_weights, color=INK["thresholds"], lw=2)
+        own.set_ylabel("weight at one value")
+        own.set_ylim(0.0, 1.05 * float(curve.atom_weights.max()))
+        own.yaxis.set_major_formatter("{x:g}")
+    return axes
+
+
+def final_law(result: Result) -> ThresholdCurve | None:
+    """The law of old contacts, where they age and the scene's text alone says what it is."""
+    ageing = result.asked.contacts.ageing
+    if ageing is None or ageing["final"].get("kind") in _ELSEWHERE or "file" in ageing["final"]:
+        return None
+    return sample_curve(
+        laws.build(laws.THRESHOLDS, ageing["final"], "contacts.ageing.final", Path())
+    )
+
+
+def plot_final(axes: "Axes", new: ThresholdCurve, final: ThresholdCurve) -> None:
+    """What the thresholds of new contacts become, dashed beside them."""
+    shown = np.isfinite(final.density)
+    if (
+        not final.density[shown].any()
+        or not np.isfinite(new.density).all()
+        or axes.get_yscale() == "log"
+    ):
+        return
+    (line,) = axes.get_lines()
+    line.set_label("new")
+    axes.plot(
+        final.x[shown],
+        final.density[shown],
+        color=INK["thresholds"],
+        lw=1.2,
+        ls="--",
+        label="final",
+    )
+    first, last = (ends for ends in zip(reach_of(new), reach_of(final), strict=True))
+    axes.set_xlim(min(first), max(last))
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, max(top, heights(final, final.density).top))
+    Lengths.of(max(last), in_metres(new)).write(axes.xaxis, "threshold $x$")
+    axes.legend(fontsize="small")
+
+
+def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
+    """S(x), the probability that a threshold exceeds x."""
+    axes.plot(curve.x, curve.survival, color=INK["thresholds"], lw=1.2)
+    axes.set(ylabel="$S(x)$", ylim=(0, 1.05))
+    _label(axes, curve, "survival", "threshold $x$")
+    return axes
+
+
+def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
+    """Over S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
+    if isinstance(thresholds, Sampled):
+        x, above = thresholds.samples, 1.0 - np.cumsum(thresholds.shares)
+        some = np.unique(np.linspace(0, x.size - 1, _STEPS).round().astype(int))
+        axes.step(
+            x[some],
+            above[some],
+            where="post",
+            color="0.25",
+            lw=0.6,
+            label=f"{thresholds.n_samples} samples",
+        )
+        axes.legend()
+    return axes
+
+
+def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
+    """P_c(x)/S(x), the rate of breaking per length at stretch x, up to where one contact in a thousand holds."""
+    shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
+    hazard = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
+    if shown.any():
+        _upright(axes, curve, hazard)
+    axes.plot(curve.x[shown], hazard[shown], color=INK["thresholds"], lw=1.2)
+    _label(axes, curve, "hazard", "stretch $x$", "$P_c(x)/S(x)$")
+    return axes
+
+
+def _upright(axes: "Axes", curve: ThresholdCurve, values: Any) -> None:
+    """The limits of y."""
+    found = heights(curve, values)
+    axes.set(yscale="log" if found.logarithmic else "linear", ylim=(found.bottom, found.top))
+
+
+def _label(
+    axes: "Axes", curve: ThresholdCurve, title: str, name: str, inverse: str | None = None
+) -> None:
+    """Title, the axis of x and, where it is one of inverse lengths, that of y."""
+    first, last = reach_of(curve)
+    axes.set_title(title)
+    if spans_decades(curve):
+        first = float(curve.x[curve.x > 0.0].min())
+        axes.set_xscale("log")
+    axes.set_xlim(first, last)
+    if last - first < 1e-2 * last:
+        axes.locator_params(axis="x", nbins=3)  # long numbers
+    lengths = Lengths.of(last, in_metres(curve))
+    lengths.write(axes.xaxis, name)
+    if inverse is not None:
+        lengths.write_inverse(axes.yaxis, inverse)
+
+
+def in_metres(curve: ThresholdCurve) -> bool:
+    return curve.unit != OWN_UNIT
+
+
+def reach_of(curve: ThresholdCurve) -> tuple[float, float]:
+    """A little beyond all but a thousandth of the thresholds, from 0 unless they all lie far from it."""
+    first = float(curve.x[curve.survival < 1.0 - 1e-3].min())
+    last = float(curve.x[curve.survival > 1e-3].max(initial=first))
+    # one exact value has no width of its own
+    margin = 0.15 * (last - first) if last - first > 1e-9 * last else 0.5 * last
+    return (first - margin if first > 0.5 * last else 0.0), last + margin
+
+
+def save_thresholds_picture(
+    curve: ThresholdCurve, thresholds: Thresholds, title: str, path: Path
+) -> None:
+    """P_c, survival, that of the samples if there are any over it, and hazard side by side as a PNG."""
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    # room between the panels: the first has a second axis where there are exact values
+    figure = Figure(figsize=(11.5, 3.6), layout=ConstrainedLayoutEngine(wspace=0.1))
+    axes = figure.subplots(1, 3)
+    plot_density(axes[0], curve)
+    plot_samples(plot_survival(axes[1], curve), thresholds)
+    plot_hazard(axes[2], curve)
+    figure.suptitle(plain(title))
+    figure.savefig(path, dpi=150, format="png")
