@@ -38,7 +38,7 @@ def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
     if given is None or (interface is None and not isinstance(given, str)):
         return given
     if not isinstance(given, str):
-        each = interface.contact_density * interface.mean_stiffness  # type: ignore[union-attr]
+        each = interface.contact_density * interface.mean_stiffness
         refuse(
             "drive.spring",
             given,
