@@ -105,6 +105,20 @@ def test_the_master_equation_and_the_ensemble_agree_on_it(law: origins.Threshold
     assert (off <= solved.force_error * law.mean() + 5.0 * drawn.force_standard_error).all()
 
 
+def test_the_force_before_any_contact_breaks_twice() -> None:
+    """F = X less the stretch of what has broken, as long as no contact born on the way can have reached the least b."""
+    exact = counted(2, 2, 4_000_000)
+    law = origins.domains(A, sizes=[(2, 2)], stiffness=1.0, samples=100)
+    path = np.linspace(0.0, 1.99 * exact[0], 60)
+    solved = master.solve(origins.Contacts(law), path, tolerance=1e-4)
+    broken = np.searchsorted(exact, path, side="right")
+    force = path - np.concatenate([[0.0], np.cumsum(exact)])[broken] / exact.size
+    # the grid of angles counts to some 1e-6
+    assert solved.success
+    assert (np.abs(solved.force - force) <= solved.force_error * law.mean() + 2e-6).all()
+    assert np.abs(solved.force - force).max() < 1e-4 * law.mean()
+
+
 def test_the_paper_law_takes_the_root() -> None:
     law = origins.domains(A, sizes=[(5, 4)], law="paper", coefficient=4.0, samples=100)
     exact = np.sqrt(counted(5, 4) / 4.0)
