@@ -195,7 +195,6 @@ def domains(
         def turned_by(angle: Array) -> Array:
             return family.solve(np.broadcast_to(only, (angle.size, only.size)), angle)[0]
 
-        # the law "paper" is that of the square root of these
         thresholds = angle_thresholds(turned_by, reach, 1.0 / (period * scale))
         if thresholds is not None and law == "paper":
             thresholds = Powered(thresholds, 1.0, 0.5)
