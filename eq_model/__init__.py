@@ -5,4 +5,11 @@ from eq_model.ensemble import Ensemble
 from eq_model.ensemble_result import EnsembleResult
 from eq_model.simulate import simulate
 
-__all__ = ["CoupledEnsemble", "CoupledResult", "CoupledSlips", "Ensemble", "EnsembleResult", "simulate"]
+__all__ = [
+    "CoupledEnsemble",
+    "CoupledResult",
+    "CoupledSlips",
+    "Ensemble",
+    "EnsembleResult",
+    "simulate",
+]

@@ -3,13 +3,12 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import overload
 
-from eq_model.contact import LIVES, LOOKS, OPTIONS, Break
-from eq_model.watch import look
+from eq_model.contact import LIVES, LOOKS, Break, by_law, look_at
+from eq_model.tables import FAR, LEVEL_UNIT
 from origins.laws.compiled import CompiledRates
 
-_I, _F = np.int64, np.float64
+_U, _I, _F = np.uint64, np.int64, np.float64
 _NOTHING = 1e-300
 
 
@@ -27,72 +26,12 @@ class Warm(NamedTuple):
     log_slow: Any  # (m,): ln of the time for a length, of each leg
 
 
-class NoRates(NamedTuple):
-    """Where contacts do not break before their thresholds."""
-
-    nothing: float = 0.0
-
-
-def _none(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
-def _no_more(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
-def _never(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return threshold
-
-
-def _no_most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
-# by the class of their law, which numba finds them by
-RATES: dict[type, CompiledRates] = {
-    NoRates: CompiledRates(NoRates(), _none, _no_more, _never, _no_most)
-}
-
-
-def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-    """h, per time, at a stretch 0 <= x <= threshold (lengths), by the type of the law."""
-    raise NotImplementedError
-
-
-def passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
-    """The integral of h over the stretches from near to far."""
-    raise NotImplementedError
-
-
-def reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-    """The stretch up to which the integral of h from near on has this logarithm, or the threshold."""
-    raise NotImplementedError
-
-
-def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
-    """A bound of h between stretches and between thresholds."""
-    raise NotImplementedError
-
-
-@overload(rate, jit_options=OPTIONS)
-def _rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return RATES[law.instance_class].rate
-
-
-@overload(passed, jit_options=OPTIONS)
-def _passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return RATES[law.instance_class].passed
-
-
-@overload(reached, jit_options=OPTIONS)
-def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-    return RATES[law.instance_class].reached
-
-
-@overload(most, jit_options=OPTIONS)
-def _most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
-    return RATES[law.instance_class].most
+# by the class of their law; arguments are those of CompiledRates
+RATES: dict[type, CompiledRates] = {}
+rate = by_law(lambda law: RATES[law].rate)
+passed = by_law(lambda law: RATES[law].passed)
+reached = by_law(lambda law: RATES[law].reached)
+most = by_law(lambda law: RATES[law].most)
 
 
 def at_threshold(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
@@ -166,9 +105,36 @@ def by_rate(law, contact, course, watch, counts):  # type: ignore[no-untyped-def
     return Break(course.begins[legs] + 1, leg, contact.drawn, True)
 
 
+def _row_at_thresholds(law, n, x, e, at, least):  # type: ignore[no-untyped-def]
+    """They break at their thresholds."""
+
+
+def _row_by_rates(law, n, x, e, at, least):  # type: ignore[no-untyped-def]
+    """Steadily forward the stretches x at which n lanes break that bear e, in place of their thresholds."""
+    rates, unit, per, one, slow = law.rates, law.unit, 1.0 / law.unit, 1.0, law.log_slow[0]
+    for i in range(_U(n)):
+        threshold, log_bears = _F(x[i]) * unit, _F(e[i]) * LEVEL_UNIT - slow
+        # contacts that form again are relaxed; others begin at a stretch of either sign
+        near = _F(-at[i]) * unit if least[i] > 0 else 0.0
+        if near < 0.0:
+            bears = np.exp(log_bears)
+            whole = passed(rates, 0.0, -near, threshold, one)
+            if whole >= bears:
+                left = np.log(max(whole - bears, _NOTHING))
+                own = min(reached(rates, left, 0.0, threshold, one), -near)
+                x[i] = -_I(np.floor(own * per + 0.5))
+                continue
+            log_bears, near = np.log(bears - whole), 0.0
+        own = reached(rates, log_bears, near, threshold, one)
+        x[i] = min(_I(np.floor(min(own * per, _F(FAR)) + 0.5)), x[i])
+
+
 def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    look(born, broken, birth, _F(contact.threshold), watch, counts)
+    for k in range(watch.before[born], watch.before[broken]):
+        look_at(k, birth, _F(contact.threshold), watch, counts)
 
 
 LIVES |= {Cold: at_threshold, Warm: by_rate}
 LOOKS |= {Cold: _look, Warm: _look}
+_ROWS = {Cold: _row_at_thresholds, Warm: _row_by_rates}
+break_row = by_law(_ROWS.__getitem__)  # for contacts that move steadily forward

@@ -42,9 +42,11 @@ def _compiled(function: Callable[..., Any], cache: bool = True, **more: bool) ->
         made = jit(cache=True, **options)(function)
     except RuntimeError:  # numba found no folder for its cache
         return jit(**options)(function)
-    # numba compares a kernel's own file alone with what is on disk; it calls others, in other files
-    file = made._cache._cache_file
-    file._source_stamp = file._source_stamp, sources()
+    # numba compares a kernel's own file alone with what is on disk; it calls others, in other files,
+    # so each version of them all has files of its own
+    file: Any = made._cache._cache_file
+    base = file._index_name.removesuffix(".nbi")
+    file.__init__(file._cache_path, f"{base}-{sources()[:12]}", file._source_stamp)
     return made
 
 

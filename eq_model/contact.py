@@ -1,12 +1,41 @@
-"""One contact as kernels have it, and the law by which it breaks, found by the type of its settings."""
+"""Compiled: one contact, the law that breaks it, and where its birth and its break are counted.
+
+A law is known to the loop by the type of its settings: LIVES holds the function that breaks a contact,
+LOOKS the one that counts it in histograms.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from numba.extending import overload
 
+from eq_model.compiling import bare, inlined
+from eq_model.moments import STIFFNESS_UNIT
 from eq_model.streams import Stream
+from eq_model.tables import Table
+
+Whole = npt.NDArray[np.int64]
+_U, _I, _F = np.uint64, np.int64, np.float64
+
+
+class Settings(NamedTuple):
+    """What all contacts share, beside their law; in whole units."""
+
+    thresholds: Table
+    starts: Table  # of the stretches at X = 0, where drawn
+    reforming: Table
+    exposures: Table  # ln e, e of the exponential law of mean 1
+    begun: np.int64  # the stretch at X = 0 of all, where not drawn
+    single: np.int64  # the stretch at which contacts form again, where it is not drawn
+    top: np.int64  # no threshold lies beyond: stretches from here on are drawn again
+    mean: float  # threshold, of mean stiffness
+    wait: float  # a time
+    drawn: bool
+    spread: bool  # whether stretches of re-forming are drawn
+    bears: bool  # whether the law asks what contacts bear
+    linked: bool  # stiffness to the threshold
 
 
 class Contact(NamedTuple):
@@ -33,29 +62,125 @@ class Break(NamedTuple):
     held: bool  # False of one that did not hold at all
 
 
+class Sums(NamedTuple):
+    """What is added up in each bin; y: a contact's stretch when its bin ends, with the other sign.
+
+    all : (bins + 1, 2) of the contacts that hold, their number and k y; (bins + 1, 3) where stiffness is
+    linked, with k. some : (bins + 1, 1) of measured blocks, (k y)²; (bins + 1, 3), with k² y and k².
+    The last row is of no use.
+    """
+
+    all: Whole
+    some: Whole
+    measured: bool
+
+
+class Watch(NamedTuple):
+    """Points at which contacts are counted by stretch and threshold, in the order of the clock."""
+
+    before: Whole  # (bins + 2,): how many of them lie before each bin
+    moments: Whole  # (m,): the last moments that count
+    places: Whole  # (m,): slider there
+    per_stretch: float  # histogram bins per unit of |x|
+    per_threshold: float
+
+
+# -- laws -------------------------------------------------------------------------------------------
+
+
+def by_law(choose: Callable[[type], Any]) -> Any:
+    """A function for kernels, a part of them, which `choose` finds by the class of its first argument's law."""
+
+    def function(law, *rest):  # type: ignore[no-untyped-def]
+        raise NotImplementedError
+
+    options: Any = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
+
+    @overload(function, jit_options=options, strict=False)
+    def found(law, *rest):  # type: ignore[no-untyped-def]
+        return choose(law.instance_class)
+
+    return function
+
+
 LIVES: dict[type, Callable[..., Any]] = {}
 LOOKS: dict[type, Callable[..., Any]] = {}
+# life(law, contact, course, watch, counts): the break of a contact
+life = by_law(LIVES.__getitem__)
+# look(law, contact, course, born, broken, birth, watch, counts): count a contact at the watched points
+# from the bin `born` to before the bin `broken`
+look = by_law(LOOKS.__getitem__)
 
 
-def life(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact, by the type of its law."""
-    raise NotImplementedError
+# -- places and times -------------------------------------------------------------------------------
 
 
-def look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    """Count a contact at watched points, as of watch.look."""
-    raise NotImplementedError
+@inlined
+def bin_of(clock, bins):  # type: ignore[no-untyped-def]
+    """The first point at or after a moment of the clock, which is not after the end."""
+    if bins.even:
+        return max((clock + bins.offset) >> bins.shift, _I(0))
+    j = _I(bins.first[clock >> bins.shift])
+    while bins.points[j] < clock:
+        j += 1
+    return j
 
 
-# as compiling.bare, and as a part of the loop
-OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
+@inlined
+def place_of(clock, leg, course):  # type: ignore[no-untyped-def]
+    """The slider's position (whole)."""
+    k = _U(leg)
+    return course.positions[k] + course.directions[k] * (clock - course.begins[k])
 
 
-@overload(life, jit_options=OPTIONS)
-def _life(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
-    return LIVES[law.instance_class]
+@bare
+def later(clock, leg, time, course):  # type: ignore[no-untyped-def]
+    """The clock when `time` has passed, and the leg; beyond the drive's end where it is over by then."""
+    legs = course.directions.size
+    while leg < legs:
+        pace = course.paces[leg]
+        left = (course.begins[leg + 1] - clock) * pace
+        if time <= left:
+            ticks = _I(np.floor(time / pace + 0.5)) if pace > 0.0 else _I(0)
+            return min(clock + ticks, course.begins[leg + 1]), leg
+        time -= left
+        leg += 1
+        if leg < legs:
+            clock = course.begins[leg]
+    return course.begins[legs] + 1, leg
 
 
-@overload(look, jit_options=OPTIONS)
-def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    return LOOKS[law.instance_class]
+# -- counts -----------------------------------------------------------------------------------------
+
+
+@inlined
+def count_event(sign, linked, stiffness, birth, j, bins, sums):  # type: ignore[no-untyped-def]
+    """Add to bin j a contact that is born (sign 1) or breaks (-1); birth: slider where it is relaxed."""
+    y, j = birth - bins.places[_U(j)], _U(j)
+    sums.all[j, _U(0)] += sign
+    if not linked:
+        sums.all[j, 1] += sign * y
+        if sums.measured:
+            sums.some[j, 0] += sign * _I(np.rint(_F(y) * _F(y) * bins.square))
+        return
+    sums.all[j, 1] += sign * _I(np.rint(stiffness * y))
+    sums.all[j, 2] += sign * _I(np.rint(stiffness * STIFFNESS_UNIT))
+    if sums.measured:
+        square, exact = stiffness * stiffness, _F(y)
+        sums.some[j, 0] += sign * _I(np.rint(square * exact * exact * bins.square))
+        sums.some[j, 1] += sign * _I(np.rint(square * exact))
+        sums.some[j, 2] += sign * _I(np.rint(square * STIFFNESS_UNIT))
+
+
+@bare
+def look_at(k, birth, threshold, watch, counts):  # type: ignore[no-untyped-def]
+    """Count a contact at the k-th watched point.
+
+    birth : slider where the contact is relaxed (whole). counts : (points, 2, bins), of stretches of
+    either sign and of thresholds.
+    """
+    many = counts.shape[2]
+    x = _F(watch.places[k] - birth) * (0.5 * watch.per_stretch) + 0.5 * many
+    y = threshold * watch.per_threshold
+    counts[k, 0, _I(min(max(np.floor(x), 0.0), many - 1.0))] += 1
+    counts[k, 1, _I(min(max(y, 0.0), many - 1.0))] += 1

@@ -3,23 +3,148 @@
 Lengths are in units of the lattice, but for those of rates.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
-from eq_model.bins import place_of
+from eq_model.ageing_tables import DriftTable
 from eq_model.breaking import rate
 from eq_model.compiling import bare
-from eq_model.contact import LIVES, LOOKS, Break
-from eq_model.drift import Ageing, drift, first_meeting, local_step, moved, normal, safe_step
-from eq_model.streams import STEPS, words_at
-from eq_model.watch import look_at
+from eq_model.contact import LIVES, LOOKS, Break, look_at, place_of
+from eq_model.streams import STEPS, WATCHED, uniform, words_at
 
-_F = np.float64
+_F, _I = np.float64, np.int64
 _THERMAL = 0.1  # of what a contact bears, spent in one step
 _CHANGE = 0.6  # of the logarithm of a rate in a step
-_UNFELT = 1e-4  # of what a contact bears: so little needs no care
-_FORGOTTEN = 0.5  # of the time in which old thresholds forget: the longest step where rates count
+_NUDGE = 1e-3  # of the threshold: the difference from which slopes of ln h are taken
 _NEVER = 23.0  # no number of 32 bits is below e^-23
-_NUDGE = 1e-3  # of the stretch, and of the logarithm of the rate that it changes
+_FAR = 8.0  # standard deviations that a threshold does not diffuse in a step
+_OF_THE_GAP = 0.15  # between stretch and upper end of the final law, a step's standard deviation
+_OF_THE_WAY, _LEAST = 0.2, 0.01  # to 0, a step's standard deviation; of the longest step
+_FELT = 0.25  # standard deviations of a step closer to an end than which no drift is felt
+_MOST_WATCHED = 12  # bits of a number of watched points
+
+
+class Ageing(NamedTuple):
+    """Diffusion of thresholds, towards a normal law or one whose drift is tabled (ageing_tables)."""
+
+    normal: bool
+    mean: float
+    width: float
+    relaxing: float  # per time
+    diffusion: float  # squared units per time
+    table: DriftTable
+    longest: float  # time of a step near the stretch that a threshold must not meet
+    coarse: float  # how much coarser than need be steps in heat are
+    warm: bool  # whether contacts break at rates besides
+    rates: Any
+    unit: float  # a length
+
+    def coarser(self, times: float) -> "Ageing":
+        """With steps so many times longer."""
+        # the integral of a rate is of fourth order in the change of its logarithm
+        return self._replace(longest=times * self.longest, coarse=times**0.25)
+
+
+@bare
+def _normal(words):  # type: ignore[no-untyped-def]
+    """A draw of the standard normal law from three of four words."""
+    angle = 2.0 * np.pi * (_F(words[2]) + 0.5) * 2.0**-32
+    return np.sqrt(-2.0 * np.log(uniform(words[0], words[1]))) * np.cos(angle)
+
+
+@bare
+def _fourth(words):  # type: ignore[no-untyped-def]
+    """Between 0 and 1, from the fourth of four words."""
+    return (_F(words[3]) + 0.5) * 2.0**-32
+
+
+@bare
+def _drift(y, ageing):  # type: ignore[no-untyped-def]
+    """Mean change of a threshold per time, over D, towards a law that is not normal."""
+    table, values = ageing.table, ageing.table.values
+    y = min(max(y, table.near), table.far)
+    below, above = y - table.low, table.high - y
+    place = (np.log(below / above if above < np.inf else below) - table.first) / table.step
+    k = min(max(_I(place), 0), values.size - 2)
+    slope = values[k] + (place - k) * (values[k + 1] - values[k])
+    return slope * (1.0 / below + 1.0 / above)
+
+
+@bare
+def _moved(y, time, bell, chance, walled, ageing):  # type: ignore[no-untyped-def]
+    """A threshold a time later, towards a law that is not normal: by Heun's step, of second order in the mean.
+
+    A step that comes to the final law's upper end, or to its lower one where that is above the stretch (walled), is
+    reflected by how far it went beyond, as the furthest point of a Brownian bridge tells.
+    """
+    diffusion, low, high = ageing.diffusion, ageing.table.low, ageing.table.high
+    spread = np.sqrt(2.0 * diffusion * time)
+    # closer to an end than this no drift is felt through a step
+    least, most = low + _FELT * spread, high - _FELT * spread
+    slope = _drift(min(max(y, least), most), ageing)
+    guess = low + abs(y + diffusion * time * slope + spread * bell - low)
+    guess = min(guess, 2.0 * high - guess)
+    there = _drift(min(max(guess, least), most), ageing)
+    later = y + 0.5 * diffusion * time * (slope + there) + spread * bell
+    middle = 0.5 * (y + later)
+    reach = 0.5 * np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(chance))
+    if walled and y - low <= high - y:
+        later += max(low - middle + reach, 0.0)
+    elif high < np.inf:
+        later -= max(middle + reach - high, 0.0)
+    return min(max(later, low), high) if walled else min(later, high)
+
+
+@bare
+def _safe_step(gap, y, x, speed, ageing):  # type: ignore[no-untyped-def]
+    """A time within which a threshold y does not come down to a stretch |x| that grows with `speed`."""
+    # what is above the mean may come down to it
+    gap = min(y, max(ageing.mean, 0.0)) - x
+    if gap <= 0.0:
+        return 0.0
+    spread = _FAR * np.sqrt(2.0 * ageing.diffusion)
+    root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
+    return root * root
+
+
+@bare
+def _first_meeting(above, below, spread, bell, chance):  # type: ignore[no-untyped-def]
+    """Part of a step after which a Brownian bridge from `above` zero first meets it, when it does.
+
+    I/(1 + I), I of the inverse Gaussian law of mean above/|below| and shape above²/spread², spread² the variance of
+    the step without ends.
+    """
+    if above <= 0.0:
+        return 0.0
+    if below == 0.0:
+        return 1.0
+    mean, shape = above / abs(below), (above / spread) ** 2
+    w = 0.5 * mean * bell * bell / shape
+    first = mean / (1.0 + w + np.sqrt(w * (2.0 + w)))
+    if chance * (mean + first) > mean:
+        first = mean * (mean / first)
+    return first / (1.0 + first)
+
+
+@bare
+def _between(above, below, variance, part, lane, turn, stream):  # type: ignore[no-untyped-def]
+    """How far above zero a Brownian bridge from `above` to `below` is after a part of its way, given that it stays.
+
+    It is the distance of a bridge in three dimensions, whose end has a random direction (Williams, 1974).
+    """
+    part = min(max(part, 0.0), 1.0)
+    width = np.sqrt(variance * part * (1.0 - part))
+    first, second = words_at(lane, turn, stream, WATCHED), words_at(lane, turn, stream, WATCHED + 1)
+    third = words_at(lane, turn, stream, WATCHED + 2)
+    chance, pull = _fourth(first), above * below / variance
+    along = 2.0 * chance - 1.0
+    if pull > 1e-6:
+        along = 1.0 + np.log(chance + (1.0 - chance) * np.exp(-2.0 * pull)) / pull
+    across = np.sqrt(max(1.0 - along * along, 0.0))
+    x = (1.0 - part) * above + part * below * along + width * _normal(first)
+    y = part * below * across + width * _normal(second)
+    return np.sqrt(x * x + y * y + (width * _normal(third)) ** 2)
 
 
 @bare
@@ -39,30 +164,18 @@ def _steepness(x, y, ageing):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _highest(y, ageing):  # type: ignore[no-untyped-def]
-    """The rate at the threshold or close to it, which few laws exceed."""
-    return max(_rate(y, y, ageing), _rate(0.9 * y, y, ageing))
-
-
-@bare
-def _felt(time, here, y, speed, ageing):  # type: ignore[no-untyped-def]
-    """The part of a step in which the breaking rate changes little, or comes to nothing, and little is borne."""
-    coarser, relaxing, diffusion = ageing.coarse, ageing.relaxing, ageing.diffusion
-    now = max(_rate(here, y, ageing), 1e-300)
-    time, change = min(time, coarser**2 * _THERMAL / now), coarser * _CHANGE
-    pull = relaxing * abs(ageing.mean - y) if ageing.normal else diffusion * abs(drift(y, ageing))
-    while True:
-        of_stretch, of_threshold = _steepness(here + speed * time, y, ageing)
-        carried = (of_stretch * speed + of_threshold * pull) * time
-        spread = of_threshold * np.sqrt(2.0 * diffusion * time)
-        if max(carried, spread) <= change and relaxing * time <= coarser**2 * _FORGOTTEN:
-            return time
-        if (
-            min(now * np.exp(min(carried + 4.0 * spread, 700.0)), _highest(y, ageing)) * time
-            <= coarser**4 * _UNFELT
-        ):
-            return time
-        time *= 0.5
+def _felt(time, x, y, speed, ageing):  # type: ignore[no-untyped-def]
+    """The part of a step in which the breaking rate changes little, and little is borne."""
+    coarse, change = ageing.coarse, ageing.coarse * _CHANGE
+    time = min(time, coarse**2 * _THERMAL / max(_rate(x, y, ageing), 1e-300))
+    pull = ageing.relaxing * abs(ageing.mean - y)
+    if not ageing.normal:
+        pull = ageing.diffusion * abs(_drift(y, ageing))
+    for _ in range(2):  # the rate is steeper, or less so, where the step ends
+        of_x, of_y = _steepness(min(x + speed * time, y), y, ageing)
+        time = min(time, change / max(of_x * speed + of_y * pull, 1e-300))
+        time = min(time, (change / max(of_y, 1e-300)) ** 2 / (2.0 * ageing.diffusion))
+    return time
 
 
 @bare
@@ -73,101 +186,129 @@ def _borne(first, last, time, spread):  # type: ignore[no-untyped-def]
     return mean * time * (1.0 + min(spread * spread, 1.0) / 12.0)
 
 
+@bare
+def _step(y, here, speed, left, law):  # type: ignore[no-untyped-def]
+    """The time of the next step, at most `left`; the stretch |x| = here grows with `speed`."""
+    time = law.longest
+    if law.normal:
+        time = max(time, _safe_step(y - here, y, here, speed, law))
+    elif law.table.low == 0.0:  # drifts are steep near there
+        near = (_OF_THE_WAY * y) ** 2 / (2.0 * law.diffusion)
+        time = min(time, max(near, _LEAST * time))
+    if law.table.high < np.inf and here >= law.table.low:
+        # a threshold meets the stretch or the wall in one step, not both
+        gap = max(law.table.high - here, 1.0)
+        time = min(time, (_OF_THE_GAP * gap) ** 2 / (2.0 * law.diffusion))
+        time = min(time, 0.5 * gap / speed) if speed > 0.0 else time
+    if law.warm:
+        time = max(_felt(min(time, left), min(here, y), y, speed, law), 1e-3 * law.longest)
+    return min(time, left)
+
+
 def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
     """The break of a contact whose threshold diffuses, counted at the watched points on its way."""
-    ageing, lane, stream, clock, leg = law, contact.lane, contact.stream, contact.clock, contact.leg
-    legs, y, x, place = (
+    lane, stream, at, leg, place = (
+        contact.lane,
+        contact.stream,
+        contact.clock,
+        contact.leg,
+        contact.drawn,
+    )
+    legs, y, stretch, diffusion = (
         course.directions.size,
         _F(contact.threshold),
         contact.stretch,
-        contact.drawn,
+        law.diffusion,
     )
-    bears, diffusion = np.exp(contact.exposure), ageing.diffusion
-    seen, moments = np.int64(0), watch.moments
-    known, lost, width = -1.0, 0.0, 0.0
-    while counts.shape[0] and seen < moments.size and moments[seen] < clock:
-        seen += 1
+    bears, seen, moments = np.exp(contact.exposure), _I(0), watch.moments
     many = moments.size if counts.shape[0] else 0
+    known, lost, width = -1.0, 0.0, 0.0
+    while seen < many and moments[seen] < at:
+        seen += 1
     while leg < legs:
-        at, d, pace = clock, course.directions[leg], course.paces[leg]
-        end, stretch = course.begins[leg + 1], x
+        d, pace, end = course.directions[leg], course.paces[leg], course.begins[leg + 1]
         # on a leg the stretch is followed as a number, and rounded where the contact breaks
         passed, room = 0.0, _F(end - at)
         while passed < room:
             now = _F(stretch) + d * passed
-            leaving = d * now >= 0.0
-            left = (room - passed) * pace
+            here, leaving, left = abs(now), d * now >= 0.0, (room - passed) * pace
+            speed = 1.0 / pace if d != 0 and leaving else 0.0
             if d != 0 and not leaving:
-                left = min(left, max(-d * now, 1.0) * pace)
-            here, speed = abs(now), (1.0 / pace if d != 0 and leaving else 0.0)
-            if seen < many and moments[seen] < end:
-                left = min(left, max(_F(moments[seen] - at) - passed, 1.0) * pace)
-            own = ageing.longest
-            if not ageing.normal:
-                own = local_step(y, here, speed, ageing)
-                # what comes to the law's lower end is reflected where the stretch is below, and breaks beyond
-                if d != 0 and (here < ageing.low) == leaving and here != ageing.low:
-                    left = min(left, max(abs(ageing.low - here), 1.0) * pace)
-            time = min(max(own, safe_step(y - here, y, here, speed, ageing)), left)
-            if ageing.warm:
-                time = _felt(time, min(here, y), y, speed, ageing)
-                time = min(max(time, 1e-3 * own), left)
+                left = min(left, max(here, 1.0) * pace)
+            # what comes to the law's lower end is reflected where the stretch is below, and breaks beyond
+            if (
+                not law.normal
+                and d != 0
+                and (here < law.table.low) == leaving
+                and here != law.table.low
+            ):
+                left = min(left, max(abs(law.table.low - here), 1.0) * pace)
+            time = _step(y, here, speed, left, law)
             words = words_at(lane, place, stream, STEPS)
-            place += 1
-            ticks = time / pace
+            bell, chance, ticks = _normal(words), _fourth(words), time / pace
             then = abs(_F(stretch) + d * (passed + ticks))
-            walled = here + then < 2.0 * ageing.low
-            chance = (_F(words[3]) + 0.5) * 2.0**-32
-            reflected = chance
-            if not walled and ageing.high < np.inf:
-                more = words_at(lane, place, stream, STEPS)
-                place += 1
-                reflected = (_F(more[3]) + 0.5) * 2.0**-32
-            bell = normal(words[0], words[1], words[2])
-            if ageing.normal:
+            walled = here + then < 2.0 * law.table.low
+            place += 1
+            if law.normal:
                 if time != known:  # most steps are as long as the last one
-                    known, lost = time, -np.expm1(-ageing.relaxing * time)
-                    width = ageing.width * np.sqrt(lost * (2.0 - lost))
-                later = y + (ageing.mean - y) * lost + width * bell
+                    known, lost = time, -np.expm1(-law.relaxing * time)
+                    width = law.width * np.sqrt(lost * (2.0 - lost))
+                later = y + (law.mean - y) * lost + width * bell
             else:
-                later = moved(y, time, bell, reflected, walled, ageing)
+                reflected = chance
+                if not walled and law.table.high < np.inf:
+                    reflected = _fourth(words_at(lane, place, stream, STEPS))
+                    place += 1
+                later = _moved(y, time, bell, reflected, walled, law)
             # the stretch is rounded where a leg ends
-            above, below = max(y - here, 0.0), later - then
+            above, below, variance = max(y - here, 0.0), later - then, 2.0 * diffusion * time
             part, broken = 1.0, below <= 0.0 and not walled
             if not broken and not walled:
-                far = above * below / (diffusion * time)
+                far = 2.0 * above * below / variance
                 broken = far < _NEVER and chance < np.exp(-far)
             if broken:
                 words = words_at(lane, place, stream, STEPS)
                 place += 1
-                chance = (_F(words[3]) + 0.5) * 2.0**-32
-                bell = normal(words[0], words[1], words[2])
-                part = first_meeting(above, below, np.sqrt(2.0 * diffusion * time), bell, chance)
-            if ageing.warm:
-                first, met = _rate(here, y, ageing), here + part * (then - here)
-                last = _rate(met, met, ageing) if broken else _rate(then, later, ageing)
-                spread = _steepness(min(here, y), y, ageing)[1] * np.sqrt(
-                    2.0 * diffusion * time * part
+                part = _first_meeting(
+                    above, below, np.sqrt(variance), _normal(words), _fourth(words)
                 )
+                below, variance = 0.0, variance * part
+            met = part
+            if law.warm:
+                first, reached = _rate(here, y, law), here + part * (then - here)
+                last = _rate(reached, reached, law) if broken else _rate(then, later, law)
+                spread = _steepness(min(here, y), y, law)[1] * np.sqrt(variance)
                 spent = _borne(first, last, time * part, spread)
                 if spent >= bears:
                     part *= bears / spent
                     broken = True
                 bears -= spent
+            gone = min(_I(np.floor(passed + part * ticks + 0.5)), end - at)
+            until = at + gone if broken else at + _I(passed + ticks + 0.5) + 1
+            while seen < many and moments[seen] < until and moments[seen] <= end:
+                share = (_F(moments[seen] - at) - passed) / max(met * ticks, 1.0)
+                turn = (place << _MOST_WATCHED) | seen
+                gap = _between(
+                    above, max(below, 0.0), max(variance, 1e-300), share, lane, turn, stream
+                )
+                threshold = here + share * met * (then - here) + gap
+                if not law.normal:
+                    threshold = min(threshold, 2.0 * law.table.high - threshold)
+                    threshold = (
+                        law.table.low + abs(threshold - law.table.low) if walled else threshold
+                    )
+                birth = place_of(moments[seen], leg, course) - stretch - d * (moments[seen] - at)
+                look_at(seen, birth, threshold, watch, counts)
+                seen += 1
             if broken:
-                gone = min(np.int64(np.floor(passed + part * ticks + 0.5)), end - at)
                 return Break(at + gone, leg, place, True)
             passed += ticks
             y = later
-            while seen < many and _F(moments[seen] - at) <= passed + 0.5:
-                birth = place_of(moments[seen], leg, course) - stretch - d * (moments[seen] - at)
-                look_at(seen, birth, y, watch, counts)
-                seen += 1
             if room - passed < 0.5:
                 break
-        x = stretch + d * (end - at)
+        stretch += d * (end - at)
         leg += 1
-        clock = end
+        at = end
     return Break(course.begins[legs] + 1, leg, place, True)
 
 

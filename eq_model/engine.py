@@ -1,6 +1,6 @@
 """What blocks of contacts do, as sums of whole numbers, and what these say of the force."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,11 +8,12 @@ import numpy.typing as npt
 
 from eq_model.drawn import cells_of, exposure_cells
 from eq_model.histogram import BINS, Counts, Histogram, Made, histogram, make_range
-from eq_model.lattice import SUM_BITS, TIE, make_lattice
-from eq_model.layout import BLOCK, Blocks, is_measured
+from eq_model.lattice import TIE, make_lattice
+from eq_model.layout import Blocks, is_measured
 from eq_model.moments import COARSER, EACH, Readout, split
-from eq_model.often import check_growth, check_steps, duration
+from eq_model.physics import law_of
 from eq_model.tables import DEEPEST, FAR, LEVEL_UNIT, Table
+from eq_model.work import duration, events
 from origins import Contacts, Drive, GrainContact
 from origins.errors import InputError
 
@@ -32,76 +33,61 @@ class Found(NamedTuple):
     steps: int
 
 
+class _Ran(NamedTuple):
+    """Sums of all contacts and more of measured ones, shape (bins, columns); breaks and steps."""
+
+    every: Whole
+    some: Whole
+    breaks: int
+    steps: int
+
+
 class Engine:
-    """The blocks of one ensemble; `steps`: that a contact takes at most, `size`: of the sums."""
+    """The blocks of one ensemble; `seconds`: about what a contact takes, `size`: of the sums."""
 
     def __init__(
         self, contacts: Contacts, drive: Drive, seed: int, points: npt.NDArray[np.intp]
     ) -> None:
-        self.contacts, self.drive, self._seed = contacts, drive, seed
+        self.contacts, self._seed = contacts, seed
         self._cells = cells_of(contacts)
-        self.linked = contacts.stiffness == "linked"
+        self._linked = contacts.stiffness == "linked"
         # alike all along the path: without laws contacts know no time
-        self._plain = drive.forward and (
-            not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
-        )
-        scale = contacts.mean_threshold
-        furthest = self._furthest()
+        steady = not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
+        self._plain = drive.forward and steady
+        scale, laws = contacts.mean_threshold, [contacts.start]
+        laws += [] if contacts.reforming is None else [contacts.reforming.law]
+        furthest = max(abs(end) for law in laws for end in law.span)
         path = np.append(0.0, drive.path)
-        span = (np.maximum.accumulate(path) - np.minimum.accumulate(path))[1:]
-        longest = _largest(contacts, drive, max(self._cells["thresholds"].largest, furthest))
-        self._longest = min(longest, float(span[-1]) + furthest)
-        check_growth(contacts, drive, self._longest)
-        reached, differ = np.minimum(span + furthest, longest), 0.0
-        stiffest = max(longest / scale, 1.0) if self.linked else 1.0
-        if self.linked:
-            # what breaks first is weak; but no contact is weaker than it is stretched
-            usual = min(float(np.sqrt(contacts.thresholds.moment(2))) / scale, stiffest)
-            reached *= np.maximum(reached / scale, usual)
-            differ = max(usual**2 - 1.0, 0.0)
+        low, high = np.minimum.accumulate(path)[1:], np.maximum.accumulate(path)[1:]
+        span = high - low
+        largest = _largest(contacts, drive, max(self._cells["thresholds"].largest, furthest))
+        longest = min(largest, float(span[-1]) + furthest)
+        stiffest = max(largest / scale, 1.0) if self._linked else 1.0
         course = Drive(drive.path, drive.velocity) if self._plain else drive
-        self._exact = contacts.thresholds.atoms[0].size > 0
-        self.lattice = make_lattice(course, scale, 2.0 * self._longest * stiffest, self._exact)
+        exact = contacts.thresholds.atoms[0].size > 0
+        self.lattice = make_lattice(course, scale, 2.0 * longest * stiffest, exact)
         unit = self.lattice.unit
         self._check_excess(unit)
-        self._watch_points(points, span, furthest, longest)
-        top = contacts.thresholds.support()[1] / unit
-        self._top = np.int64(min(top, float(FAR)))
-        self._law: Any = None
-        start = contacts.start
-        self._begun = np.int64(round(start.mean() / unit))
-        # of a single start what its rounding leaves is told of the slider
-        told = self.lattice.path + (start.mean() - self._begun * unit) * start.is_single
-        # squares of a block's starts add up to 61 bits, however narrow the start
-        apart = 1.0 + max(abs(end - start.mean()) for end in start.span) / unit
-        spare = SUM_BITS - np.log2(BLOCK) - 2 * np.ceil(np.log2(apart))
-        self._start_square = 2.0 ** min(spare, 0.0)
-        self._kernel = self._forward() if self._plain else self._lives()
-        self._columns = (2, 1) if self._plain else ((3, 5) if self.linked else (2, 3))
-        rows = self.lattice.bins.points.size + 1
+        self._watch_points(points, span, furthest, largest)
+        self._begun = np.int64(round(contacts.start.mean() / unit))
+        self._settings = self._make_settings()
+        self._law = law_of(contacts, self.lattice, TIE * exact)
+        steps = 0.0 if contacts.ageing is None else duration(drive) / self._law.longest
+        travel = float(np.abs(np.diff(drive.path, prepend=0.0)).sum()) / scale
+        self.seconds = 2e-8 * travel + 1e-7 * events(contacts, drive, steps) + 2e-7 * steps
+        self._columns = (3, 3) if self._linked else (2, 1)
         # all blocks' sums, those of measured blocks, and with ageing of blocks in coarser steps
-        self._parts = rows * np.array([self._columns[0], sum(self._columns), 0])
-        if contacts.ageing is not None:
-            self._parts[2] = self._parts[1]
+        measured, ages = sum(self._columns), contacts.ageing is not None
+        rows = self.lattice.bins.points.size
+        self._parts = rows * np.array([self._columns[0], measured, measured * ages])
         self.size = int(self._parts.sum())
+        # of a single start what its rounding leaves is told of the slider
+        beside = (contacts.start.mean() - self._begun * unit) * contacts.start.is_single
+        told = self.lattice.path + beside
+        stretch = np.minimum(span + furthest, longest)
         self.readout = Readout(
-            contacts,
-            self.lattice,
-            self._plain,
-            int(self._begun),
-            self._start_square,
-            told,
-            self._columns,
-            self._parts,
-            reached,
-            differ,
-            self._longest,
+            contacts, self.lattice, told, self._columns, self._parts, furthest, low, high, stretch
         )
-
-    def _furthest(self) -> float:
-        laws = [self.contacts.start]
-        laws += [] if self.contacts.reforming is None else [self.contacts.reforming.law]
-        return max(abs(end) for law in laws for end in law.span)
 
     def _check_excess(self, unit: float) -> None:
         """InputError where contacts all form again too near to the last thresholds for lengths of `unit`."""
@@ -117,124 +103,74 @@ class Engine:
             )
 
     def _watch_points(
-        self, points: npt.NDArray[np.intp], span: Array, furthest: float, longest: float
+        self, points: npt.NDArray[np.intp], span: Array, furthest: float, largest: float
     ) -> None:
-        from eq_model.watch import Watch
+        from eq_model.contact import Watch
 
-        bins, unit = self.lattice.bins, self.lattice.unit
-        own = self.lattice.place[points]
+        bins, own = self.lattice.bins, self.lattice.place[points]
         self._points, self._order = points, np.argsort(own, kind="stable")
         own = own[self._order]
         reach = float(span[points].max(initial=0.0)) + furthest
-        self._range = make_range(reach, longest, _typical(self.contacts, longest))
+        self._range = make_range(reach, largest, _typical(self.contacts, largest))
         before = np.searchsorted(own, np.arange(bins.points.size + 2))
-        self._watch = Watch(before, bins.points[own], bins.places[own], *self._range.per(unit))
+        per = self._range.per(self.lattice.unit)
+        self._watch = Watch(before, bins.points[own], bins.places[own], *per)
 
     def _table(self, name: str) -> Table:
         """The cells of that name, or any where all is a single value."""
         return self._cells.get(name, self._cells["thresholds"]).table(self.lattice.unit)
 
-    def _forward(self) -> Callable[..., tuple[int, int]]:
-        from eq_model.forward import Plain, forward
-        from eq_model.physics import rates_of
+    def _make_settings(self) -> Any:
+        from eq_model.contact import Settings
 
-        start = self.contacts.start
-        plain = Plain(
-            self._table("thresholds"),
-            self._table("start"),
-            not start.is_single,
-            self._begun,
-            self._start_square,
-            self._top,
-            exposure_cells().table(LEVEL_UNIT),
-            self.contacts.thermal is not None,
-            rates_of(self.contacts),
-            self.lattice.unit,
-            1.0 / self.drive.velocity,
-        )
-
-        def run(stream: Any, count: int, sums: Any, counts: Counts, law: Any) -> tuple[int, int]:
-            bins, watch = self.lattice.bins, self._watch
-            made = forward(
-                stream, count, plain, bins, watch, sums.measured, sums.all, sums.some, counts
-            )
-            return int(made), 0
-
-        return run
-
-    def _lives(self) -> Callable[..., tuple[int, int]]:
-        from eq_model.lives import Settings, follow_lives
-        from eq_model.physics import law_of
-
-        contacts, unit = self.contacts, self.lattice.unit
-        start, again = contacts.start, contacts.reforming
+        contacts, again, unit = self.contacts, self.contacts.reforming, self.lattice.unit
         spread = again is not None and not again.law.is_single
-        self._law = law_of(contacts, self.lattice, TIE if self._exact else 0)
-        settings = Settings(
+        return Settings(
             thresholds=self._table("thresholds"),
+            starts=self._table("start"),
             reforming=self._table("reforming"),
             exposures=exposure_cells().table(LEVEL_UNIT),
+            begun=self._begun,
             single=np.int64(0 if again is None or spread else round(again.law.mean() / unit)),
-            top=self._top,
+            top=np.int64(min(contacts.thresholds.support()[1] / unit, float(FAR))),
             mean=contacts.mean_threshold / unit,
             wait=contacts.waiting_time,
-            starts=self._table("start"),
-            begun=self._begun,
-            square=self._start_square,
-            drawn=not start.is_single,
+            drawn=not contacts.start.is_single,
             spread=spread,
             bears=contacts.thermal is not None or contacts.grains is not None,
-            linked=self.linked,
+            linked=self._linked,
         )
-
-        def run(stream: Any, count: int, sums: Any, counts: Counts, law: Any) -> tuple[int, int]:
-            course, bins, watch = self.lattice.course, self.lattice.bins, self._watch
-            breaks, steps = follow_lives(
-                stream, count, settings, law, course, bins, watch, sums, counts
-            )
-            return int(breaks), int(steps)
-
-        return run
-
-    @property
-    def steps(self) -> float:
-        """Steps in time that a contact takes at most; InputError where they are too many."""
-        return check_steps(self.contacts, self.drive, getattr(self._law, "longest", 0.0))
-
-    def seconds(self, often: float) -> float:
-        """About how long a contact takes that breaks `often` at a temperature: what the size of blocks goes by."""
-        travel = (
-            float(np.abs(np.diff(self.drive.path, prepend=0.0)).sum())
-            / self.contacts.mean_threshold
-        )
-        if self._plain:
-            return 2e-9 * travel + 1e-7 * often
-        return 2e-8 * travel + 1e-7 * often + 2e-7 * self.steps
 
     def follow(self, blocks: Blocks, block: int) -> Found:
         """Follow a block of contacts to the drive's end; -1 does nothing, compiled."""
-        from eq_model.lives import Sums
+        count = blocks.size(block) if block >= 0 else 0
+        counts = np.zeros((self._points.size, 2, BINS), np.uint32)
+        out, (first, second, _) = np.zeros((2, self.size), np.int64), self._parts
+        every, some, breaks, steps = self._run(block, count, is_measured(block), self._law, counts)
+        out[:, :first] = split(every.ravel())
+        if is_measured(block):
+            out[:, first : first + second] = split(np.hstack([every, some]).ravel())
+        if self._parts[2]:
+            law = self._law.coarser(COARSER)
+            every, some, *_ = self._run(block, -(-count // EACH), True, law, counts[:0])
+            out[:, first + second :] = split(np.hstack([every, some]).ravel())
+        return Found(out, counts, breaks, steps)
+
+    def _run(self, block: int, count: int, measured: bool, law: Any, counts: Counts) -> _Ran:
+        """Sums of all and more sums, breaks and steps of the first `count` contacts of a block."""
+        from eq_model.contact import Sums
+        from eq_model.forward import forward
+        from eq_model.lives import follow_lives
         from eq_model.streams import make_stream
 
-        rows, measured = self.lattice.bins.points.size + 1, is_measured(block)
-        stream, count = (
-            make_stream(self._seed, max(block, 0)),
-            blocks.size(block) if block >= 0 else 0,
-        )
-        counts = np.zeros((self._points.size, 2, BINS), np.uint32)
-        out = np.zeros((2, self.size), np.int64)
+        rows, lattice = self.lattice.bins.points.size + 1, self.lattice
         every, some = (np.zeros((rows, many), np.int64) for many in self._columns)
         sums = Sums(every, some, measured)
-        breaks, steps = self._kernel(stream, count, sums, counts, self._law)
-        first, second, _ = self._parts
-        out[:, :first] = split(sums.all.ravel())
-        if measured:
-            out[:, first : first + second] = split(np.hstack([sums.all, sums.some]).ravel())
-        if self._parts[2]:
-            coarse = Sums(np.zeros_like(every), np.zeros_like(some), True)
-            self._kernel(stream, -(-count // EACH), coarse, counts[:0], self._law.coarser(COARSER))
-            out[:, first + second :] = split(np.hstack([coarse.all, coarse.some]).ravel())
-        return Found(out, counts, breaks, steps)
+        stream, watch = make_stream(self._seed, max(block, 0)), self._watch
+        settings, course, bins = self._settings, lattice.course, lattice.bins
+        kernel = forward if self._plain else follow_lives
+        breaks, steps = kernel(stream, count, settings, law, course, bins, watch, sums, counts)
+        return _Ran(every[:-1], some[:-1], int(breaks), int(steps))
 
     def histograms(self, n: int, counts: Counts) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""

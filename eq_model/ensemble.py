@@ -2,35 +2,30 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from collections.abc import Iterable, Iterator
 from functools import reduce
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from eq_model import layout
-from eq_model.engine import Engine, Found
+from eq_model.engine import Engine
 from eq_model.ensemble_result import EnsembleResult
 from eq_model.histogram import Counts, chosen_points, no_counts
-from eq_model.often import check_often
 from eq_model.state import State
+from eq_model.under_way import UnderWay
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
-from origins.errors import InputError, positive, refuse, whole
+from origins.errors import InputError, positive, refuse
 from origins.streams import key_of
 
 Array = npt.NDArray[np.float64]
 
-_MOST_CONTACTS = 1 << 37
-_MOST_REPLICAS = 1 << 28
+_MOST_CONTACTS, _MOST_REPLICAS = 1 << 37, 1 << 28
 
 
-class Ensemble:
+class Ensemble(UnderWay):
     """An ensemble under way: iterate to work through it block by block, then ask for the result.
 
         ensemble = Ensemble(contacts, path, n_contacts=100_000)
@@ -46,8 +41,6 @@ class Ensemble:
     `clock`, which returns seconds: the wall time and the run time go by it. Another clock may take its place, on the
     class or before the first block, so that work is counted instead.
     """
-
-    clock: Callable[[], float] = staticmethod(perf_counter)
 
     def __init__(
         self,
@@ -67,50 +60,25 @@ class Ensemble:
         threads: int = 1,
     ) -> None:
         check_contacts(contacts, "eq_model.simulate", LAWS, own_rates=True)
-        if contacts.thermal is not None and contacts.thermal.closure == "paper":
-            raise InputError(
-                'contacts.thermal: closure = "paper" is an approximation of the master equation; single contacts break '
-                'each at its own rate, so use closure = "exact"'
-            )
-        if contacts.ageing is not None and contacts.ageing.closure == "paper":
-            raise InputError(
-                'contacts.ageing: closure = "paper" gives all contacts one law, which single contacts do not have; use '
-                'closure = "exact"'
-            )
-        started = self.clock()
-        if comm is not None and not hasattr(comm, "Get_rank"):
-            refuse(
-                "comm",
-                comm,
-                "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process",
-            )
-        self.contacts, self.comm = contacts, comm
-        self.n_contacts, replicas = (
-            whole("n_contacts", n_contacts, 1),
-            whole("n_replicas", n_replicas, 1),
-        )
-        if replicas >= _MOST_REPLICAS:
-            refuse(
-                "n_replicas",
-                n_replicas,
-                f"must be below {_MOST_REPLICAS}; take more contacts instead",
-            )
-        self._threads = whole("threads", threads, 1)
-        self.total = self.n_contacts * replicas
+        for name, law in (("thermal", contacts.thermal), ("ageing", contacts.ageing)):
+            if law is not None and law.closure == "paper":
+                raise InputError(
+                    f'contacts.{name}: closure = "paper" is an approximation of the master equation, which single '
+                    'contacts do not know; use closure = "exact"'
+                )
+        started, most = self.clock(), (1 << 62, _MOST_REPLICAS)
+        self._set_up(most, n_contacts, n_replicas, threads, comm, wall_time)
+        self.contacts = contacts
         if self.total > _MOST_CONTACTS:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
-        self.expected, self._stopped = self.total, False
         self.drive = Drive(path, velocity, time)
-        often = check_often(contacts, self.drive)
         key_of(seed)
         points = chosen_points(histograms, self.drive.path.size)
         self._engine = Engine(contacts, self.drive, seed, points)
-        self.seconds = self._engine.seconds(often)
-        self.blocks = layout.make_blocks(self.n_contacts, replicas, self.seconds)
-        self._tolerance = (
-            None if tolerance is None else positive("tolerance", tolerance, "such as 1e-4")
-        )
-        self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
+        self.seconds = self._engine.seconds
+        self.blocks = layout.make_blocks(self.n_contacts, self.n_replicas, self.seconds)
+        small = "such as 1e-4"
+        self._tolerance = None if tolerance is None else positive("tolerance", tolerance, small)
         ready = self.clock() - started
         started = self.clock()
         layout.in_turn(comm, lambda: self._engine.follow(self.blocks, -1))
@@ -134,58 +102,22 @@ class Ensemble:
         """
         rank, ranks = layout.rank_and_size(self.comm)
         begun, done = self.clock(), 0
-        with ThreadPoolExecutor(self._threads) if self._threads > 1 else nullcontext() as pool:
-            for one_round in self.blocks.rounds(self._tolerance is not None):
-                mine = layout.share(layout.left(one_round, self._before), rank, ranks)
-                total, late = done + self.blocks.contacts(mine), False
-                work = self._found([block for part in mine for block in part], pool)
-                while not late and (block := next(work, None)) is not None:
-                    done += self.blocks.size(block)
-                    yield done, total
-                    past = self._wall_time is not None and self.clock() - begun > self._wall_time
-                    late = self._stopped or past
-                work.close()
-                for _ in layout.meeting(self.comm):
-                    yield done, total
-                if self._enough(one_round, late or self._stopped):
-                    return
-
-    def _found(
-        self, blocks: list[int], pool: ThreadPoolExecutor | None
-    ) -> Generator[int, None, None]:
-        """Follow blocks, each counted in the state before it is yielded; in threads several at once, in order."""
-        started = self.clock()
-
-        def count(block: int, found: Found) -> int:
-            nonlocal started
-            now = self.clock()
-            # one assignment: whatever interrupts, the state is that of whole blocks
-            self._state = self._state.after(block, self.blocks.size(block), found, now - started)
-            return block
-
-        if pool is None:
-            for block in blocks:
-                started = self.clock()
-                yield count(block, self._engine.follow(self.blocks, block))
-            return
-        under_way = deque[Any]()
-        try:
-            for block in blocks:
-                under_way.append((block, pool.submit(self._engine.follow, self.blocks, block)))
-                if len(under_way) > 2 * self._threads:
-                    first, future = under_way.popleft()
-                    yield count(first, future.result())
-                    started = self.clock()
-            for first, future in under_way:
-                yield count(first, future.result())
-                started = self.clock()
-        finally:
-            for _, future in under_way:
-                future.cancel()
-
-    def stop(self) -> None:
-        """Begin no further block of this rank's share: the result will be that of what is finished."""
-        self._stopped = True
+        for one_round in self.blocks.rounds(self._tolerance is not None):
+            mine = layout.share(layout.left(one_round, self._before), rank, ranks)
+            total, late = done + self.blocks.contacts(mine), False
+            blocks = [block for part in mine for block in part]
+            for one in self._each(lambda block: self._engine.follow(self.blocks, block), blocks):
+                # one assignment: whatever interrupts, the state is that of whole blocks
+                size = self.blocks.size(one.unit)
+                self._state = self._state.after(one.unit, size, one.found, one.seconds)
+                done += size
+                yield done, total
+                if late := self._late(begun):
+                    break
+            for _ in layout.meeting(self.comm):
+                yield done, total
+            if self._enough(one_round, late or self._stopped):
+                return
 
     @property
     def state(self) -> State:

@@ -11,9 +11,8 @@ import numpy as np
 
 from eq_model.breaking import most, rate
 from eq_model.compiling import bare
-from eq_model.contact import LIVES, LOOKS, Break
+from eq_model.contact import LIVES, LOOKS, Break, look_at
 from eq_model.streams import STEPS, uniform, words_at
-from eq_model.watch import look_at
 
 _I, _F = np.int64, np.float64
 _SMALL = 0.4  # grain sizes, of the largest, below which psi is integrated: its closed form cancels

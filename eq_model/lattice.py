@@ -87,7 +87,7 @@ def make_lattice(drive: Drive, scale: float, reach: float, exact: bool) -> Latti
     if reach / scale > 2.0 ** (SUM_BITS - np.log2(BLOCK) - _LEAST_BITS):
         raise InputError(
             f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted "
-            "in; the ensemble sums up to some 1e6 of them: use thresholds with a shorter tail"
+            "in; the ensemble sums up to some 1e6 of them: use thresholds with a shorter tail, or other units"
         )
     if bits < _LEAST_BITS:
         raise InputError(

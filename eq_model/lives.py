@@ -10,45 +10,24 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.bins import bin_of, later, place_of
 from eq_model.compiling import bare, compiled, inlined
-from eq_model.contact import Contact, life, look
-from eq_model.moments import STIFFNESS_UNIT
-from eq_model.quantiles import Scratch, beyond, draw_inside, draw_values
+from eq_model.contact import Contact, bin_of, count_event, later, life, look, place_of
+from eq_model.quantiles import beyond, draw_inside, draw_values, scratch
 from eq_model.streams import (
     BEYOND,
     EXPOSURES,
     LANES,
     REFORMING,
-    ROW,
     STARTS,
     THRESHOLDS,
     draw,
     uniform,
     words_at,
+    words_of_round,
 )
-from eq_model.tables import LEVEL_UNIT, Table
+from eq_model.tables import LEVEL_UNIT
 
 _U, _I, _F = np.uint64, np.int64, np.float64
-
-
-class Settings(NamedTuple):
-    """What all contacts share, beside their law; in whole units."""
-
-    thresholds: Table
-    reforming: Table
-    exposures: Table  # ln e, e of the exponential law of mean 1
-    single: np.int64  # the stretch at which contacts form again, where it is not drawn
-    top: np.int64  # no threshold lies beyond: stretches from here on are drawn again
-    mean: float  # threshold, of mean stiffness
-    wait: float  # a time
-    starts: Table  # of the stretches at X = 0, where drawn
-    begun: np.int64  # the stretch at X = 0 of all, or about the mean where drawn
-    square: float  # squared distances from that, whole, are this times unit^-2
-    drawn: bool
-    spread: bool  # whether stretches of re-forming are drawn
-    bears: bool  # whether the law asks what contacts bear
-    linked: bool  # stiffness to the threshold
 
 
 class Lanes(NamedTuple):
@@ -64,39 +43,6 @@ class Lanes(NamedTuple):
     taken: npt.NDArray[np.int64]  # (1,): contacts of the block that were begun
 
 
-class Sums(NamedTuple):
-    """What is added up in each bin; y: a contact's stretch when its bin ends, with the other sign.
-
-    all : (bins + 1, 2) of the contacts that hold, their number and y; or where stiffness is linked
-    (bins + 1, 3), number, k and k y. some : (bins + 1, 5) of measured blocks, (k y)², breaks, squares
-    of the forces they took, and where linked k² and k² y. The last row is that of the start, unless
-    linked: contacts, their distances from `begun`, and in `some` the squares of these.
-    """
-
-    all: npt.NDArray[np.int64]
-    some: npt.NDArray[np.int64]
-    measured: bool
-
-
-@inlined
-def _event(sign, linked, stiffness, birth, j, bins, sums):  # type: ignore[no-untyped-def]
-    """Add to bin j a contact that is born (sign 1) or breaks (-1); birth: slider where it is relaxed."""
-    y, j = birth - bins.places[_U(j)], _U(j)
-    sums.all[j, _U(0)] += sign
-    if not linked:
-        sums.all[j, 1] += sign * y
-        if sums.measured:
-            sums.some[j, 0] += sign * _I(np.rint(_F(y) * _F(y) * bins.square))
-        return
-    sums.all[j, 1] += sign * _I(np.rint(stiffness * STIFFNESS_UNIT))
-    sums.all[j, 2] += sign * _I(np.rint(stiffness * y))
-    if sums.measured:
-        square, exact = stiffness * stiffness, _F(y)
-        sums.some[j, 0] += sign * _I(np.rint(square * exact * exact * bins.square))
-        sums.some[j, 3] += sign * _I(np.rint(square * STIFFNESS_UNIT))
-        sums.some[j, 4] += sign * _I(np.rint(square * exact))
-
-
 @inlined
 def _follow(  # type: ignore[no-untyped-def]
     i, contact, settings, law, course, bins, watch, lanes, sums, counts
@@ -105,32 +51,19 @@ def _follow(  # type: ignore[no-untyped-def]
     birth, end = place_of(contact.clock, contact.leg, course) - contact.stretch, bins.end
     born, broken = bin_of(contact.clock, bins), bins.points.size
     found = life(law, contact, course, watch, counts)
-    lanes.drawn[i] = found.drawn
     clock, leg, over = found.clock, found.leg, found.clock > end
     if found.held:
-        if contact.fresh or settings.linked:
-            _event(1, settings.linked, contact.stiffness, birth, born, bins, sums)
-        else:
-            apart, top = contact.stretch - settings.begun, bins.points.size
-            sums.all[top, 0] += 1
-            sums.all[top, 1] += apart
-            sums.some[top, 0] += _I(np.rint(_F(apart) * _F(apart) * settings.square))
+        count_event(1, settings.linked, contact.stiffness, birth, born, bins, sums)
         if not over:
             broken = bin_of(clock, bins)
-            _event(-1, settings.linked, contact.stiffness, birth, broken, bins, sums)
-            if sums.measured:
-                force = contact.stiffness * _F(place_of(clock, leg, course) - birth)
-                sums.some[broken, 1] += 1
-                sums.some[broken, 2] += _I(np.rint(force * force * bins.square))
+            count_event(-1, settings.linked, contact.stiffness, birth, broken, bins, sums)
         if counts.shape[0]:
             look(law, contact, course, born, broken, birth, watch, counts)
     if not over and settings.wait > 0.0:
         clock, leg = later(clock, leg, settings.wait, course)
-    if clock > end:
-        lanes.left[i] -= 1
-        lanes.clock[i], lanes.leg[i], lanes.fresh[i] = 0, 0, False
-    else:
-        lanes.clock[i], lanes.leg[i], lanes.fresh[i] = clock, leg, True
+    lanes.drawn[i], lanes.fresh[i] = found.drawn, clock <= end
+    lanes.clock[i], lanes.leg[i] = (clock, leg) if clock <= end else (_I(0), _I(0))
+    lanes.left[i] -= _I(clock > end)
     return found.held and not over
 
 
@@ -166,9 +99,8 @@ def _follow_row(  # type: ignore[no-untyped-def]
             stretch = r[i]
         if threshold < abs(stretch):
             a, b, c, d = words_at(i, turn, stream, BEYOND + row)
-            threshold = beyond(
-                abs(stretch), uniform(a, b), uniform(c, d), settings.thresholds, rows
-            )
+            first_of_two, second = uniform(a, b), uniform(c, d)
+            threshold = beyond(abs(stretch), first_of_two, second, settings.thresholds, rows)
         contact = Contact(
             lanes.clock[i],
             lanes.leg[i],
@@ -193,38 +125,19 @@ def _follow_row(  # type: ignore[no-untyped-def]
 def follow_lives(stream, count, settings, law, course, bins, watch, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one block of contacts to the drive's end: breaks, and steps of those that take any.
 
-    sums : of Sums, increased. counts : as of watch.look.
+    sums : increased. counts : as of contact.look_at.
     """
-    n = min(LANES, count)
-    words, more = np.empty(4 * ROW, np.uint32), np.empty(4 * ROW, np.uint32)
-    again = np.empty(4 * ROW, np.uint32)
-    rows = Scratch(
-        np.full(9, -1.0),
-        np.empty(LANES, np.uint32),
-        np.empty(LANES, np.uint32),
-        np.empty(LANES, np.uint32),
-        np.empty(LANES),
-        np.empty(2 * LANES, _I),
-    )
+    n, top, rows = min(LANES, count), settings.top, scratch()
+    words, more, again = words_of_round(), words_of_round(), words_of_round()
     x, e, r = np.zeros(LANES, _I), np.zeros(LANES, _I), np.zeros(LANES, _I)
-    lanes = Lanes(
-        np.zeros(LANES, _I),
-        np.zeros(LANES, _I),
-        np.zeros(LANES, np.bool_),
-        np.zeros(LANES, _I),
-        np.zeros(LANES, _I),
-        np.zeros(LANES, _I),
-        np.zeros(LANES, _I),
-        np.full(1, n),
-    )
+    none, fresh = np.zeros((6, LANES), _I), np.zeros(LANES, np.bool_)
+    lanes = Lanes(none[0], none[1], fresh, none[2], none[3], none[4], none[5], np.full(1, n))
     # the stretches at X = 0 of all contacts of the block
     first = np.full(-(-count // LANES) * LANES, settings.begun)
     for part in range(first.size // LANES if settings.drawn else 0):
         draw(_I(LANES), part, stream, STARTS, words)
         own = first[part * LANES : (part + 1) * LANES]
-        draw_inside(
-            _I(LANES), _I(0), part, stream, STARTS, words, settings.starts, settings.top, rows, own
-        )
+        draw_inside(_I(LANES), _I(0), part, stream, STARTS, words, settings.starts, top, rows, own)
     for i in range(n):
         lanes.lane[i], lanes.start[i], lanes.left[i] = i, first[i], count // n + (i < count % n)
     breaks, steps, turn = _I(0), _I(0), _I(0)
@@ -239,19 +152,9 @@ def follow_lives(stream, count, settings, law, course, bins, watch, sums, counts
             if settings.bears:
                 draw_values(n, row, turn, stream, EXPOSURES, more, settings.exposures, rows, e)
             if settings.spread:
-                draw_inside(
-                    n,
-                    row,
-                    turn,
-                    stream,
-                    REFORMING,
-                    again,
-                    settings.reforming,
-                    settings.top,
-                    rows,
-                    r,
-                )
-            more_breaks, more_steps = _follow_row(
+                table = settings.reforming
+                draw_inside(n, row, turn, stream, REFORMING, again, table, top, rows, r)
+            found = _follow_row(
                 n,
                 row,
                 turn,
@@ -270,8 +173,8 @@ def follow_lives(stream, count, settings, law, course, bins, watch, sums, counts
                 sums,
                 counts,
             )
-            breaks += more_breaks
-            steps += more_steps
+            breaks += found[0]
+            steps += found[1]
         turn += 1
         n = _kept(n, lanes)
     return breaks, steps
@@ -283,12 +186,8 @@ def _kept(n, lanes):  # type: ignore[no-untyped-def]
     m = 0
     for i in range(n):
         if lanes.left[i] > 0:
-            lanes.clock[m], lanes.leg[m], lanes.fresh[m] = (
-                lanes.clock[i],
-                lanes.leg[i],
-                lanes.fresh[i],
-            )
-            lanes.start[m], lanes.left[m] = lanes.start[i], lanes.left[i]
-            lanes.lane[m], lanes.drawn[m] = lanes.lane[i], lanes.drawn[i]
+            for one in (lanes.clock, lanes.leg, lanes.start, lanes.left, lanes.lane, lanes.drawn):
+                one[m] = one[i]
+            lanes.fresh[m] = lanes.fresh[i]
             m += 1
     return m

@@ -1,13 +1,13 @@
-"""What the sums of blocks say of the force: means, variances between contacts, and the error of steps."""
+"""What the sums of blocks say of the force: its mean, its variance between contacts, the error of steps."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from eq_model.lattice import Lattice
 from eq_model.layout import Blocks
-from eq_model.rare import Seen, unseen_break, unseen_variance
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
@@ -18,10 +18,13 @@ _LIMB = 32  # bits of the low one of the two numbers that hold a sum of all bloc
 # one in EACH contacts of a block is followed once more in steps COARSER times longer, whose force tells
 # the error of the steps
 COARSER, EACH = 8, 8
+_RARE = (
+    0.01  # breaks expected: a threshold so rare is the largest that n contacts are thought to meet
+)
+_NEVER = 1e-9  # breaks expected that need not be thought of
 
 
-@dataclass(frozen=True)
-class Moments:
+class Moments(NamedTuple):
     """At the points of the path: fraction that holds, mean force (a length), its variance between contacts."""
 
     holding: Array
@@ -34,128 +37,116 @@ def split(sums: Whole) -> Whole:
     return np.stack([sums >> _LIMB, sums & ((1 << _LIMB) - 1)])
 
 
-def _rows(limbs: Whole, columns: int) -> npt.NDArray[np.object_]:
-    """Limbs as whole numbers of any size, a row for each bin, and one for the start."""
-    return (limbs[0].astype(object) * (1 << _LIMB) + limbs[1].astype(object)).reshape(-1, columns)
-
-
 @dataclass(frozen=True)
 class Readout:
     """How to read the sums of contacts on a lattice.
 
-    plain : whether they are forward's. begun, start_square : as of forward.Plain. told : shape (n,),
-    the slider at the path's points (lengths), what the rounding of a single start leaves added.
-    columns : sums of each bin, of all and more of measured blocks; parts : sizes of the sums of all,
-    of measured blocks, and of those in coarser steps. reached : shape (n,), the largest stretch there
-    may be, times the stiffness; differ : variance of stiffness over its mean squared; longest : the
-    largest stretch in all.
+    told : shape (n,), the slider at the path's points (lengths), what the rounding of a single start
+    leaves added. columns : sums of each bin, of all and more of measured blocks. parts : sizes of the
+    sums of all, of measured blocks, and of those in coarser steps. furthest : the largest stretch at
+    which contacts begin; low, high : shape (n,), the slider's lowest and highest position until the
+    points (lengths); stretch : the largest stretch there.
     """
 
     contacts: Contacts
     lattice: Lattice
-    plain: bool
-    begun: int
-    start_square: float
     told: Array
     columns: tuple[int, int]
     parts: Whole
-    reached: Array
-    differ: float
-    longest: float
-
-    @property
-    def _linked(self) -> bool:
-        return self.contacts.stiffness == "linked"
+    furthest: float
+    low: Array
+    high: Array
+    stretch: Array
 
     def _moments(self, n: int, limbs: Whole) -> Moments:
-        """Of n contacts, from limbs of all and some sums side by side; whole numbers, so nothing cancels."""
-        lattice, part, columns = self.lattice, int(STIFFNESS_UNIT), sum(self.columns)
-        rows, reference = _rows(limbs, columns), lattice.bins.places.astype(object)
-        start, rows = rows[-1], rows[:-1]
-        some = rows[:, self.columns[0] :]
-        number, back = 1.0 / lattice.bins.square, some[:, 0]
-        # columns of stretches are whole lengths, those of stiffnesses parts of STIFFNESS_UNIT
-        weight, first = (
-            (rows[:, 1], rows[:, 2]) if self._linked else (rows[:, 0] * part, rows[:, 1])
-        )
-        squared, first_squared = (some[:, 3], some[:, 4]) if self._linked else (weight, first)
-        count, held, born, squares, squares_born, squares_far = (
+        """Of n contacts, from limbs of all sums, with some or without; whole numbers, so nothing cancels.
+
+        y is minus a contact's stretch when its bin ends, at `places`; k y sums are whole lengths, k sums
+        parts of STIFFNESS_UNIT.
+        """
+        lattice, part, linked = self.lattice, int(STIFFNESS_UNIT), self.columns[0] == 3
+        whole = limbs[0].astype(object) * (1 << _LIMB) + limbs[1].astype(object)
+        rows = whole.reshape(lattice.bins.points.size, -1).T
+        (count, ky), some = rows[:2], rows[self.columns[0] :]
+        k = rows[2] if linked else count * part
+        square = some[0] if len(some) else 0 * count
+        kky, kk = (some[1], some[2]) if len(some) > 1 else (ky, k)
+        places, per_square = lattice.bins.places.astype(object), round(1.0 / lattice.bins.square)
+        holds, held, born, squares, squares_born, squares_far = (
             np.cumsum(change)[lattice.place]
             for change in (
-                rows[:, 0],
-                weight,
-                first * part + weight * reference,
-                squared,
-                first_squared * part + squared * reference,
-                back * (round(number) * part)
-                + reference * (2 * part * first_squared + squared * reference),
+                count,
+                k,
+                ky * part + k * places,
+                kk,
+                kky * part + kk * places,
+                square * (per_square * part) + places * (2 * part * kky + kk * places),
             )
         )
-        if not self._linked:
-            # contacts are relaxed where the slider is at minus their stretch at X = 0
-            begun, many = self.begun, start[0]
-            births = -part * (start[1] + many * begun)
-            far = round(1.0 / self.start_square) * start[2] + begun * (2 * start[1] + many * begun)
-            count, held, born = count + many, held + many * part, born + births
-            squares, squares_born = squares + many * part, squares_born + births
-            squares_far = squares_far + far * part
         at = np.rint(self.told / lattice.unit).astype(np.int64)
         beside, x = self.told - at * lattice.unit, at.astype(object)
         force = held * x - born
-        spread = (squares * x - 2 * squares_born) * x + squares_far
-        variance = (
-            (spread * (part * n) - force * force).astype(float) * (lattice.unit / part) ** 2 / n
-        )
+        spread = ((squares * x - 2 * squares_born) * x + squares_far) * (part * n) - force * force
         mean = (force.astype(float) * lattice.unit + held.astype(float) * beside) / (part * n)
-        variance = np.maximum(variance, 0.0) / (n - 1) if n > 1 else np.full(mean.size, np.inf)
-        return Moments(count.astype(float) / n, mean, variance)
-
-    def _mean(self, n: int, limbs: Whole) -> Moments:
-        """Without the variance, from limbs of all contacts' sums."""
-        wide = np.zeros((2, limbs.shape[1] // self.columns[0], sum(self.columns)), np.int64)
-        wide[:, :, : self.columns[0]] = limbs.reshape(2, -1, self.columns[0])
-        return self._moments(n, wide.reshape(2, -1))
+        variance = np.full(mean.size, np.inf)
+        if n > 1:
+            variance = spread.astype(float) * (lattice.unit / part) ** 2 / n / (n - 1)
+        return Moments(holds.astype(float) / n, mean, np.maximum(variance, 0.0))
 
     def moments(self, blocks: Blocks, done: list[range], sums: Whole) -> Moments:
-        """Of these blocks, with the variance that breaks too rare to be seen add."""
+        """Of these blocks; the variance is no less than what could not be seen."""
         n, measured = blocks.contacts(done), blocks.measured(done)
         first, second, _ = self.parts
-        mean = self._mean(n, sums[:, :first])
-        if not measured:
-            return Moments(mean.holding, mean.force, np.full(mean.force.size, np.inf))
-        limbs = sums[:, first : first + second]
-        spread = self._moments(measured, limbs).variance
-        seen = self._seen(n / measured, limbs)
-        contacts, reached = self.contacts, self.reached.copy()
-        if self.plain and contacts.thermal is None:
-            # so early the first breaks are known better than that one might have been
-            unseen, known = unseen_variance(contacts, self.lattice.path, measured)
-            spread = np.maximum(spread, unseen)
-            reached[:known] = 0.0
-        warm = contacts.thermal is not None
-        alike = contacts.start.is_single and not np.diff(contacts.thresholds.support())[0]
-        if self.plain and alike and not warm:
-            spread = np.zeros(spread.size)  # but for rounding: contacts are all alike
-        else:
-            present = spread + mean.force**2
-            rare = unseen_break(seen, self.lattice.place, n, present, reached, warm)
-            # the stiffest contacts may be in none of few
-            spread = np.maximum(spread, np.maximum(rare, self.differ * mean.force**2))
-        return Moments(mean.holding, mean.force, spread)
+        mean = self._moments(n, sums[:, :first])
+        if measured < 2:
+            return mean._replace(variance=np.full(mean.force.size, np.inf))
+        seen = self._moments(measured, sums[:, first : first + second]).variance
+        return mean._replace(variance=self._no_less(seen, mean.force, n))
 
-    def _seen(self, scale: float, limbs: Whole) -> Seen:
-        """Breaks of `scale` times as many contacts as are measured."""
-        unit, bins, held = self.lattice.unit, self.lattice.bins, self.columns[0]
-        rows = _rows(limbs, sum(self.columns))[:-1].astype(float)
-        points, area = bins.points.astype(float), unit**2 / bins.square
-        if not self.plain:
-            return Seen(points, rows[:, held + 1] * scale, rows[:, held + 2] * area * scale)
-        # each break releases x at b, and x² + 2x (end - b) of the second moments about the bin's end
-        stretches = np.maximum(rows[:, 1], 0.0) * unit
-        squares = np.clip(-rows[:, held] * area, 0.0, self.longest * stretches)
-        largest = squares.sum() / max(stretches.sum(), unit)
-        breaks = stretches * (scale / largest) if largest > 0.0 else np.zeros(stretches.size)
-        return Seen(points, breaks, squares * scale)
+    def _no_less(self, seen: Array, force: Array, n: int) -> Array:
+        """At least what one break more or less makes of the mean of n contacts."""
+        contacts, unit = self.contacts, self.lattice.unit
+        law, again, cold = contacts.thresholds, contacts.reforming, contacts.thermal is None
+        constant = contacts.ageing is None and contacts.grains is None
+        alike = contacts.start.is_single and not np.diff(law.support())[0]
+        if cold and constant and alike and (again is None or again.law.is_single):
+            return np.zeros(force.size)  # but for rounding
+        stretch, mean, differ = self.stretch, contacts.mean_threshold, 0.0
+        if constant:
+            stretch = np.minimum(stretch, max(float(law.isf(_RARE / n)), self.furthest))
+        reached = stretch
+        if contacts.stiffness == "linked":
+            # what breaks first is weak; but no contact is weaker than it is stretched
+            usual = float(np.sqrt(law.moment(2))) / mean
+            reached = stretch * np.maximum(
+                stretch / mean, min(usual, float(law.isf(_RARE / n)) / mean)
+            )
+            differ = min(usual**2, float(law.isf(_RARE / n)) / mean) - 1.0
+        # of so many contacts one break has been seen; first ones may be rarer
+        share = self._broken() if cold and constant else np.ones(force.size)
+        share = np.where(n * share > _NEVER, np.minimum(share, 1.0 / n), 0.0)
+        least = np.maximum(reached**2 * share, differ * force**2)
+        rounded = unit**2 / self.lattice.bins.square  # squares of stretches are
+        if contacts.start.is_single:
+            return np.maximum(np.where(seen < rounded, 0.0, seen), least)
+        return np.maximum(seen, np.maximum(least, rounded))
+
+    def _broken(self) -> Array:
+        """At the points the share of contacts that have broken at T = 0, but for a factor of some 2; from above."""
+        start, law = self.contacts.start, self.contacts.thresholds
+        x, weights = np.array([start.mean()]), np.ones(1)
+        if not start.is_single:  # octaves of probability, each by its outer end
+            weights = np.repeat(2.0 ** -np.arange(2.0, 42.0), 2)
+            x = np.stack([start.ppf(weights[::2]), start.isf(weights[::2])], axis=1).ravel()
+        x = x[:, None]
+        held = np.abs(x)
+        reached = np.maximum(held, np.maximum(x + self.high, -x - self.low))
+        before = law.sf(held)
+        broken = law.cdf(reached) - law.cdf(held), before - law.sf(reached)
+        share = np.where(
+            law.cdf(held) < 0.5, *broken
+        )  # the larger tail loses digits as a difference
+        return weights @ np.divide(share, before, out=np.zeros(share.shape), where=before > 0.0)
 
     def step_error(self, blocks: Blocks, done: list[range], sums: Whole) -> Array:
         """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.

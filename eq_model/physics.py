@@ -6,14 +6,14 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from eq_model.lattice import Lattice
-from origins import Contacts, RateLaw
+from origins import Contacts, RateLaw, Thermal
 from origins.laws.compiled import CompiledRates, called
 
 # of the time in which old thresholds forget: the bridge within a step is that of free diffusion
 STEP = 0.04
-STEP_ELSE = 0.5  # squares of the standard deviation that a law's table allows
+STEP_ELSE = 0.01  # of the squared width of another final law's middle half: a step's variance
 
-
+_ANY = Thermal("soft", 1.0)
 _CALLED: WeakKeyDictionary[object, CompiledRates] = WeakKeyDictionary()
 
 
@@ -31,9 +31,8 @@ def rates_of(contacts: Contacts) -> Any:
     """The settings of the rates at which these contacts break, known to the compiler by their type."""
     from eq_model import breaking
 
-    if contacts.thermal is None:
-        return breaking.NoRates()
-    found = _compiled(contacts.thermal.rates)
+    # without any, those of some law: kernels do not ask for them then
+    found = _compiled((contacts.thermal or _ANY).rates)
     breaking.RATES.setdefault(type(found.law), found)
     return found.law
 
@@ -66,54 +65,17 @@ def _growing(contacts: Contacts, unit: float, rates: Any) -> Any:
 
 
 def _diffusing(contacts: Contacts, unit: float, rates: Any) -> Any:
-    from eq_model.ageing_tables import drift_table
+    from eq_model.ageing_tables import NO_DRIFT, drift_table
     from eq_model.diffusing import Ageing
 
-    ageing, nothing, warm = contacts.ageing, np.zeros(2), contacts.thermal is not None
+    ageing, warm = contacts.ageing, contacts.thermal is not None
     assert ageing is not None
-    diffusion, normal = ageing.rate / unit**2, ageing.normal
+    normal, final, diffusion = ageing.normal, ageing.final, ageing.rate / unit**2
     if normal is not None:
+        mean, width, longest = normal.mean / unit, normal.std / unit, STEP / normal.rate
         return Ageing(
-            normal=True,
-            mean=normal.mean / unit,
-            width=normal.std / unit,
-            relaxing=normal.rate,
-            diffusion=diffusion,
-            first=0.0,
-            step=1.0,
-            values=nothing,
-            slopes=nothing,
-            shares=nothing,
-            low=0.0,
-            high=np.inf,
-            near=0.0,
-            far=np.inf,
-            longest=STEP / normal.rate,
-            coarse=1.0,
-            warm=warm,
-            rates=rates,
-            unit=unit,
+            True, mean, width, normal.rate, diffusion, NO_DRIFT, longest, 1.0, warm, rates, unit
         )
-    table = drift_table(ageing.final, contacts.thresholds)
-    low, high, near, far = (end / unit for end in (*table.ends, *table.reach))
-    return Ageing(
-        normal=False,
-        mean=0.0,
-        width=0.0,
-        relaxing=0.0,
-        diffusion=diffusion,
-        first=table.first - (0.0 if np.isfinite(table.ends[1]) else np.log(unit)),
-        step=table.step,
-        values=table.values,
-        slopes=table.slopes,
-        shares=(table.spreads / table.typical) ** 2,
-        low=low,
-        high=high,
-        near=near,
-        far=far,
-        longest=STEP_ELSE * table.typical**2 / ageing.rate,
-        coarse=1.0,
-        warm=warm,
-        rates=rates,
-        unit=unit,
-    )
+    table = drift_table(final, contacts.thresholds).in_units(unit)
+    longest = STEP_ELSE * float(final.isf(0.25) - final.ppf(0.25)) ** 2 / (2.0 * ageing.rate)
+    return Ageing(False, 0.0, 0.0, 0.0, diffusion, table, longest, 1.0, warm, rates, unit)

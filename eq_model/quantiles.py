@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.compiling import bare, bits_of, double_of, inlined, single_of
+from eq_model.compiling import bare, bits_of, compiled, double_of, inlined, single_of
 from eq_model.streams import LANES, ROW, fine_word, words_at
 from eq_model.tables import CELL_BITS, FAR, OCTAVES, SIDE
 
@@ -28,7 +28,8 @@ class Scratch(NamedTuple):
     got: npt.NDArray[np.int64]
 
 
-def scratch() -> Scratch:
+@compiled
+def scratch():  # type: ignore[no-untyped-def]
     """Room for LANES lanes."""
     return Scratch(
         np.full(9, -1.0),

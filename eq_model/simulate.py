@@ -16,9 +16,13 @@ from origins.errors import refuse
 
 
 @overload
-def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: float, **more: Any) -> CoupledResult: ...
+def simulate(
+    contacts: Contacts, path: npt.ArrayLike, *, spring: float, **more: Any
+) -> CoupledResult: ...
 @overload
-def simulate(contacts: Contacts, path: npt.ArrayLike, *, spring: None = None, **more: Any) -> EnsembleResult: ...
+def simulate(
+    contacts: Contacts, path: npt.ArrayLike, *, spring: None = None, **more: Any
+) -> EnsembleResult: ...
 def simulate(  # type: ignore[misc]  # the arguments are told once, below
     contacts: Contacts,
     path: npt.ArrayLike,
@@ -92,45 +96,29 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
 
     plain.py follows one life in plain Python; closest.py is the paper's own algorithm.
     """
-    if spring is not None:
-        if tolerance is not None or np.size(histograms):
-            name, value = ("histograms", histograms) if tolerance is None else ("tolerance", tolerance)
-            refuse(name, value, "is of independent contacts; leave it out with a spring, and give n_replicas")
-        coupled = CoupledEnsemble(
-            contacts,
-            path,
-            velocity=velocity,
-            time=time,
-            spring=spring,
-            slip=slip,
-            slip_fraction=SLIP_FRACTION if slip_fraction is None else slip_fraction,
-            n_contacts=n_contacts,
-            n_replicas=n_replicas,
-            seed=seed,
-            wall_time=wall_time,
-            comm=comm,
-            threads=threads,
+    common: dict[str, Any] = {
+        "velocity": velocity,
+        "time": time,
+        "wall_time": wall_time,
+        "seed": seed,
+    }
+    common |= {"n_contacts": n_contacts, "n_replicas": n_replicas, "comm": comm, "threads": threads}
+    ensemble: Ensemble | CoupledEnsemble
+    if spring is None:
+        if slip_fraction is not None:
+            rule = "is of a soft slider; give its spring, or leave it out"
+            refuse("slip_fraction", slip_fraction, rule)
+        Drive(path, velocity, time, None, slip)  # refuses a slip of a rigid slider
+        ensemble = Ensemble(contacts, path, tolerance=tolerance, histograms=histograms, **common)
+    else:
+        for name, value in (("tolerance", tolerance), ("histograms", histograms)):
+            if value is not None and np.size(value):
+                rule = "is of independent contacts; leave it out with a spring, and give n_replicas"
+                refuse(name, value, rule)
+        share = SLIP_FRACTION if slip_fraction is None else slip_fraction
+        ensemble = CoupledEnsemble(
+            contacts, path, spring=spring, slip=slip, slip_fraction=share, **common
         )
-        for _ in coupled:
-            pass
-        return coupled.result()
-    if slip_fraction is not None:
-        refuse("slip_fraction", slip_fraction, "is of a soft slider; give its spring, or leave it out")
-    Drive(path, velocity, time, None, slip)  # refuses a slip of a rigid slider
-    ensemble = Ensemble(
-        contacts,
-        path,
-        velocity=velocity,
-        time=time,
-        n_contacts=n_contacts,
-        n_replicas=n_replicas,
-        seed=seed,
-        tolerance=tolerance,
-        wall_time=wall_time,
-        histograms=histograms,
-        comm=comm,
-        threads=threads,
-    )
     for _ in ensemble:
         pass
     return ensemble.result()

@@ -31,15 +31,8 @@ class State:
 
     def after(self, block: int, contacts: int, found: Found, seconds: float) -> State:
         """With one block more, of so many contacts, which took so long."""
-        return State(
-            self.sums + found.sums,
-            self.counts + found.counts,
-            self.contacts + contacts,
-            self.breaks + found.breaks,
-            self.steps + found.steps,
-            layout.joined(self.done, range(block, block + 1)),
-            self.run_time + seconds,
-        )
+        done = layout.joined(self.done, range(block, block + 1))
+        return self._plus(State(*found[:2], contacts, *found[2:], done, self.run_time + seconds))
 
     def joined(self, other: State) -> State:
         """Of both."""
@@ -47,14 +40,14 @@ class State:
             raise InputError(
                 "earlier: was found on another path, or for other contacts; start anew"
             )
-        return State(
-            self.sums + other.sums,
-            self.counts + other.counts,
-            self.contacts + other.contacts,
-            self.breaks + other.breaks,
-            self.steps + other.steps,
-            self.done + other.done,
-            max(self.run_time, other.run_time),
+        longest = max(self.run_time, other.run_time)
+        return self._plus(replace(other, done=self.done + other.done, run_time=longest))
+
+    def _plus(self, other: State) -> State:
+        """`other` with the numbers of this one added."""
+        names = ("sums", "counts", "contacts", "breaks", "steps")
+        return replace(
+            other, **{name: getattr(self, name) + getattr(other, name) for name in names}
         )
 
     def without_sums(self) -> State:

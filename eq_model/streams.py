@@ -8,9 +8,8 @@ may be run by any rank or thread, and in any order. Seven rounds of Philox4x32 p
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from eq_model.compiling import bare, inlined
+from eq_model.compiling import bare, compiled, inlined
 from origins.errors import refuse, whole
 
 LANES = 512  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
@@ -19,7 +18,7 @@ ROUNDS = 7
 
 # what words are for; `fine` ones continue the four words of a round where 32 bits are too few. Of a
 # type of numpy's: for each number of Python's own numba compiles a function anew.
-THRESHOLDS, STARTS, EXPOSURES, REFORMING, BEYOND, STEPS = np.arange(0, 96, 16)
+THRESHOLDS, STARTS, EXPOSURES, REFORMING, BEYOND, STEPS, WATCHED = np.arange(0, 112, 16)
 _FINE = 4
 
 _U = np.uint64
@@ -44,7 +43,8 @@ def make_stream(seed: object, block: int) -> Stream:
     return Stream(_U(number & 0xFFFFFFFF), _U(number >> 32), _U(block))
 
 
-def words_of_round() -> npt.NDArray[np.uint32]:
+@compiled
+def words_of_round():  # type: ignore[no-untyped-def]
     """Room for the four rows of words that `draw` writes."""
     return np.zeros(4 * ROW, np.uint32)
 

@@ -19,7 +19,7 @@ def forces_at(n_i: int, n_j: int, angle: np.ndarray) -> np.ndarray:
 
 
 def test_one_size_at_all_angles() -> None:
-    """The forces are those of angles equally likely over the circle, and their sampling error covers the rest."""
+    """The forces are those of angles equally likely over the circle."""
     law = origins.domains(A, sizes=[(10, 9)], stiffness=2.0, samples=50_000)
     record = law.domains
     assert record.barriers.shape == record.angles.shape == record.n_atoms.shape == (50_000,)
@@ -28,10 +28,10 @@ def test_one_size_at_all_angles() -> None:
     np.testing.assert_array_equal(record.barriers, origins.triangular_barrier(A, 10, 9, record.angles))
     exact = np.sort(forces_at(10, 9, 2.0 * np.pi * (np.arange(200_001) + 0.5) / 200_001))
     assert stats.ks_2samp(record.forces, exact).pvalue > 1e-3
-    # one size: x_s = f_s/k, whatever the law between sizes
+    # one size: x_s = f_s/k, whatever the law between sizes, and no sampling error
     x = np.quantile(exact / 2.0, np.linspace(0.02, 0.98, 49))
-    assert np.abs(law.cdf(x) - np.linspace(0.02, 0.98, 49)).max() < law.cdf_error + law.cdf_misfit
-    assert law.mean() == pytest.approx(exact.mean() / 2.0, rel=0.02)
+    assert np.abs(law.cdf(x) - np.linspace(0.02, 0.98, 49)).max() < 1e-4
+    assert law.mean() == pytest.approx(exact.mean() / 2.0, rel=1e-8)
     assert record.superlubric_weight == 0.0 and record.mean_stiffness == 2.0
 
 

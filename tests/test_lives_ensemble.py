@@ -326,3 +326,22 @@ def test_a_tolerance_out_of_all_reach_is_told() -> None:
     for contacts, tolerance, told in ((10, 1e-200, "more than 1.4e+11"), (10, 1e-300, "more than"), (1, 0.1, "two")):
         run = eq_model.simulate(Contacts(GAUSSIAN), [1.0], n_contacts=contacts, tolerance=tolerance)
         assert not run.success and told in run.message
+
+
+@pytest.mark.parametrize("final", [origins.gaussian(0.9, 0.1), scipy.stats.uniform(0.1, 1.4)])
+@pytest.mark.parametrize("thermal", [None, Thermal("soft", 0.1, 1.0)])
+def test_histograms_of_ageing_change_no_draw_and_are_those_of_a_shorter_drive(final: Any, thermal: Any) -> None:
+    """Between two steps thresholds are drawn from a bridge; at the end of a drive each step ends."""
+    contacts = Contacts(origins.rectangular(0.4, 0.9), 0.1, thermal, Ageing(final, 0.1))
+    path, n = np.array([0.3, 0.313, 0.7, 1.5]), 40_000
+    asked: dict[str, Any] = {"n_contacts": n, "seed": 5}
+    whole = eq_model.simulate(contacts, path, **asked, histograms=[0, 1, 2])
+    without = eq_model.simulate(contacts, path, **asked)
+    assert np.array_equal(whole.force, without.force) and whole.breaks == without.breaks
+    for k, found in enumerate(whole.histograms):
+        short = eq_model.simulate(contacts, path[: k + 1], n_contacts=n, seed=6, histograms=[-1]).histograms[0]
+        assert found.count == n
+        for name, edges in (("stretches", "stretch_edges"), ("thresholds", "threshold_edges")):
+            one, other = (np.cumsum(getattr(h, name) * np.diff(getattr(h, edges))) for h in (found, short))
+            apart = one - np.interp(getattr(found, edges)[1:], getattr(short, edges)[1:], other)
+            assert np.abs(apart).max() < 2.2 * np.sqrt(2.0 / n)

@@ -60,7 +60,7 @@ def test_the_ends_of_sharp_drops_are_in_the_error(back: list[float], n: int) -> 
     [
         (origins.Contacts(WIDE, stiffness="linked"), 1e-8),
         (origins.Contacts(stats.lomax(3.0), stiffness="linked"), [1e-7, 1e-6, -3e-7]),
-        (origins.Contacts(SHARP, origins.gaussian_start(0.2, 1e-8)), 1e-6),
+        (origins.Contacts(SHARP, origins.gaussian_start(0.2, 3e-7)), 1e-6),
     ],
     ids=["linked", "heavy tail", "narrow start"],
 )

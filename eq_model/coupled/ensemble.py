@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from collections.abc import Iterable, Iterator
 from functools import reduce
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from eq_model import layout
-from eq_model.coupled.replica import Followed, Follower
+from eq_model.coupled.replica import Follower
 from eq_model.coupled.result import CoupledResult, CoupledState, result_of
+from eq_model.under_way import UnderWay
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
 from origins.drive import SlipRule
-from origins.errors import InputError, positive, refuse, whole
+from origins.errors import InputError, positive, refuse
 
 # Share of the contacts that an avalanche breaks at least to be a slip. Before a slip avalanches
 # break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below 0.7 K* break
@@ -27,12 +24,9 @@ from origins.errors import InputError, positive, refuse, whole
 SLIP_FRACTION = 0.2
 MOST_CONTACTS = 1 << 31  # of a replica
 MOST_REPLICAS = 1 << 28
-_HARDLY = (
-    1e-3  # of the thresholds exceed a stretch at which contacts form again in ordinary numbers
-)
 
 
-class CoupledEnsemble:
+class CoupledEnsemble(UnderWay):
     """Replicas under way: iterate to work through them, then ask for the result.
 
         ensemble = CoupledEnsemble(contacts, path, spring=0.5, n_contacts=100_000, n_replicas=16)
@@ -46,8 +40,6 @@ class CoupledEnsemble:
 
     Attributes: `total`, contacts of all replicas; `expected`, the same; `clock` and `comm`.
     """
-
-    clock: Callable[[], float] = staticmethod(perf_counter)
 
     def __init__(
         self,
@@ -69,26 +61,12 @@ class CoupledEnsemble:
     ) -> None:
         self.drive = Drive(path, velocity, time, spring, slip)
         check_coupled(contacts, self.drive)
-        if comm is not None and not hasattr(comm, "Get_rank"):
-            rule = (
-                "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None for this process"
-            )
-            refuse("comm", comm, rule)
-        self.comm, self.n_contacts = comm, whole("n_contacts", n_contacts, 1)
-        self.n_replicas = whole("n_replicas", n_replicas, 1)
-        for name, value, most in (
-            ("n_contacts", self.n_contacts, MOST_CONTACTS),
-            ("n_replicas", self.n_replicas, MOST_REPLICAS),
-        ):
-            if value > most:
-                refuse(name, value, f"must be at most {most} on soft sliders")
+        most = (MOST_CONTACTS + 1, MOST_REPLICAS + 1)
+        self._set_up(most, n_contacts, n_replicas, threads, comm, wall_time)
         self.slip_fraction = positive("slip_fraction", slip_fraction)
         if self.slip_fraction > 1.0:
             refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
-        self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
-        self.total = self.expected = self.n_contacts * self.n_replicas
-        self._threads = whole("threads", threads, 1)
-        self._stopped, started = False, self.clock()
+        started = self.clock()
         self._follower = Follower(contacts, self.drive, self.n_contacts, seed, self.slip_fraction)
         ready, started = self.clock() - started, self.clock()
         layout.in_turn(comm, _compile)
@@ -101,49 +79,22 @@ class CoupledEnsemble:
         self._state = reduce(CoupledState.joined, found, nothing) if first else nothing
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
-        """Follow this rank's share of the replicas, once; now and then (contacts done, contacts in the share).
+        """Follow this rank's share of the replicas, once; after each (contacts done, contacts in the share).
 
-        A replica under way counts as far as its drive has come, unless several are. All ranks must go on to the end.
+        All ranks must go on to the end.
         """
         rank, ranks = layout.rank_and_size(self.comm)
         mine = [r for r in range(self.n_replicas) if r not in self._before][rank::ranks]
-        total, number, begun = len(mine) * self.n_contacts, 0, self.clock()
-        started = begun
-        with ThreadPoolExecutor(self._threads) if self._threads > 1 else nullcontext() as pool:
-            for replica, told in self._work(mine, pool):
-                share = 0.0
-                if isinstance(told, Followed):
-                    started, before = self.clock(), started
-                    # whatever interrupts, the state is that of whole replicas
-                    self._state.run_time += started - before
-                    self._state.found[replica] = told
-                    number += 1
-                else:
-                    share = told
-                yield int((number + share) * self.n_contacts), total
-                past = self._wall_time is not None and self.clock() - begun > self._wall_time
-                if self._stopped or (past and not share):
-                    break
-            if pool is not None:
-                pool.shutdown(cancel_futures=True)
+        total, begun = len(mine) * self.n_contacts, self.clock()
+        for number, one in enumerate(self._each(self._follower.follow, mine)):
+            # whatever interrupts, the state is that of whole replicas
+            self._state.run_time += one.seconds
+            self._state.found[one.unit] = one.found
+            yield (number + 1) * self.n_contacts, total
+            if self._late(begun):
+                break
         for _ in layout.meeting(self.comm):
             yield total, total
-
-    def _work(
-        self, mine: list[int], pool: ThreadPoolExecutor | None
-    ) -> Iterator[tuple[int, float | Followed]]:
-        """What is told of each replica in turn, at last what it did."""
-        if pool is None:
-            for replica in mine:
-                for told in self._follower.follow(replica):
-                    yield replica, told
-        else:
-            whole = pool.map(lambda replica: deque(self._follower.follow(replica), 1).pop(), mine)
-            yield from zip(mine, whole, strict=True)
-
-    def stop(self) -> None:
-        """Follow this rank's share no further: the result will be that of the finished replicas."""
-        self._stopped = True
 
     @property
     def state(self) -> CoupledState:
@@ -179,8 +130,7 @@ class CoupledEnsemble:
 def _compile() -> None:
     """Follow a few contacts on a short way: the kernels are the same for all laws and rules."""
     contacts, drive = Contacts(identical(1.0)), Drive([3.0], spring=1.0)
-    for _ in Follower(contacts, drive, 2, 0, 1.0).follow(0):
-        pass
+    Follower(contacts, drive, 2, 0, 1.0).follow(0)
 
 
 def check_coupled(contacts: Contacts, drive: Drive) -> None:

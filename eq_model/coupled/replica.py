@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -94,8 +93,8 @@ class Follower:
             delayed=delay is not None,
         )
 
-    def follow(self, replica: int) -> Iterator[float | Followed]:
-        """Now and then the share of the drive's path that is done, and at last what the replica did.
+    def follow(self, replica: int) -> Followed:
+        """What the replica does.
 
         Raises InputError where contacts would break while the drive moves back to its first point.
         """
@@ -114,8 +113,7 @@ class Follower:
         returns = kernel.make_returns(n if pull.delayed else 1)
         while (why := kernel.slide(slider, queue, draws, pull, told, returns)) != kernel.PATH_DONE:
             if why == kernel.BUCKETS_PASSED:
-                yield float(s["point"]) / size
-                continue
+                continue  # to let an interrupt be heard
             if why == kernel.RESET_DUE:  # no contact holds, no return is due, and X = X_T
                 drive = s["pulled"] / pull.spring
                 s["size"], s["after"], s["force_after"] = s["broken"], drive, 0.0
@@ -126,7 +124,7 @@ class Follower:
                 kernel.form_all(slider, queue, draws, pull, n, False)
             slips.append([float(s[name]) for name in _OF_A_SLIP])
         unit, each = self._unit, self._unit / n
-        yield Followed(
+        return Followed(
             position=told.position * unit,
             force=told.force * each,
             holding=told.held / n,

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.stretches import Moves, averaged, missed
 from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
 
 # Survivals below this are counted as none, and survivals that differ from 1 by less as all: a
 # hundredth of the rounding of what they are added to.
@@ -35,22 +35,12 @@ NARROW, CORNER, LEAST_BEND = 1e-2, 1e-4, 1e-6
 # A bend is rated by what polynomials of its sides differ by half a panel beyond it, times this: the
 # panels that resolve the breaks may be a few times wider.
 SEEN = 30.0
-# Pieces of stretches beside 0 are so much narrower, one after the other, and so many are.
-GRADING, GRADES = 0.2, 8
 # One of so many sums over stretches is made again with all pieces halved, to see what it misses; and
 # by how much the largest of these misses counts.
 CHECKED, MARGIN = 16, 2.0
-# Gauss nodes on a piece of a law of stretches that is no wider than the survival's own panels.
-_NODES, _WEIGHTS = (0.5 * part for part in np.polynomial.legendre.leggauss(16))
-_NODES = _NODES + 0.5
-
-
-class _Moves(NamedTuple):
-    """Where contacts born at 0 stand, and how far up and down they have been; shape (n, 1)."""
-
-    now: Array
-    high: Array
-    low: Array
+# Last coefficients at which pieces of the stretches are no longer halved: beside a cusp of S(|r|) sums
+# miss a twentieth of it.
+RESOLVED = 1e-11
 
 
 class ColdLife:
@@ -199,84 +189,26 @@ class ColdLife:
 
     def left(self, born: Start | Array, history: History) -> Array:
         """See Life."""
-        if isinstance(born, Start) and not born.is_single:
-            return self._averaged(born, history)
-        r = np.array([[born.mean()]]) if isinstance(born, Start) else born
-        m = np.maximum(np.abs(r), np.maximum(r + history.high, -(r + history.low)))
-        side = m[:, m.shape[1] // 2, None]
-        share = self._held(np.abs(r), np.abs(r))
+        if not isinstance(born, Start) or born.is_single:
+            r = np.array([[born.mean()]]) if isinstance(born, Start) else born
+            m = np.maximum(np.abs(r), np.maximum(r + history.high, -(r + history.low)))
+            return self._left(r, m, r + history.now)
+        moves = Moves.of(history)
+
+        def inside(pair: Rows, r: Array) -> Array:
+            return self._left(r, moves.largest(pair, r), r + moves.now[pair, None])
+
+        pieces = int(np.clip((born.span[1] - born.span[0]) / (4.0 * self.grain), 8, 64))
+        given = born, moves, self._end, self.bends, inside
+        found = averaged(*given, RESOLVED, pieces)
+        self.error = max(self.error, MARGIN * missed(*given, found, CHECKED, RESOLVED))
+        return found.reshape(2, *history.now.shape)
+
+    def _left(self, r: Array, m: Array, x: Array) -> Array:
+        """Share and force of contacts born at r, by the largest |x| so far, m, and x."""
+        share = self._held(np.abs(r), np.abs(r[:, r.shape[1] // 2, None]))
         share = np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0)
+        side = m[:, m.shape[1] // 2, None]
         held = share * self._held(m, side)
         borne = held if not self._linked else share * self._borne(m, side, held)
-        return np.stack([held, (r + history.now) * borne])
-
-    def _averaged(self, born: Start, history: History) -> Array:
-        """The same for a law of stretches at birth: a sum over pieces on which nothing bends."""
-        shape = history.now.shape
-        now, high, low = (
-            np.broadcast_to(part, shape).reshape(-1, 1)
-            for part in (history.now, history.high, history.low)
-        )
-        first, last = born.span
-        out = np.zeros((2, now.size))
-        near = np.flatnonzero(np.maximum(first + high, -(last + low))[:, 0] < self._end)
-        moves = _Moves(now[near], high[near], low[near])
-        out[:, near] = self._summed(born, moves)
-        some = np.arange(near.size // 2 % CHECKED, near.size, CHECKED)
-        halved = self._summed(born, _Moves(*(part[some] for part in moves)), parts=2)
-        missed = np.abs(out[:, near[some]] - halved)
-        longest = max(self.reach, abs(first), abs(last))
-        missed = np.maximum(missed[0], missed[1] / longest)
-        self.error = max(self.error, MARGIN * float(missed.max(initial=0.0)))
-        return out.reshape(2, *shape)
-
-    def _summed(self, born: Start, moves: _Moves, parts: int = 1) -> Array:
-        """Share and force of each move, shape (2, n); every piece is cut in so many parts."""
-        now, high, low = moves
-        row, begin, end = self._pieces(born, moves)
-        if parts == 2:
-            middle = 0.5 * (begin + end)
-            row, begin, end = np.tile(row, 2), np.append(begin, middle), np.append(middle, end)
-        length = (end - begin)[:, None]
-        r = begin[:, None] + length * _NODES
-        m = np.maximum(np.abs(r), np.maximum(r + high[row], -(r + low[row])))
-        share = born.pdf(r) * length * _WEIGHTS
-        # each row by its own sum: stretches of a narrow law far from 0 are rounded
-        outside = max(born.span[1], -born.span[0]) > self.reach
-        kept = born.cdf(self.reach) - born.cdf(-self.reach) if outside else 1.0
-        share /= kept * np.bincount(row, share.sum(axis=1), now.size)[row, None]
-        alive = (m.min(axis=1) < self._end) & (np.abs(r).max(axis=1) < self.reach)
-        row, r, m, share = row[alive], r[alive], m[alive], share[alive]
-        middle_node = r.shape[1] // 2
-        share = share / self._held(np.abs(r), np.abs(r[:, middle_node, None]))
-        side = m[:, middle_node, None]
-        held = self._held(m, side)
-        borne = (r + now[row]) * self._borne(m, side, held)
-        both = [np.bincount(row, (share * part).sum(axis=1), now.size) for part in (held, borne)]
-        return np.stack(both)
-
-    def _pieces(self, born: Start, moves: _Moves) -> tuple[npt.NDArray[np.intp], Array, Array]:
-        """Pieces of the stretches at birth on which nothing bends: which move, begins and ends."""
-        first, last = born.span
-        number = int(np.clip(np.ceil((last - first) / (4.0 * self.grain)), 5, 64))
-        own = np.concatenate([np.linspace(first, last, number + 1), born.breakpoints, [0.0]])
-        widest = (last - first) / number
-        if self._table.widths[0] < NARROW * widest:
-            # S(|r|) begins as a power that is no whole number: pieces narrow towards r = 0
-            graded = widest * GRADING ** np.arange(1.0, GRADES + 1.0)
-            own = np.concatenate([own, graded, -graded])
-        own = np.concatenate([own, self.bends, -self.bends])
-        own = own[(own >= first) & (own <= last)]
-        # where the largest |x| changes from one side to the other, and where it meets a bend
-        high, low = moves.high, moves.low
-        moving = [
-            -0.5 * high,
-            -0.5 * low,
-            -0.5 * (high + low),
-            self.bends - high,
-            -self.bends - low,
-        ]
-        cuts = np.concatenate([np.tile(own, (high.size, 1)), *moving], axis=1)
-        cuts = np.sort(np.clip(cuts, first, last), axis=1)
-        row, column = np.nonzero(np.diff(cuts, axis=1) > 1e-14 * (last - first))
-        return row, cuts[row, column], cuts[row, column + 1]
+        return np.stack([held, x * borne])

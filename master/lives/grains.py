@@ -23,6 +23,7 @@ from origins.start import Start
 from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
 
 # Hazard above which the survival e^-H is below 1e-17: nothing to speak of holds.
 GONE = 39.2
@@ -49,52 +50,70 @@ class GrainLife(UnbentLife):
     """
 
     error, fresh_start = ERROR, False
+    # of a start's panels, every so many are one
+    every = 1
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         grains = contacts.grains
         assert grains is not None and grains.age is not None
         self.grains: GrainContact = grains
         self.start = contacts.start
-        self.pinning_time = self.grains.growth.first_pinning_time
-        self.start_since = grains.age - self.pinning_time
-        oldest = grains.age + longest
-        self.reach = float(self.grains.quantile(-np.expm1(-GONE), oldest))
+        self.start_since = grains.age - grains.growth.first_pinning_time
+        self.reach = float(grains.quantile(-np.expm1(-GONE), grains.age + longest))
         # the start reaches as far as its youngest thresholds do
-        self.start_reach = self.grains.at_start.support()[1]
-        self.grain = GRAIN * self.grains.at_start.std()
+        self.start_reach = grains.at_start.support()[1]
+        self.grain = GRAIN * grains.at_start.std()
 
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
-        legs = history.legs()
-        if not isinstance(born, Start) and np.any(born):  # births are at 0
-            stretch = np.asarray(born)[..., None] + legs.displacement
-            hold = _held(self.hazards(stretch, self.start_since, legs))
-            return np.stack([hold, hold * stretch[..., -1]])
-        if not isinstance(born, Start) or born is not self.start:
-            hold = np.exp(-np.maximum(self.worst_of_births(legs), self.lost(legs)))
-            return np.stack([hold, hold * legs.displacement[..., -1]])
-        if born.is_single:
-            stretch = born.mean() + legs.displacement
-            hazards = self.hazards(stretch, self.start_since, legs)
-            hold = _held(hazards)
-            return np.stack([hold, hold * stretch[..., -1]])
-        return self._left_of_spread_start(born, legs)
+        return self._told(born, history.legs())
 
-    def hazards(self, stretch: Array, since: float, legs: Legs) -> Array:
-        """H at the beginning of the first leg and at the end of each.
+    def _told(self, born: Start | Array, legs: Legs) -> Array:
+        """Share and force, shape (2, rows, columns)."""
+        shape, knots = legs.displacement.shape[:-1], legs.displacement.shape[-1]
+        moves = Legs(
+            legs.displacement.reshape(-1, knots), legs.duration.reshape(-1, knots - 1), legs.speed
+        )
+        count = moves.displacement.shape[0]
+        row, since, lost = np.arange(count), self.start_since, np.zeros(1)
+        nodes, weights = np.zeros((count, 1)), np.ones((count, 1))
+        if not isinstance(born, Start) and np.any(born):
+            nodes = np.broadcast_to(born, shape).reshape(-1, 1)
+        elif born is not self.start:  # births are at 0
+            since, lost = 0.0, np.broadcast_to(self._lost(legs), shape).ravel()
+        elif born.is_single:
+            nodes = np.full((count, 1), born.mean())
+        else:
+            row, low, high = self._panels(moves)
+            nodes, weights = gauss(low, high)
+            weights = weights * finite_density(born, nodes)
+        stretch = self._stretches(nodes, row, moves).reshape(-1, knots)
+        own = Legs(stretch, np.repeat(moves.duration[row], nodes.shape[1], axis=0), moves.speed)
+        hazards = self._hazards(stretch, since, own)
+        # contacts whose thresholds were met at first never hold
+        met = ~np.isfinite(hazards[:, 0])
+        before = np.where(met, 0.0, hazards[:, 0])
+        worst = np.where(met, np.inf, np.maximum(hazards.max(axis=-1), lost))
+        hold = self._share(own, since, worst, before).reshape(nodes.shape) * weights
+        parts = np.stack([hold, hold * stretch[:, -1].reshape(nodes.shape), weights]).sum(axis=-1)
+        share, force, weight = (np.bincount(row, part, minlength=count) for part in parts)
+        return np.stack([share / weight, force / weight]).reshape(2, *shape)
 
-        stretch : array (..., k + 1), at these moments
-        since : time between pinning and the beginning of the first leg
+    def _share(self, moves: Legs, since: float, worst: Array, before: Array) -> Array:
+        """Share that holds of contacts with these moves (their stretches), array (n,).
+
+        since : time between pinning and the first of them
+        worst, before : arrays (n,), the largest hazard so far and the one at first
         """
+        return np.exp(before - worst)
+
+    def _hazards(self, stretch: Array, since: float, legs: Legs) -> Array:
+        """H at the beginning of the first leg and at the end of each; shape of stretch (n, k + 1)."""
         elapsed = np.cumsum(legs.duration, axis=-1)
         first = np.zeros((*elapsed.shape[:-1], 1))
         return pinned_hazard(self.grains, stretch, since + np.concatenate([first, elapsed], -1))
 
-    def worst_of_births(self, legs: Legs) -> Array:
-        """The largest H at the ends of the legs of contacts that pinned at stretch 0."""
-        return np.asarray(self.hazards(legs.displacement, 0.0, legs).max(axis=-1))
-
-    def lost(self, legs: Legs) -> Array:
+    def _lost(self, legs: Legs) -> Array:
         """H as contacts pin: some are stretched faster than their thresholds grow from 0 on.
 
         Array of shape (rows, 1): all births of a row lie on one leg.
@@ -105,40 +124,22 @@ class GrainLife(UnbentLife):
         hazard = [self.grains.lost_hazard(abs(float(speed))) for speed in legs.speed]
         return np.array(hazard)[birth].reshape(rows, 1)
 
-    def _left_of_spread_start(self, born: Start, legs: Legs) -> Array:
-        """Share and force of contacts that stood at many stretches at t = 0.
+    def _panels(self, moves: Legs) -> tuple[Rows, Array, Array]:
+        """Rows of `moves`, and panels of starting stretches with one worst moment each.
 
-        The share that holds bends at the stretches from which on another moment becomes the
-        worst one: the panels of the sum over the stretches are cut there.
+        Where another moment becomes the worst the share left bends, so panels end there.
         """
-        shape, knots = legs.displacement.shape[:-1], legs.displacement.shape[-1]
-        moves = Legs(
-            legs.displacement.reshape(-1, knots), legs.duration.reshape(-1, knots - 1), legs.speed
-        )
-        edges = np.clip(stretch_panels(born), -self.start_reach, self.start_reach)
-        edges = np.unique(edges)
-        row, low, high = self._panels(moves, edges)
-        nodes, weights = gauss(low, high)
-        weights = weights * finite_density(born, nodes)
-        hazards = self._hazards_from(nodes, row[:, None], moves)
-        hold = weights * _held(hazards)
-        stretch = nodes + moves.displacement[row, -1:]
-        parts = np.stack([hold, hold * stretch, weights]).sum(axis=-1)
-        share, force, weight = (
-            np.bincount(row, part, minlength=moves.displacement.shape[0]) for part in parts
-        )
-        return np.stack([share / weight, force / weight]).reshape(2, *shape)
-
-    def _panels(self, moves: Legs, edges: Array) -> tuple[npt.NDArray[np.intp], Array, Array]:
-        """Rows of `moves`, and panels of starting stretches with one worst moment each."""
+        within = (-self.start_reach, self.start_reach)
+        edges = np.clip(stretch_panels(self.start)[:: self.every], *within)
+        edges = np.unique(np.append(edges, np.clip(self.start.span[1], *within)))
         count = moves.displacement.shape[0]
         grid = np.broadcast_to(edges, (count, edges.size))
-        worst = self._worst_moment(grid, np.arange(count)[:, None], moves)
+        worst = self._worst_moment(grid, np.arange(count), moves)
         row, panel = np.nonzero(worst[:, 1:] != worst[:, :-1])
         low, high, old = edges[panel], edges[panel + 1], worst[row, panel]
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            same = self._worst_moment(middle, row, moves) == old
+            same = self._worst_moment(middle[:, None], row, moves)[:, 0] == old
             low, high = np.where(same, middle, low), np.where(same, high, middle)
         cuts = np.array(grid[:, 1:])
         cuts[row, panel] = low
@@ -146,26 +147,15 @@ class GrainLife(UnbentLife):
         row, panel = np.nonzero(np.diff(ends, axis=1) > 0.0)
         return row, ends[row, panel], ends[row, panel + 1]
 
-    def _worst_moment(
-        self, stretch: Array, row: npt.NDArray[np.intp], moves: Legs
-    ) -> npt.NDArray[np.intp]:
-        """Number of the moment at which H of contacts that started at `stretch` is largest."""
-        return np.argmax(self._hazards_from(stretch, row, moves), axis=-1)
+    def _stretches(self, start: Array, row: Rows, moves: Legs) -> Array:
+        """Stretches along the moves of the rows (n,), from start (n, m); shape (n, m, k + 1)."""
+        return np.asarray(start[..., None] + moves.displacement[row][:, None])
 
-    def _hazards_from(self, start: Array, row: npt.NDArray[np.intp], moves: Legs) -> Array:
-        """H at all moments of the rows' moves, from starting stretches of the shape of `row`."""
-        stretch = start[..., None] + moves.displacement[row]
-        own = Legs(stretch, moves.duration[row], moves.speed)
-        return self.hazards(stretch, self.start_since, own)
-
-
-def _held(hazards: Array) -> Array:
-    """Share that holds of contacts with these hazards at all moments, (..., moments); those whose
-    thresholds were met at first do not."""
-    first = hazards[..., 0]
-    with np.errstate(invalid="ignore"):
-        lost = hazards.max(axis=-1) - first
-    return np.exp(-np.where(np.isfinite(first), lost, np.inf))
+    def _worst_moment(self, start: Array, row: Rows, moves: Legs) -> Rows:
+        """Number of the moment at which H of contacts that started at start (n, m) is largest."""
+        own = Legs(moves.displacement, moves.duration[row][:, None], moves.speed)
+        hazards = self._hazards(self._stretches(start, row, moves), self.start_since, own)
+        return np.argmax(hazards, axis=-1)
 
 
 def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:

@@ -18,11 +18,9 @@ import numpy.typing as npt
 
 from master.lives.grains import GONE, GrainLife
 from master.lives.growing_thresholds import GrowingThresholds
-from master.lives.stretch_rule import finite_density, stretch_panels
 from master.motion.motion import History, Legs
 from origins import Contacts
 from origins.start import Start
-from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -33,8 +31,6 @@ Rows = npt.NDArray[np.intp]
 PANELS, LEAST_LOG, MOST_LOG = 7, -14.0, 4.0
 # Roots of hazards at which A is looked at to place them.
 LOOKS = np.sqrt(np.concatenate([[0.0], np.geomspace(1e-6, 1.0, 10), [2.0, 4.0, 8.0, 16.0, GONE]]))
-# Every so many edges of a start's panels is one: with three normal laws are summed to 1e-8.
-EVERY = 3
 # Numbers of elements that are worked on at once, so that they stay in memory's near parts.
 CHUNK = 2_000_000
 # A above which nothing holds.
@@ -88,7 +84,8 @@ class WarmGrainLife(GrainLife):
         Measured: the first, the middle and the last of the rows' columns are told twice.
     """
 
-    pair_work = 1000
+    # with three panels in one normal laws are summed to 1e-8
+    pair_work, every = 1000, 3
 
     def __init__(self, contacts: Contacts, longest: float, accuracy: float = ACCURACY) -> None:
         super().__init__(contacts, longest)
@@ -100,68 +97,24 @@ class WarmGrainLife(GrainLife):
 
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
-        assert isinstance(born, Start)
         legs = history.legs()
         rows, columns = (np.unique([0, n // 2, n - 1]) for n in legs.displacement.shape[:2])
         looked = np.ix_(rows, columns)
         some = Legs(legs.displacement[looked], legs.duration[looked], legs.speed)
-        coarse = self._told(born, some, FINENESSES[self._fineness])
-        while True:
-            fine = self._told(born, some, FINENESSES[self._fineness + 1])
-            off = float(np.abs(fine[0] - coarse[0]).max(initial=0.0))
-            if off <= self._accuracy or self._fineness + 2 == len(FINENESSES):
+        coarse = self._told(born, some)
+        for fineness in range(self._fineness + 1, len(FINENESSES)):
+            self._fineness = fineness
+            fine = self._told(born, some)
+            off, coarse = float(np.abs(fine[0] - coarse[0]).max(initial=0.0)), fine
+            if off <= self._accuracy:
                 break
-            self._fineness, coarse = self._fineness + 1, fine
+        self._fineness -= 1  # the coarser of two that agree
         self.error = max(self.error, MARGIN * off)
-        return self._told(born, legs, FINENESSES[self._fineness])
+        return self._told(born, legs)
 
-    def _told(self, born: Start, legs: Legs, fineness: Fineness) -> Array:
-        """Share and force, shape (2, rows, columns)."""
-        shape, knots = legs.displacement.shape[:-1], legs.displacement.shape[-1]
-        moves = Legs(
-            legs.displacement.reshape(-1, knots), legs.duration.reshape(-1, knots - 1), legs.speed
-        )
-        if born is not self.start:
-            worst = np.maximum(self.worst_of_births(legs), self.lost(legs)).ravel()
-            none = np.zeros(worst.size)
-            hold = self._share(moves, 0.0, worst, none, fineness)
-            return np.stack([hold, hold * moves.displacement[:, -1]]).reshape(2, *shape)
-        if born.is_single:
-            row = np.arange(moves.displacement.shape[0])
-            nodes, weights = np.full((row.size, 1), born.mean()), np.ones((row.size, 1))
-        else:
-            edges = np.clip(stretch_panels(born)[::EVERY], -self.start_reach, self.start_reach)
-            edges = np.unique(np.append(edges, np.clip(born.span[1], *edges[[0, -1]])))
-            row, low, high = self._panels(moves, edges)
-            nodes, weights = gauss(low, high)
-            weights = weights * finite_density(born, nodes)
-        return self._of_start(moves, row, nodes, weights, fineness).reshape(2, *shape)
-
-    def _of_start(
-        self, moves: Legs, row: Rows, nodes: Array, weights: Array, fineness: Fineness
-    ) -> Array:
-        """Share and force of contacts that stood at `nodes` (n, m) at t = 0, for rows of moves."""
-        stretch = (nodes[..., None] + moves.displacement[row][:, None]).reshape(
-            -1, moves.displacement.shape[1]
-        )
-        duration = np.repeat(moves.duration[row], nodes.shape[1], axis=0)
-        own = Legs(stretch, duration, moves.speed)
-        hazards = self.hazards(stretch, self.start_since, own)
-        worst = hazards.max(axis=-1)
-        hold = self._share(own, self.start_since, worst, hazards[:, 0], fineness)
-        hold = hold.reshape(nodes.shape) * weights
-        parts = np.stack([hold, hold * stretch[:, -1].reshape(nodes.shape), weights]).sum(axis=-1)
-        count = moves.displacement.shape[0]
-        share, force, weight = (np.bincount(row, part, minlength=count) for part in parts)
-        return np.stack([share / weight, force / weight])
-
-    def _share(
-        self, moves: Legs, since: float, worst: Array, before: Array, fineness: Fineness
-    ) -> Array:
-        """Share that holds of contacts with these moves (their stretches), array (n,).
-
-        worst, before : arrays (n,), the largest hazard so far and the one at first
-        """
+    def _share(self, moves: Legs, since: float, worst: Array, before: Array) -> Array:
+        """See GrainLife."""
+        fineness = FINENESSES[self._fineness]
         out = np.zeros(worst.size)
         alive = np.flatnonzero(worst - before < GONE)
         chunk = max(1, CHUNK // (PANELS * fineness.quantiles * fineness.moments))

@@ -18,6 +18,8 @@ SIZE = 12
 MOST = 1024
 # Width of a panel over its place, below which its nodes are one by rounding.
 NARROWEST = 1e-15
+# Share of itself to which halving brings coefficients that are more than rounding.
+HARDLY = 0.3
 # Halvings of a panel: 2^-50 of it is rounding.
 DEPTH = 50
 
@@ -71,6 +73,11 @@ class Table:
         Share of itself at which the first panel is cut.
     goes_on : callable
         Whether there is time for panels to be halved.
+    felt : callable
+        Takes values, as `function` gives them, and the panels' widths, and gives what the accuracy
+        of each panel is multiplied by, shape (panels,).
+    rounding : float
+        In units of the accuracy: coefficients below it are no longer halved once they hardly fall.
 
     Attributes
     ----------
@@ -88,10 +95,12 @@ class Table:
         size: int = SIZE,
         first_cut: float = 0.5,
         goes_on: Callable[[], bool] = lambda: True,
+        felt: Callable[[Array, Array], Array] | None = None,
+        rounding: float = 0.0,
     ) -> None:
         basis = basis_of(size)
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
-        kept, self.error = [], 0.0
+        kept, self.error, was = [], 0.0, np.full(low.size, np.inf)
         for _ in range(DEPTH):
             nodes = low[:, None] + (high - low)[:, None] * basis.nodes
             if ends > 0.0:
@@ -104,12 +113,15 @@ class Table:
                     axis=(0, 2)
                 )
                 tail = np.maximum(tail, missed / ends)
+            if felt is not None:
+                tail = tail / felt(values, high - low)
             least = np.maximum(shortest, NARROWEST * np.abs(high))
             open_ = (tail > accuracy) & (high - low > least) & (low.size <= MOST + edges.size)
+            open_ &= (tail > rounding * accuracy) | (tail < HARDLY * was)
             open_ &= goes_on()
             kept.append((low[~open_], high[~open_], coefficients[:, ~open_]))
             self.error = max(self.error, float(tail[~open_].max(initial=0.0)))
-            low, high = low[open_], high[open_]
+            low, high, was = low[open_], high[open_], np.tile(tail[open_], 2)
             if not low.size:
                 break
             middle = low + np.where(low == edges[0], first_cut, 0.5) * (high - low)
@@ -195,6 +207,18 @@ class Table:
         fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
         rounding = np.finfo(float).eps * size.max(axis=0)
         return np.asarray((last * fall ** (SIZE // 2) + rounding) @ self.widths)
+
+    def before(self, x: Array) -> Array:
+        """Integral of the first function from the first edge to x, same shape as x."""
+        whole = np.append(0.0, np.cumsum(self.widths * self._parts[0, 0]))
+        panel = np.clip(np.searchsorted(self.begin, x, "right") - 1, 0, self.begin.size - 1)
+        way = np.minimum(x, self.end[panel]) - self.begin[panel]
+        # the mean up to x keeps its digits where x is close to an edge, unlike the integral
+        nodes = basis_of(self._parts.shape[0]).nodes
+        grown = legendre.legval(2.0 * nodes - 1.0, legendre.legint(self._parts[:, 0], lbnd=-1.0))
+        mean = (0.5 * grown / nodes) @ basis_of(nodes.size).to_legendre
+        z = 2.0 * way / self.widths[panel] - 1.0
+        return np.asarray(whole[panel] + way * legendre.legval(z, mean.T[:, panel], tensor=False))
 
     def beyond(self, x: Array) -> Array:
         """Integral of the first function from x to the last edge, same shape as x."""

@@ -31,6 +31,9 @@ class Family(Protocol):
     """The islands to draw from; one of them is a row of whole numbers."""
 
     mean_atoms: float
+    only: (
+        Whole | None
+    )  # the island, where there is one and the substrate has two waves, so that b is closed
     rounding: float  # barriers below this part of N_a times the substrate's amplitudes are none
 
     def pick(self, share: Array) -> Whole:
@@ -56,11 +59,26 @@ class TriangularFamily:
     rounding = 1e-14
 
     def __init__(
-        self, lattice_constant: float, substrate: Substrate, sizes: Whole, shares: Array, decay: float | None
+        self,
+        lattice_constant: float,
+        substrate: Substrate,
+        sizes: Whole,
+        shares: Array,
+        decay: float | None,
     ) -> None:
-        self._a, self._substrate, self._sizes, self._decay = lattice_constant, substrate, sizes, decay
+        self._a, self._substrate, self._sizes, self._decay = (
+            lattice_constant,
+            substrate,
+            sizes,
+            decay,
+        )
         self._bounds = np.cumsum(shares)
-        self.mean_atoms = float(shares @ sizes.prod(-1)) if decay is None else float(-1.0 / np.expm1(-1.0 / decay))
+        self.only = sizes[0] if len(sizes) == 1 and len(substrate.coefficients) == 2 else None
+        self.mean_atoms = (
+            float(shares @ sizes.prod(-1))
+            if decay is None
+            else float(-1.0 / np.expm1(-1.0 / decay))
+        )
 
     def pick(self, share: Array) -> Whole:
         if self._decay is None:
@@ -76,7 +94,9 @@ class TriangularFamily:
         return 0.5 * self._a * float(np.hypot(island[0] - 0.5, np.sqrt(0.75) * (island[1] - 1.0)))
 
     def solve(self, islands: Whole, angle: Array) -> tuple[Array, Array]:
-        return triangular_barriers_and_depths(self._a, islands[:, 0], islands[:, 1], angle, self._substrate)
+        return triangular_barriers_and_depths(
+            self._a, islands[:, 0], islands[:, 1], angle, self._substrate
+        )
 
 
 class ListedFamily:
@@ -86,6 +106,11 @@ class ListedFamily:
 
     def __init__(self, islands: "Sequence[ase.Atoms]", substrate: Substrate, shares: Array) -> None:
         self._islands, self._substrate, self._bounds = islands, substrate, np.cumsum(shares)
+        self.only = (
+            np.zeros(1, dtype=np.int64)
+            if len(islands) == 1 and len(substrate.coefficients) == 2
+            else None
+        )
         self._counts = np.array([len(positions_of(atoms)) for atoms in islands])
         self.mean_atoms = float(shares @ self._counts)
 
@@ -102,7 +127,9 @@ class ListedFamily:
         barriers, depths = np.empty((2, len(islands)))
         for number in np.unique(islands):
             own = np.flatnonzero(islands[:, 0] == number)
-            barriers[own], depths[own] = barriers_and_depths(self._islands[number], angle[own], self._substrate)
+            barriers[own], depths[own] = barriers_and_depths(
+                self._islands[number], angle[own], self._substrate
+            )
         return barriers, depths
 
 
@@ -144,7 +171,11 @@ def draw(
 
 
 def _draw(
-    family: Family, angles: Angles, fastest: float, key: tuple[int, int], numbers: npt.NDArray[np.uint64]
+    family: Family,
+    angles: Angles,
+    fastest: float,
+    key: tuple[int, int],
+    numbers: npt.NDArray[np.uint64],
 ) -> tuple[Array, Array, Whole]:
     which, where = _uniform(key, numbers, 0)
     islands = family.pick(which)
@@ -159,17 +190,25 @@ def _draw(
         kinds, kind = np.unique(islands, axis=0, return_inverse=True)
         for number, island in enumerate(kinds):
             own = np.flatnonzero(kind.ravel() == number)
-            candidates, depths, width = _candidates(family, island, angles.listed, angles.temperature, fastest)
+            candidates, depths, width = _candidates(
+                family, island, angles.listed, angles.temperature, fastest
+            )
             bounds = np.cumsum(np.exp((depths.min() - depths) / angles.temperature))
             chosen = np.searchsorted(bounds[:-1], where[own] * bounds[-1], side="right")
             turned[own] = candidates[chosen] + width * (within[own] - 0.5)
-    barriers = _distinct(family, islands, turned) if angles.listed is not None else family.solve(islands, turned)[0]
+    barriers = (
+        _distinct(family, islands, turned)
+        if angles.listed is not None
+        else family.solve(islands, turned)[0]
+    )
     return barriers, turned, family.atoms(islands)
 
 
 def _distinct(family: Family, islands: Whole, angle: Array) -> Array:
     """Barriers where many samples are the same island at the same angle, each solved once."""
-    _, first, back = np.unique(np.column_stack([islands, angle]), axis=0, return_index=True, return_inverse=True)
+    _, first, back = np.unique(
+        np.column_stack([islands, angle]), axis=0, return_index=True, return_inverse=True
+    )
     return family.solve(islands[first], angle[first])[0][back.ravel()]
 
 
@@ -203,7 +242,9 @@ def _depths(family: Family, island: Whole, candidates: Array) -> Array:
     return family.solve(np.broadcast_to(island, (candidates.size, island.size)), candidates)[1]
 
 
-def _uniform(key: tuple[int, int], numbers: npt.NDArray[np.uint64], block: int) -> tuple[Array, Array]:
+def _uniform(
+    key: tuple[int, int], numbers: npt.NDArray[np.uint64], block: int
+) -> tuple[Array, Array]:
     """Two numbers within (0, 1) of 52 bits for each sample."""
     words = streams.words(key, streams.DOMAINS, 0, numbers, block).astype(np.uint64)
     first, second = ((words[k] << np.uint64(32) | words[k + 1]) >> np.uint64(12) for k in (0, 2))
@@ -216,5 +257,7 @@ def shares_of(weights: npt.ArrayLike | None, count: int) -> Array:
         return np.full(count, 1.0 / count)
     shares = np.asarray(weights, dtype=float)
     if shares.shape != (count,) or not np.isfinite(shares).all() or not (shares > 0.0).all():
-        refuse("weights", weights, f"must be {count} finite numbers above zero, one for each island")
+        refuse(
+            "weights", weights, f"must be {count} finite numbers above zero, one for each island"
+        )
     return shares / shares.sum()

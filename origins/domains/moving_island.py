@@ -25,14 +25,20 @@ class MovingIsland:
     """
 
     def __init__(self, atoms: ase.Atoms, calculator: Any, rigid: bool, planar: bool) -> None:
-        self.given = atoms
+        self.given, self.calculator = atoms, calculator
         fixed = np.zeros(len(atoms), dtype=bool)
         for constraint in atoms.constraints:
             if not isinstance(constraint, FixAtoms):
-                refuse("atoms.constraints", constraint, "must be FixAtoms, which tells the surroundings of the island")
+                refuse(
+                    "atoms.constraints",
+                    constraint,
+                    "must be FixAtoms, which tells the surroundings of the island",
+                )
             fixed[constraint.index] = True
         if fixed.all():
-            refuse("atoms", atoms, "must hold atoms that FixAtoms does not fix: these are the island")
+            refuse(
+                "atoms", atoms, "must hold atoms that FixAtoms does not fix: these are the island"
+            )
         self.moving = np.flatnonzero(~fixed)
         self.rigid, self.planar = rigid, planar
         self.evaluations = 0
@@ -63,7 +69,11 @@ class MovingIsland:
             said = f"{type(error).__name__}: {error}".splitlines()[0]
             refuse("calculator", said, "must give energies and forces wherever the island goes")
         if not (np.isfinite(energy) and np.isfinite(forces).all()):
-            refuse("calculator", energy, "must give finite energies and forces wherever the island goes")
+            refuse(
+                "calculator",
+                energy,
+                "must give finite energies and forces wherever the island goes",
+            )
         self.evaluations += 1
         self.strongest = max(self.strongest, float(np.linalg.norm(forces, axis=1).max()))
         if self.rigid:
@@ -73,6 +83,9 @@ class MovingIsland:
         if self._turn is not None:
             forces -= (forces * self._turn).sum() * self._turn
         return energy, forces
+
+    def energy_at(self, points: Array) -> float:
+        return self.evaluate(points)[0]
 
     def basis(self) -> Array:
         """Orthonormal directions left to the points, as columns, shape (3 len(points), m)."""
@@ -89,12 +102,6 @@ class MovingIsland:
             return points
         return points - ((points - self.points) * self._turn).sum() * self._turn
 
-    def image(self, points: Array) -> ase.Atoms:
-        """The points as Atoms of their own, for ASE's optimizers and bands."""
-        image = ase.Atoms(numbers=np.zeros(len(points), dtype=int), positions=points)
-        image.calc = _IslandCalculator(self)
-        return image
-
     def atoms_at(self, points: Array) -> ase.Atoms:
         """A copy of the atoms as given, the island at `points`, their energy and forces with them."""
         self.evaluate(points)
@@ -105,23 +112,31 @@ class MovingIsland:
         return atoms
 
 
-class _IslandCalculator(BaseCalculator):
-    """One for each image: it keeps the last result, which ASE asks for three times in a step."""
+class IslandCalculator(BaseCalculator):
+    """The island for ASE's optimizers and bands, in units of a length and an energy of its own."""
 
-    def __init__(self, island: MovingIsland) -> None:
+    def __init__(self, island: MovingIsland, length: float, energy: float) -> None:
         self.implemented_properties = ["energy", "forces"]
         super().__init__()
-        self.island = island
+        self.island, self.length, self.energy = island, length, energy
         self._points: Array | None = None
 
-    def calculate(self, atoms: ase.Atoms, properties: list[str], system_changes: list[str]) -> None:
+    def calculate(
+        self, atoms: ase.Atoms, properties: list[str], system_changes: list[str]
+    ) -> None:
         self._points = atoms.positions.copy()
-        energy, forces = self.island.evaluate(self._points)
-        self.results = {"energy": energy, "forces": forces}
+        points = self.island.unturned(self._points * self.length)
+        energy, forces = self.island.evaluate(points)
+        forces = forces * (self.length / self.energy)
+        self.results = {"energy": energy / self.energy, "forces": forces}
 
-    def get_property(self, name: str, atoms: ase.Atoms | None = None, allow_calculation: bool = True) -> Any:
+    def get_property(
+        self, name: str, atoms: ase.Atoms | None = None, allow_calculation: bool = True
+    ) -> Any:
         # ASE compares cells, masses and more as well, which takes longer than most substrates
-        if atoms is not None and (self._points is None or not np.array_equal(atoms.positions, self._points)):
+        if atoms is not None and (
+            self._points is None or not np.array_equal(atoms.positions, self._points)
+        ):
             self.calculate(atoms, [name], [])
         if name not in self.results:
             raise PropertyNotImplementedError(name)

@@ -1,4 +1,4 @@
-"""The barrier an island must climb to move on, by ASE: relaxation and nudged elastic bands, for any calculator.
+"""The barrier an island must climb to move on, for any ASE calculator: a Fourier series, or relaxation and bands.
 
 Where the closed form of a rigid island (triangular_barrier) or the exact search on a Fourier substrate (barrier)
 holds, this is a second road to the same number; for other calculators and for flexible islands it is the only one.
@@ -6,31 +6,30 @@ holds, this is a second road to the same number; for other calculators and for f
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from origins.domains.energy_map import SIZES, EnergyMap, Way, energy_map
-from origins.errors import InputError, refuse
+from origins.domains.bands import Ends, Scales, by_bands, flat
+from origins.domains.barriers import climbs_of
+from origins.domains.structure_factors import Complex, Whole
+from origins.errors import refuse
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
     import ase
 
-    from origins.domains.level_points import LevelPoint, Scales
     from origins.domains.moving_island import MovingIsland
 
-_MOST_FLEXIBLE = 1500
-_DISC = 1.0  # steps of the map around a saddle
-_KNOWN = 1e-9  # saddles nearer in energy than this are taken for one
-_STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))  # periods that straight bands lead over
-_LONG = 1.2  # against the longer period
-_LEVELS = 64  # places along a period
-_SHAKE = 0.02  # radians
-_MOST_MINIMA = 10
+_MOST_FLEXIBLE = 1500  # atoms that move by themselves
+_GRIDS = (16, 32, 64, 128)  # places along each period where a rigid island's energy is asked
+_FORCES = 1e-3  # of the greatest force: where forces belong to another energy they are further off
+_POLISHED = 1e-9  # of the largest wave: the search found the saddle itself
+_NOTHING = 2e-13  # of the largest wave: waves below do not count
+_LEAST_CURVATURE = 1e-6  # of force over radian: flatter places are known less well than is said
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,15 +86,15 @@ def relaxed_barrier(
         Two translations along x and y that change no energy. When left out: those a substrate_calculator knows, also
         within a SumCalculator; else the cell vectors of the atoms along which they are periodic.
 
-    Energies are in the unit of the calculator, lengths in that of the atoms. For a rigid planar island a map of one
-    cell shows where the lowest minimum and the lowest ways lie, and every way it tells apart that could be lower is
-    tried. Otherwise minima are sought from 17 places and bands are laid along up to five ways: the barrier holds for
-    the lowest found.
+    Energies are in the unit of the calculator, lengths in that of the atoms. For a rigid planar island the energy over
+    one cell becomes a Fourier series, on which the search is as exact as `barrier`. Otherwise minima are sought from 16
+    places by ASE's LBFGS, and climbing-image bands lead over four steps of the lattice: the barrier is the lowest of
+    the ways tried.
 
     With its atoms free both the minimum and the saddle of an island lie no higher than those of the rigid one, as its
     paths hold the rigid ones; the barrier, their difference, may lie on either side.
 
-    Raises InputError for input that cannot be used and where no band settles, RuntimeError where forces do not vanish.
+    Raises InputError for input that cannot be used, RuntimeError where forces do not vanish.
     """
     started = perf_counter()
     for name, value in (("rigid", rigid), ("planar", planar)):
@@ -103,10 +102,18 @@ def relaxed_barrier(
             refuse(name, value, "must be True or False")
     for method in ("get_positions", "constraints", "cell"):
         if not hasattr(atoms, method):
-            refuse("atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
+            refuse(
+                "atoms",
+                atoms,
+                "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)",
+            )
     if not hasattr(calculator, "get_forces"):
         shown = type(calculator).__name__
-        refuse("calculator", shown, "must be an ASE calculator, such as origins.substrate_calculator(substrate)")
+        refuse(
+            "calculator",
+            shown,
+            "must be an ASE calculator, such as origins.substrate_calculator(substrate)",
+        )
     if len(atoms) == 0 or not np.isfinite(atoms.get_positions()).all():
         refuse("atoms", atoms, "must hold at least one atom, all at finite positions")
     from origins.domains.moving_island import MovingIsland
@@ -114,23 +121,26 @@ def relaxed_barrier(
     cell = _periods(atoms, calculator, periods)
     slider = MovingIsland(atoms, calculator, rigid=True, planar=True)
     if not rigid and len(slider.moving) > _MOST_FLEXIBLE:
-        refuse("atoms", atoms, f"may hold at most {_MOST_FLEXIBLE} atoms that move by themselves; take rigid=True")
+        refuse(
+            "atoms",
+            atoms,
+            f"may hold at most {_MOST_FLEXIBLE} atoms that move by themselves; take rigid=True",
+        )
     scales = _scales(slider, cell)
     island = slider if rigid and planar else MovingIsland(atoms, calculator, rigid, planar)
-    found, least = None, SIZES[0]
-    while found is None:
-        if least > SIZES[-1]:
-            raise RuntimeError("bands lead higher than the finest map they were laid on: a defect of this program")
-        chart = energy_map(cell, lambda shift: _moved(slider, shift), scales.noise, least)
-        scales = replace(scales, radian=chart.radian)
-        found = _rigid(slider, scales, chart) if island is slider else _free(island, scales, chart)
-        least = 2 * len(chart.energies)
-    minimum, saddle = found
-    height = saddle.energy - minimum.energy
-    lowest, highest = island.atoms_at(minimum.points), island.atoms_at(saddle.points)
+    ends = _rigid(slider, scales, cell) if island is slider else by_bands(island, scales, cell)
+    minimum, saddle = island.atoms_at(ends.minimum), island.atoms_at(ends.saddle)
+    height = float(saddle.get_potential_energy() - minimum.get_potential_energy())
+    # forces that remain move a point that is level by themselves over its curvature
+    remain = (
+        max(np.abs(island.evaluate(points)[1]).max() for points in (ends.minimum, ends.saddle))
+        / scales.force
+    )
+    error = ends.error + 2.0 * scales.noise + scales.energy * remain**2 / _LEAST_CURVATURE
     calls = island.evaluations + (0 if island is slider else slider.evaluations)
-    off = float(minimum.error + saddle.error)
-    return RelaxedBarrier(max(float(height), 0.0), off, lowest, highest, calls, perf_counter() - started)
+    return RelaxedBarrier(
+        max(height, 0.0), float(error), minimum, saddle, calls, perf_counter() - started
+    )
 
 
 def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
@@ -141,7 +151,11 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
             flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
             found = flat if len(flat) == 2 else None
         if found is None:
-            refuse("periods", None, "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell")
+            refuse(
+                "periods",
+                None,
+                "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell",
+            )
         given = found
     try:
         periods: Array = np.array(given, dtype=float)
@@ -149,7 +163,11 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
         periods = np.empty(0)
     right = periods.shape == (2, 2) and np.isfinite(periods).all()
     if not right or not abs(np.linalg.det(periods)) > 1e-6 * (periods**2).sum():
-        refuse("periods", given, "must be two vectors that are not parallel, such as [[2.5, 0.0], [0.0, 2.5]]")
+        refuse(
+            "periods",
+            given,
+            "must be two vectors that are not parallel, such as [[2.5, 0.0], [0.0, 2.5]]",
+        )
     return periods
 
 
@@ -159,165 +177,86 @@ def _known_periods(calculator: Any) -> Array | None:
         return np.asarray(calculator.periods)
     parts = getattr(getattr(calculator, "mixer", None), "calcs", ())
     known = [found for found in map(_known_periods, parts) if found is not None]
-    if len(known) > 1 and any(found.shape != known[0].shape or (found != known[0]).any() for found in known[1:]):
+    if len(known) > 1 and any(
+        found.shape != known[0].shape or (found != known[0]).any() for found in known[1:]
+    ):
         refuse("periods", None, "must be given, as the parts of the calculator have different ones")
     return known[0] if known else None
 
 
 def _moved(slider: MovingIsland, shift: Array) -> tuple[float, Array]:
-    energy, forces = slider.evaluate(slider.points + _flat(shift))
+    energy, forces = slider.evaluate(slider.points + flat(shift))
     return energy, forces[0, :2]
 
 
 def _scales(slider: MovingIsland, periods: Array) -> Scales:
-    from origins.domains.level_points import Scales
-
     places = [np.array([i + 0.37, j + 0.21]) / 3.0 @ periods for i in range(3) for j in range(3)]
     energies = [_moved(slider, place)[0] for place in places]
     force = slider.strongest
     if force == 0.0:
-        refuse("calculator", "no force anywhere", "must give forces that change as the island moves")
+        refuse(
+            "calculator", "no force anywhere", "must give forces that change as the island moves"
+        )
     radian = float(np.linalg.norm(periods, axis=1).min() / (2.0 * np.pi))
     count, far = len(slider.moving), float(np.abs(slider.reach).max())
     eps = float(np.finfo(float).eps)
     noise = 8.0 * eps * (np.abs(energies).max() + count * force * (radian + far))
     for period in periods:
-        off = max(abs(_moved(slider, place + period)[0] - was) for place, was in zip(places, energies, strict=True))
+        off = max(
+            abs(_moved(slider, place + period)[0] - was)
+            for place, was in zip(places, energies, strict=True)
+        )
         if off > 1e-9 * force * radian + 4.0 * noise:
             shown = f"({period[0]:.6g}, {period[1]:.6g})"
-            refuse("periods", periods, f"must leave energies as they are; moved by {shown} they change by {off:.2g}")
+            refuse(
+                "periods",
+                periods,
+                f"must leave energies as they are; moved by {shown} they change by {off:.2g}",
+            )
     return Scales(radian, force, noise)
 
 
-def _rigid(slider: MovingIsland, scales: Scales, chart: EnergyMap) -> tuple[LevelPoint, LevelPoint] | None:
-    """The lowest minimum, and the saddle of the lowest way; ways are closed one by one until none can be lower.
+def _series(slider: MovingIsland, scales: Scales, periods: Array) -> tuple[Whole, Complex]:
+    """Energy of the shifted island as waves of whole numbers: U = Re sum_n c_n exp(2 pi i K_n·share).
 
-    None where a band strays from the way it was laid on: the map is too coarse for that.
+    Returns K (n, 2) and c (n,). The grid is refined until what it does not resolve is rounding.
     """
-    from origins.domains.elastic_band import highest_saddle
-    from origins.domains.level_points import level_place, relax, settle, stiffest
-
-    if np.ptp(chart.energies) <= scales.noise:
-        point = level_place(slider, scales, slider.points)
-        return point, point
-    starts = [slider.points + _flat(chart.displacements(node)) for node in chart.valleys()]
-    minimum = min((relax(slider, scales, start, stiffest(slider, scales, start)) for start in starts), key=_energy)
-    for step in np.array(_STEPS) @ chart.periods:
-        if (ends := _channel(slider, scales, minimum, _flat(step))) is not None:
-            return ends
-    node = chart.nearest((minimum.points - slider.points)[0, :2])
-    blocked = np.zeros(chart.energies.shape, dtype=bool)
-    best: LevelPoint | None = None
-    for _ in range(chart.energies.size):
-        way = chart.lowest_way(node, blocked)
-        if way is None or (best is not None and way.level - chart.margin >= best.energy):
+    energies = np.empty((0, 0))
+    for count in _GRIDS:
+        known, energies = energies, np.empty((count, count))
+        energies[::2, ::2] = known if len(known) else np.nan
+        for i, j in np.ndindex(count, count):
+            if not len(known) or i % 2 or j % 2:
+                energies[i, j] = _moved(slider, np.array([i, j]) / count @ periods)[0]
+        waves = np.fft.fft2(energies) / count**2
+        numbers = np.rint(np.fft.fftfreq(count, 1.0 / count)).astype(int)
+        K = np.stack(np.meshgrid(numbers, numbers, indexing="ij"), axis=-1).reshape(-1, 2)
+        sizes = np.abs(waves.ravel())
+        if sizes[np.abs(K).max(-1) > count // 3].max() <= scales.noise:
             break
-        path = slider.points + _flat(chart.displacements(way.nodes))
-        top = path[chart.energies[tuple(way.nodes.T % len(chart.energies))].argmax()]
-        # a saddle known already to be no lower needs no band
-        saddle = None if best is None else settle(slider, scales, top[None], 1)
-        if best is not None and saddle is not None and saddle.ways_down == 2 and saddle.energy >= best.energy:
-            # over a peak between places closed already: no way of its own
-            blocked |= chart.disc((top - slider.points[0])[:2], _DISC)
-            continue
-        if (
-            best is None
-            or saddle is None
-            or saddle.ways_down != 1
-            or saddle.energy < best.energy - _KNOWN * scales.energy
-        ):
-            guess = _between(minimum, path, _copy(chart, way))
-            found, _ = highest_saddle(slider, scales, minimum, guess, cut_first=True)
-            if found is minimum:
-                return minimum, minimum
-            if found.energy > way.level + chart.margin:
-                return None
-            saddle = found
-            if best is None or saddle.energy < best.energy:
-                best = saddle
-        for place in (top, saddle.points[0]):
-            blocked |= chart.disc((place - slider.points[0])[:2], _DISC)
-    if best is None:
-        raise RuntimeError("no way leads out of a minimum: a defect of this program")
-    return minimum, best
+    # one of each pair of opposite waves, without those of the edge, which are their own opposites
+    kept = ((K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))) & (np.abs(K).max(-1) < count // 2)
+    kept &= sizes > scales.noise / count
+    return K[kept], 2.0 * waves.ravel()[kept]
 
 
-def _channel(
-    slider: MovingIsland, scales: Scales, minimum: LevelPoint, period: Array
-) -> tuple[LevelPoint, LevelPoint] | None:
-    """The lowest and the highest point along one period, where they differ by so little that forces tell no way."""
-    from origins.domains.level_points import flattest
-
-    flat = flattest(slider, scales) * scales.radian**2
-    places, energies = [minimum.points], [minimum.energy]
-    for t in np.arange(1, _LEVELS) / _LEVELS:
-        places.append(minimum.points + t * period)
-        energies.append(slider.evaluate(places[-1])[0])
-        if energies[-1] > minimum.energy + flat:
-            return None
-    low, high = int(np.argmin(energies)), int(np.argmax(energies))
-    error = scales.noise + 0.01 * (energies[high] - energies[low])  # of a wave between two of the places
-    one, other = (replace(minimum, points=places[k], energy=energies[k], error=error) for k in (low, high))
-    return one, other
-
-
-def _free(island: MovingIsland, scales: Scales, chart: EnergyMap) -> tuple[LevelPoint, LevelPoint]:
-    """The lowest minimum found from 16 places and along the bands, and the lowest saddle of five bands."""
-    from origins.domains.elastic_band import highest_saddle
-    from origins.domains.level_points import relax, stiffest
-
-    n = len(chart.energies)
-    nodes = [chart.valleys()[0], *((i, j) for i in range(0, n, n // 4) for j in range(0, n, n // 4))]
-    starts = [island.points + _flat(chart.displacements(node)) for node in nodes]
-    steep = stiffest(island, scales, starts[0])
-    minimum = min((relax(island, scales, start, steep) for start in starts), key=_energy)
-    shake, basis = np.random.default_rng(0), island.basis()
-    for _ in range(_MOST_MINIMA):
-        best: LevelPoint | None = None
-        for shift in _ways_on(chart, (minimum.points - island.points).mean(axis=0)[:2]):
-            path = minimum.points + _flat(shift)[:, None]
-            # a band of one symmetry could not leave it
-            noise = _SHAKE * scales.radian * shake.standard_normal((len(path) - 2, basis.shape[1]))
-            path[1:-1] += (noise @ basis.T).reshape(-1, *path.shape[1:])
-            limit = np.inf if best is None else best.energy
-            saddle, lowest = highest_saddle(island, scales, minimum, path, limit=limit)
-            if lowest.energy < minimum.energy - _KNOWN * scales.energy:
-                minimum = lowest
-                break
-            if saddle.energy < limit:
-                best = saddle
-        else:
-            assert best is not None  # the first band has no limit
-            return minimum, best
-    raise InputError("atoms: bands lead to ever lower minima; take rigid=True or atoms that hold together more stiffly")
-
-
-def _ways_on(chart: EnergyMap, place: Array) -> list[Array]:
-    """Displacements along the lowest way of the map from `place`, and straight over one period or two."""
-    way = chart.lowest_way(chart.nearest(place))
-    if way is None:
-        raise RuntimeError("no way leads out of a minimum: a defect of this program")
-    steps = np.array(_STEPS) @ chart.periods
-    lengths = np.linalg.norm(steps, axis=1)
-    short = lengths <= _LONG * lengths[:2].max()
-    straight = [np.linspace(0.0, 1.0, 9)[:, None] * step for step in steps[short]]
-    return [chart.displacements(way.nodes - way.nodes[0]), *straight]
-
-
-def _energy(point: LevelPoint) -> float:
-    return point.energy
-
-
-def _flat(shift: Array) -> Array:
-    return np.concatenate([shift, np.zeros((*shift.shape[:-1], 1))], axis=-1)
-
-
-def _copy(chart: EnergyMap, way: Way) -> Array:
-    return _flat(chart.displacements(way.nodes[-1] - way.nodes[0]))
-
-
-def _between(minimum: LevelPoint, path: Array, shift: Array) -> Array:
-    """The path (n, 3) of a centre, its ends put into the minimum and its copy; shape (n, 1, 3)."""
-    path = path.copy()
-    path[0], path[-1] = minimum.points[0], minimum.points[0] + shift
-    return path[:, None]
+def _rigid(slider: MovingIsland, scales: Scales, periods: Array) -> Ends:
+    """The lowest minimum and the saddle of the easiest way, by the exact search on a Fourier series."""
+    K, c = _series(slider, scales, periods)
+    if not len(K):
+        return Ends(slider.points, slider.points, scales.noise)
+    share = np.array([0.123, 0.456])
+    force = _moved(slider, share @ periods)[1]
+    slopes = -(c * np.exp(2j * np.pi * (K @ share))).imag @ (2.0 * np.pi * K)
+    expected = -np.linalg.solve(periods, slopes)
+    if np.abs(force - expected).max() > _FORCES * scales.force:
+        shown = type(slider.calculator).__name__
+        refuse("calculator", shown, "forces must be those of its energy")
+    climbs = climbs_of(K, c[None])
+    size = float(np.abs(c).max())
+    on_grid = float(climbs.errors[0]) if climbs.errors[0] > _POLISHED * size else 0.0
+    places = [
+        slider.points + flat(t[0] / (2.0 * np.pi) @ periods)
+        for t in (climbs.minima, climbs.saddles)
+    ]
+    return Ends(places[0], places[1], on_grid + _NOTHING * size)

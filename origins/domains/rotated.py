@@ -9,12 +9,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from origins.domains.barriers import checked_substrate
-from origins.domains.domain_sampling import Angles, Family, ListedFamily, TriangularFamily, draw, shares_of
+from origins.domains.angle_thresholds import angle_thresholds
+from origins.domains.barriers import checked_substrate, radians
+from origins.domains.domain_sampling import (
+    Angles,
+    Family,
+    ListedFamily,
+    TriangularFamily,
+    draw,
+    shares_of,
+)
 from origins.domains.substrates import Substrate
 from origins.errors import InputError, finite_array, positive, refuse, whole
 from origins.samples.from_samples import from_samples
 from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.powered import Powered
 
 if TYPE_CHECKING:
     import ase
@@ -22,7 +31,6 @@ if TYPE_CHECKING:
 LAWS = ("area", "equal", "paper")
 _MOST_SAMPLES = 100_000_000
 _MOST_ATOMS = 1e12
-_FULL_CIRCLE = 2.0 * np.pi * (1.0 + 1e-12)  # as rounded by whoever wrote it
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,16 +147,22 @@ def domains(
         histogram, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force and holding fraction
         of a run count the islands that resist only.
 
+        One island on two waves, at any angle and without a temperature, has no sampling error: P_c comes from
+        b(angle) itself. It diverges where b stands still, so that K* is infinite, and jumps where min(|S_x|, |S_y|)
+        changes sides. Elsewhere, and for islands of some hundred periods across, samples smooth such peaks away.
+
     Raises InputError for values outside these, for a substrate that varies in one direction only, and where no island
     resists.
     """
     substrate = checked_substrate(substrate)
     if substrate.rank == 1:
-        raise InputError("substrate: varies in one direction only, and every island slides freely across it")
+        raise InputError(
+            "substrate: varies in one direction only, and every island slides freely across it"
+        )
     scale = _checked_law(law, stiffness, coefficient)
     family = _family(lattice_constant, sizes, mean_atoms, islands, weights, substrate)
     choice = Angles(
-        None if angles is None else _radians(angles),
+        None if angles is None else radians(finite_array("angles", angles), "angles"),
         None if temperature is None else positive("temperature", temperature),
     )
     samples = whole("samples", samples, 1)
@@ -169,9 +183,24 @@ def domains(
         lengths = np.sqrt(forces / scale)
         stiffnesses = scale * lengths
     else:
-        stiffnesses = scale * (np.sqrt(n_atoms[resists] / family.mean_atoms) if law == "area" else np.ones(forces.size))
+        stiffnesses = scale * (
+            np.sqrt(n_atoms[resists] / family.mean_atoms) if law == "area" else np.ones(forces.size)
+        )
         lengths = forces / stiffnesses
-    thresholds = from_samples(lengths)
+    thresholds: Thresholds | None = None
+    only = family.only
+    if only is not None and angles is None and temperature is None and resists.all():
+        reach = fastest * family.reach(only)
+
+        def turned_by(angle: Array) -> Array:
+            return family.solve(np.broadcast_to(only, (angle.size, only.size)), angle)[0]
+
+        thresholds = angle_thresholds(turned_by, reach, 1.0 / (period * scale))
+        if thresholds is not None and law == "paper":
+            thresholds = Powered(thresholds, 1.0, 0.5)
+            thresholds.knows_breakpoints = False
+    if thresholds is None:
+        thresholds = from_samples(lengths)
     mean, distance, ratios = _exponential(np.sort(forces))
     thresholds.domains = DomainSamples(
         barriers=barriers,
@@ -185,16 +214,6 @@ def domains(
         exponential_ratios=ratios,
     )
     return thresholds
-
-
-def _radians(angles: npt.ArrayLike) -> Array:
-    listed = finite_array("angles", angles)
-    beyond = np.flatnonzero(np.abs(listed) > _FULL_CIRCLE)
-    if beyond.size:
-        first = float(listed[beyond[0]])
-        rule = f"angles are in radians, 2 pi at most; write {np.radians(first):.6g} for {first:g} degrees"
-        refuse(f"angles[{beyond[0]}]", first, rule)
-    return listed
 
 
 def _exponential(forces: Array) -> tuple[float, float, tuple[float, float]]:
@@ -215,7 +234,11 @@ def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     if given[other] is not None:
         refuse(other, given[other], f'has no part in law = "{law}"; leave it out')
     if given[needed] is None:
-        refuse(needed, None, f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0')
+        refuse(
+            needed,
+            None,
+            f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0',
+        )
     return positive(needed, given[needed])
 
 
@@ -241,7 +264,11 @@ def _family(
             refuse("islands", islands, "must hold at least one ase.Atoms")
         return ListedFamily(islands, substrate, shares_of(weights, len(islands)))
     if lattice_constant is None:
-        refuse("lattice_constant", None, "triangular islands need it; give a length, such as lattice_constant = 2.5")
+        refuse(
+            "lattice_constant",
+            None,
+            "triangular islands need it; give a length, such as lattice_constant = 2.5",
+        )
     a = positive("lattice_constant", lattice_constant)
     if sizes is None:
         if weights is not None:
@@ -254,8 +281,20 @@ def _family(
         pairs = np.asarray(sizes)
     except ValueError:  # rows of different lengths
         pairs = np.empty(0)
-    if pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) == 0 or pairs.dtype.kind not in "iu" or pairs.min() < 1:
-        refuse("sizes", sizes, "must be pairs (n_i, n_j) of whole numbers of at least 1, such as [[10, 9]]")
+    if (
+        pairs.ndim != 2
+        or pairs.shape[1] != 2
+        or len(pairs) == 0
+        or pairs.dtype.kind not in "iu"
+        or pairs.min() < 1
+    ):
+        refuse(
+            "sizes",
+            sizes,
+            "must be pairs (n_i, n_j) of whole numbers of at least 1, such as [[10, 9]]",
+        )
     if pairs.prod(-1, dtype=float).max() > _MOST_ATOMS:
         refuse("sizes", sizes, f"must have n_i n_j of at most {_MOST_ATOMS:g}")
-    return TriangularFamily(a, substrate, pairs.astype(np.int64), shares_of(weights, len(pairs)), None)
+    return TriangularFamily(
+        a, substrate, pairs.astype(np.int64), shares_of(weights, len(pairs)), None
+    )

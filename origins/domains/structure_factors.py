@@ -130,12 +130,12 @@ def _turned(angle: Array, wavevectors: npt.ArrayLike) -> Array:
     return np.stack([cos * G[:, 0] + sin * G[:, 1], cos * G[:, 1] - sin * G[:, 0]], axis=-1)
 
 
-def angles_of(angle: npt.ArrayLike) -> Array:
+def angles_of(angle: npt.ArrayLike, name: str = "angle") -> Array:
     """`angle` (radians) as a float array of its own shape; InputError unless finite numbers."""
     given = np.asarray(angle)
     if given.dtype.kind not in "iufO":
-        refuse("angle", angle, "must be in radians, a number or an array of them, such as 0.3")
-    return finite_array("angle", given.ravel()).reshape(given.shape)
+        refuse(name, angle, "must be in radians, a number or an array of them, such as 0.3")
+    return finite_array(name, given.ravel()).reshape(given.shape)
 
 
 def checked_island(

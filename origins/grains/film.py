@@ -6,15 +6,16 @@ and with f_s = c x_s² (paper, Eq. PxPf)
     2r/d = (1 + B x_s²)^(1/2),   B = 4c/(pi tau d²).
 """
 
-from decimal import Decimal, localcontext
+from fractions import Fraction
 from typing import Literal
+
+import numpy as np
 
 from origins.errors import between, positive, refuse
 from origins.grains.pinning import PinningGrains
 from origins.grains.printed import PrintedGrains
 from origins.thresholds.law import Thresholds
 
-_DIGITS = 60  # beside rho = 2/3 the excess of the largest grain over the film is a difference
 _LARGEST = 1e50  # rho, whose powers must stay numbers
 
 
@@ -53,8 +54,8 @@ def grains(
         if alpha is not None or time is not None:
             refuse("rho", rho, "is alpha time^(1/3): give rho, or alpha and time")
         rho = positive("rho", rho)
-        with localcontext(prec=_DIGITS):
-            excess = Decimal("1.5") * Decimal(rho) - 1
+        # the difference is exact: it rules everything while the first grains pin
+        excess = Fraction(rho) * 3 / 2 - 1
         if excess <= 0:
             refuse("rho", rho, "no grain pins yet: the largest is 3 rho/2 of the film's thickness; give rho > 2/3")
         if rho > _LARGEST:
@@ -67,8 +68,7 @@ def grains(
     if time is None:
         refuse("time", time, "is missing; rho = alpha time^(1/3) takes both, or give rho alone")
     alpha, time = between("alpha", alpha, 1.0 / _LARGEST, _LARGEST), positive("time", time)
-    with localcontext(prec=_DIGITS):
-        excess = Decimal("1.5") * Decimal(alpha) * Decimal(time) ** (Decimal(1) / 3) - 1
+    excess = Fraction(float(1.5 * alpha * np.cbrt(time) - 1.0))
     if excess <= 0:
         refuse("time", time, f"no grain pins yet: the first does at (2/(3 alpha))³ = {(2.0 / (3.0 * alpha)) ** 3:.12g}")
     if excess > 1.5 * _LARGEST:

@@ -1,13 +1,11 @@
 """Thresholds of the grains that span a film, their sizes Lifshitz and Slyozov's (paper, Eq. LS2, exact Jacobian)."""
 
-from decimal import Decimal, localcontext
+from fractions import Fraction
 
 import numpy as np
 
 from origins.grains.lifshitz_slyozov import closed_hazard, hazard_beyond, invert_beyond
 from origins.thresholds.law import Array, Thresholds
-
-_DIGITS = 60
 
 
 class PinningGrains(Thresholds):
@@ -18,16 +16,15 @@ class PinningGrains(Thresholds):
 
     onset_power = 1.0
 
-    def __init__(self, excess: Decimal, B: float) -> None:
+    def __init__(self, excess: Fraction, B: float) -> None:
         self.excess, self.B = float(excess), B
         self._root_b = float(np.sqrt(B))
         self._m0 = 1.0 + self.excess
         self._y0, self._e0 = 1.0 / self._m0, self.excess / self._m0
-        with localcontext(prec=_DIGITS):
-            upper = (excess * (excess + 2) / Decimal(B)).sqrt()
-            self._upper = float(upper)
-            # beside the end a distance is a difference: what the float lacks is kept
-            self._upper_rest = float(upper - Decimal(self._upper))
+        square = excess * (excess + 2) / Fraction(B)
+        self._upper = float(np.sqrt(float(square)))
+        # beside the end a distance is a difference: what the float lacks is kept
+        self._upper_rest = float((square - Fraction(self._upper) ** 2) / (2 * Fraction(self._upper)))
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._upper

@@ -1,6 +1,6 @@
 """Thresholds of pinning grains with the Jacobian the paper prints: P_c proportional to P_LS(u(x)) (paper, Eq. LS2)."""
 
-from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
@@ -30,7 +30,7 @@ class PrintedGrains(PinningGrains):
 
     onset_power = 0.0
 
-    def __init__(self, excess: Decimal, B: float) -> None:
+    def __init__(self, excess: Fraction, B: float) -> None:
         super().__init__(excess, B)
         ends = self._where(_HAZARDS)
         # sizes bend where x is near B^(-1/2), however far the law reaches

@@ -11,9 +11,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.starts import StretchRules
 from master.lives.age.strands import TRAVEL_STEP, Mesh, Strands
-from master.lives.stretch_rule import StretchRule
+from master.lives.stretch_rule import StretchRule, StretchRules
 from master.motion.motion import Motion
 from origins import Contacts
 from origins.start import SingleStart, Start
@@ -65,7 +64,7 @@ class AgeingLife:
         self.contacts, self.motion = contacts, motion
         self.fastest = float(np.abs(motion.speeds).max())
         self.reach = max(float(law.isf(1e-17)) for law in (contacts.thresholds, ageing.final))
-        self._rules = StretchRules(contacts, accuracy, self._shares)
+        self._rules = StretchRules(contacts.thresholds.support()[1], accuracy, self._shares)
         self.mesh = Mesh(contacts, 1, self.fastest)
         before = self._trial()
         # of two resolutions, before what they tell is extrapolated

@@ -40,6 +40,9 @@ Whole = npt.NDArray[np.intp]
 
 # Weight of a cell that counts as none, and standard deviations that a threshold goes at most.
 FAINT, FURTHEST = 1e-18, 8.0
+# Standard deviations that normal thresholds keep from the stretch of contacts that sleep: those
+# that may have been met are fewer than 1e-11.
+ASLEEP = 7.0
 # Cells that a step uses at least: those of one cubic.
 LEAST_CELLS = 4
 

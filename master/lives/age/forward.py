@@ -13,9 +13,8 @@ from scipy.interpolate import BSpline, make_interp_spline
 from master.lives.age.ageing import AgeingLife
 from master.lives.age.grid import narrowest
 from master.lives.age.passage import Passage
-from master.lives.age.starts import StretchRules
 from master.lives.life import UnbentLife
-from master.lives.stretch_rule import StretchRule
+from master.lives.stretch_rule import StretchRule, StretchRules
 from master.motion.motion import History, Motion
 from origins import Contacts
 from origins.start import SingleStart, Start
@@ -83,7 +82,7 @@ class ForwardAgeing(UnbentLife):
         assert ageing is not None and (velocity != 0.0 or np.isfinite(longest))
         self._longest, self._strands = longest, strands
         self._contacts, self._velocity, self._accuracy = contacts, velocity, accuracy
-        self._rules = StretchRules(contacts, accuracy, self._shares)
+        self._rules = StretchRules(contacts.thresholds.support()[1], accuracy, self._shares)
         self._passages = ageing.normal is not None and contacts.thermal is None
         self._passages &= velocity != 0.0
         self._tables: dict[float, Survival] = {}
@@ -120,10 +119,14 @@ class ForwardAgeing(UnbentLife):
         A polynomial of the stretch on either side of 0.
         """
         out = np.zeros(lag.shape)
+        first, last = self._contacts.start.span
         for side in (stretch < 0.0, stretch >= 0.0):
             if not side.any():
                 continue
-            low, high = float(stretch[side].min()), float(stretch[side].max())
+            # all over the start's span, so that the nodes are the same each time
+            most = min(last, 0.0) if stretch[side][0] < 0.0 else last
+            least = first if stretch[side][0] < 0.0 else max(first, 0.0)
+            low, high = min(least, stretch[side].min()), max(most, stretch[side].max())
             if low == high:
                 out[side] = self.table(low).survival(lag[side])
                 continue

@@ -1,47 +1,85 @@
 """First passage, at one speed: how long contacts hold whose thresholds age towards a normal law.
 
 A contact stands at `start` at t = 0, its threshold being fresh; its stretch grows at one speed, and
-it breaks where |stretch| first meets its threshold. With 2ψ the flux of master.lives.age.passage_flux,
-the breaks g per unit of the way t obey an equation of the second kind without a singular kernel,
+it breaks where |stretch| first meets its threshold. If thresholds went on ageing when they are met,
+all that are below |stretch| at t would have been met at some moment before: with b the breaks per
+unit of the way t,
 
-    g(t) = 2ψ(t | fresh, 0) - integral_0^t g(τ) 2ψ(t | |stretch(τ)|, τ) dτ
+    P(below at t | fresh) = integral_0^t b(τ) P(below at t | met at τ) dτ,       E(t) = 1 - integral_0^t b dτ.
 
-(Buonocore, Nobile and Ricciardi, Adv. Appl. Prob. 19, 784, 1987). It is marched in panels, on each
-of which 2 s g is a Legendre series in s = t^(1/2): g is smooth in s from the first contact on.
+That is number conservation again, and both probabilities are known in closed form, as free
+thresholds are an Ornstein-Uhlenbeck process. It is marched in panels, on each of which 2 s b is a
+Legendre series in s = t^(1/2): b is smooth in s from the first contact on. (Shares above in place of
+those below would leave rounding alone to tell b where thresholds flee from |stretch|.)
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
+from scipy.optimize import brentq
 
-from master.lives.age.passage_flux import ParabolaFlux
-from master.lives.age.passage_panels import NODES, SERIES, SHARE, Phase, cut_panel, cuts_towards
+from master.lives.age.free import FreeThresholds
+from master.renewal import rule
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
 
 Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
 
-# Survival at which the table ends and a Gaussian tail goes on.
-SPENT = 1e-12
-# Survival that counts as none: the reach of the table.
-NOTHING = 1e-17
-# Of the largest coefficient of a panel: what rounded exponents leave of it.
-NOISE = 2e-14
+# Survival at which the table ends and an exponential tail goes on, and that counts as none.
+SPENT, NOTHING = 1e-12, 1e-17
 # Error of every answer that rounding leaves.
-ROUND_OFF = 1e-14
+ROUND_OFF = 1e-13
 # D/v over the mean threshold below which nothing is known to diffuse by floating point.
 AT_REST = 1e-28
 # Panels of one march; a smooth law takes some 50.
 MOST_PANELS = 4000
 # Standard deviations of the final law above all thresholds at which the march ends at the latest.
 BEYOND_ALL = 12.0
-# Where thresholds of these quantiles, and values this many standard deviations beside exact ones,
-# meet the level if nothing is random, the breaks may set in: panels end there.
-QUANTILES = np.array([1e-12, 1e-6, 1e-3, 0.03, 0.25, 0.5])
-BESIDE = np.array([-9.0, -4.0, -1.5, 1.5, 4.0, 9.0])
-BELOW_MEAN = np.array([12.0, 8.0, 4.0, 0.0])
+# Halvings of the integral's cuts towards its upper end: from D/v up to any length.
+DOUBLINGS = 40
+# Nodes and weights on (0, 1) of the integral over earlier breaks, between two of its cuts.
+_INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0, 1))
+_SIZE = rule.DEGREE
+# What the last coefficients of a density come to in its integral.
+IN_NUMBER = 1.0 / (2.0 * _SIZE)
+
+
+class _Leg:
+    """A part of the way on which the level moves by `sign` per unit from `level`, and its panels.
+
+    edges are those of the panels in s, the root of the way since `begin`; series the Legendre
+    coefficients of 2 s b on each, and after what holds at its end.
+    """
+
+    def __init__(self, begin: float, level: float, sign: float) -> None:
+        self.begin, self.level, self.sign = begin, level, sign
+        self.edges: list[float] = [0.0]
+        self.series: list[Array] = []
+        self.after: list[float] = []
+
+    def value(self, s: Array) -> Array:
+        """2 s b at points of finished panels; each row lies on one panel."""
+        edges = np.array(self.edges)
+        panel = np.searchsorted(edges, s[:, :1], side="right") - 1
+        panel = panel.clip(0, len(self.series) - 1)[:, 0]
+        left, right = edges[panel, None], edges[panel + 1, None]
+        return rule.legendre_sum(
+            np.array(self.series)[panel], (2.0 * s - left - right) / (right - left)
+        )
+
+
+class _Earlier(NamedTuple):
+    """Nodes s of integrals over earlier breaks, a row for each part between two cuts, and their
+    weights times the share that is below now; `row` (n,) tells which of the integrals."""
+
+    row: Rows
+    node: Array
+    weight: Array
 
 
 class Passage:
@@ -67,8 +105,7 @@ class Passage:
     error : float
         Estimate of the largest error of the survival.
 
-    Raises InputError where no threshold lies above |start|, and where the fresh thresholds are so
-    far from the final law that their breaks are beyond floating point.
+    Raises InputError where no threshold lies above |start|.
     """
 
     def __init__(
@@ -84,158 +121,135 @@ class Passage:
         if not float(fresh.sf(abs(start))) > 0.0:
             refuse("start", start, "lies beyond every threshold; contacts there hold nothing")
         diffusion = max(ageing.rate / velocity, AT_REST * fresh.mean())
-        self.velocity, self.accuracy, self.diffusion = velocity, accuracy, diffusion
-        self.flux = ParabolaFlux(fresh, normal.mean, normal.std, diffusion, abs(start))
-        # the kernel of the integral equation changes within a part of that way
-        self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self.flux.rate)
-        self.phases: list[Phase] = []
+        self.velocity, self._accuracy = velocity, accuracy
+        self._free = FreeThresholds(fresh, normal.mean, normal.std, diffusion, abs(start))
+        # the share that is below now changes within a part of that way
+        self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._free.rate)
+        self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._free.rate, 0.1 * normal.std)))
+        self._legs: list[_Leg] = []
         self._left, self.error = 1.0, ROUND_OFF
         if start < 0.0:
-            self._march(Phase(0.0, -start, -1.0), -start)
-        if self._left > 1.001 * SPENT:
-            level = max(start, 0.0)
-            furthest = max(float(fresh.isf(1e-16)), normal.mean) + BEYOND_ALL * normal.std
-            self._march(Phase(max(-start, 0.0), level, 1.0), furthest - level)
-        self._finish(start)
+            self._legs.append(_Leg(0.0, -start, -1.0))
+            self._march(self._legs[0], -start)
+        leg = _Leg(max(-start, 0.0), max(start, 0.0), 1.0)
+        self._legs.append(leg)
+        furthest = max(float(fresh.isf(1e-16)), normal.mean) + BEYOND_ALL * normal.std
+        # thresholds that hardly age are met all at once, or from one level on
+        corners = np.concatenate([[-start, furthest], fresh.breakpoints, fresh.atoms[0]])
+        for corner in np.unique(corners[(corners > leg.level) & (corners <= furthest)]):
+            self._march(leg, float(corner - leg.level))
+        self._finish()
 
     def survival(self, lag: Array) -> Array:
         """E at times `lag` >= 0 since the birth, same shape."""
         way = np.asarray(lag, dtype=float) * self.velocity
-        out = np.ones(way.shape)
-        for phase in self.phases:
-            here = way > phase.begin
-            out[here] = phase.survival(np.sqrt(way[here] - phase.begin))
-        far = way > self._end
-        beyond = way[far] - self._end
-        out[far] = self._left * np.exp(-self._hazard * beyond - 0.5 * self._slope * beyond**2)
-        return np.clip(out, 0.0, 1.0)
+        found = np.where(way < self._end, self._read(way), 0.0)
+        beyond = np.maximum(way - self._end, 0.0)
+        tail = self._last * np.exp(-self._hazard * beyond)
+        return np.asarray(np.clip(np.where(way < self._end, found, tail), 0.0, 1.0))
 
-    def _finish(self, start: float) -> None:
-        """The Gaussian tail beyond the table, and what holds at the panels' ends, of sum 1."""
-        last = self.phases[-1]
-        density, change = last.density_at_end()
-        self._end = last.begin + last.edges[-1] ** 2
-        if self._left > 1.001 * SPENT or self._left <= 0.0 or density <= 0.0:
-            # all have broken: what seems left was lost to rounding
-            self.error += abs(self._left)
-            self._left = 0.0
-        broken = sum(phase.broken for phase in self.phases)
-        if not broken > 0.0:
-            raise InputError(
-                f"ageing: contacts that hold at x = {start:g} have fresh thresholds far from the "
-                f"final law, mean {self.flux.mean:g}, std {self.flux.std:g}, and their breaks are "
-                "beyond floating point"
-            )
-        self._hazard, self._slope, reach = 0.0, 0.0, 0.0
-        if self._left > 0.0:
-            self._hazard = density / self._left
-            self._slope = max(change / self._left + self._hazard**2, 0.0)
-            rest = np.log(self._left / NOTHING)
-            root = np.sqrt(self._hazard**2 + 2.0 * self._slope * rest)
-            reach = 2.0 * rest / (self._hazard + root)
-        self.reach_lag = (self._end + reach) / self.velocity
-        after = self._left
-        for phase in self.phases[::-1]:
-            after = phase.finish(after, (1.0 - self._left) / broken)
+    def _finish(self) -> None:
+        """What holds after each panel, from the last one on, and the tail where next to none does."""
+        legs = [leg for leg in self._legs if leg.series]
+        self._begin = np.concatenate([np.full(len(leg.series), leg.begin) for leg in legs])
+        self._low, self._high = (
+            np.concatenate([leg.edges[part] for leg in legs])
+            for part in (slice(None, -1), slice(1, None))
+        )
+        self._ways = self._begin + self._low**2
+        self._after = np.concatenate([leg.after for leg in legs])
+        series = np.concatenate([np.array(leg.series) for leg in legs]).T
+        self._breaks = legendre.legint(series, lbnd=1.0) * (-0.5 * (self._high - self._low))
+        self._end, self._last = float(self._begin[-1] + self._high[-1] ** 2), max(self._left, 0.0)
+        if self._last < SPENT:
+            begin = float(self._ways[-1])
+            self._end = brentq(lambda way: self._read(np.array(way)) - SPENT, begin, self._end)
+            self._last = SPENT
+        root, low, high = np.sqrt(self._end - self._begin[-1]), self._low[-1], self._high[-1]
+        flow = legendre.legval((2.0 * root - low - high) / (high - low), series[:, -1])
+        self._hazard = max(float(flow / (2.0 * root * self._last)), 1.0 / self._end)
+        self.reach_lag = (self._end + np.log(self._last / NOTHING) / self._hazard) / self.velocity
 
-    def _march(self, phase: Phase, length: float) -> None:
-        """Panels of the phase until the level has gone `length` or next to nothing is left."""
-        self.phases.append(phase)
-        last = np.sqrt(length)
-        marks = self._marks(phase)
-        std, rate = self.flux.std, self.flux.rate
-        width = 0.1 * np.sqrt(min(self.diffusion, 1.0 / rate, 0.1 * std))
-        left = 0.0
-        while left < last and self._left > 1.001 * SPENT:
-            ahead = marks[marks > left * (1.0 + 1e-12)]
-            room = min(last, float(ahead[0]) if ahead.size else np.inf) - left
-            step = room if width > 0.9 * room else min(width, 0.5 * room)
-            series = self._panel(phase, left, step)
-            tail = float(np.abs(series[-2:]).max()) * step
-            aim = max(self.accuracy, NOISE * float(np.abs(series).max()) * step)
-            if tail > aim and step > 1e-9 * (left + step):
+    def _read(self, way: Array) -> Array:
+        """E at ways up to the last panel's end, same shape."""
+        panel = np.clip(np.searchsorted(self._ways, way, side="right") - 1, 0, None)
+        low, high = self._low[panel], self._high[panel]
+        s = np.clip(np.sqrt(np.maximum(way - self._begin[panel], 0.0)), low, high)
+        z = (2.0 * s - low - high) / (high - low)
+        return self._after[panel] + legendre.legval(z, self._breaks[:, panel], tensor=False)
+
+    def _march(self, leg: _Leg, length: float) -> None:
+        """Panels of the leg until the level has gone `length` or next to nothing is left."""
+        last, width, left = float(np.sqrt(length)), self._first, leg.edges[-1]
+        while left < last and self._left > SPENT:
+            step = last - left if width > 0.9 * (last - left) else min(width, 0.5 * (last - left))
+            series = self._panel(leg, left, step)
+            tail = float(np.abs(series[-2:]).max()) * step * IN_NUMBER
+            if tail > self._accuracy and step > 1e-9 * (left + step):
                 width = 0.5 * step
                 continue
-            right = left + step
-            if self._left - float(series[0]) * step < SPENT:
-                right, series = cut_panel(left, right, series, self._left - SPENT)
-            phase.add(right, series)
-            self._left -= float(series[0]) * (right - left)
+            left += step
+            leg.edges.append(left)
+            leg.series.append(series)
+            self._left -= float(series[0]) * step  # the first coefficient is the mean
+            leg.after.append(self._left)
             self.error += tail
-            left = right
-            early = float(np.abs(series[-6:]).max()) * step
-            width = step * (2.0 if early < aim else 1.3 if tail < 0.1 * aim else 1.0)
-            if len(phase.series) > MOST_PANELS:
+            early = float(np.abs(series[-6:]).max()) * step * IN_NUMBER
+            width = step * (
+                2.0 if early < self._accuracy else 1.3 if tail < 0.1 * self._accuracy else 1.0
+            )
+            if len(leg.series) > MOST_PANELS:
                 raise InputError(
                     f"ageing: the first passage needs more than {MOST_PANELS} panels; use a "
                     "smoother law of fresh thresholds"
                 )
 
-    def _marks(self, phase: Phase) -> Array:
-        """s at which breaks may set in within less than a panel so far: where thresholds would meet
-        the level if nothing were random."""
-        if phase.sign < 0.0:
-            return np.empty(0)
-        flux, fresh = self.flux, self.flux.fresh
-        quantiles = np.concatenate([fresh.ppf(QUANTILES), fresh.isf(QUANTILES)])
-        corners = fresh.breakpoints
-        exact = np.concatenate([flux.values, corners[corners > phase.level]])
-        at = self._meetings(exact, phase)
-        spread = flux.std * np.sqrt(-np.expm1(-2.0 * flux.rate * (at + phase.begin)))
-        beside = (at[:, None] + spread[:, None] * BESIDE).ravel()
-        goal = flux.mean - BELOW_MEAN * flux.std - phase.level
-        marks = np.concatenate([self._meetings(quantiles, phase), at, beside, goal])
-        marks = np.unique(np.sqrt(marks[marks > 0.0]))
-        # marks closer than rounding tell nothing
-        return marks[np.diff(marks, prepend=-1.0) > 1e-9 * marks]
-
-    def _meetings(self, values: Array, phase: Phase) -> Array:
-        """Way in the phase after which thresholds that start from `values` and relax without chance
-        meet the level."""
-        flux = self.flux
-        low, high = np.zeros(values.size), np.maximum(values, flux.mean) - phase.level
-        for _ in range(60):
-            t = 0.5 * (low + high)
-            decay = np.exp(-flux.rate * (t + phase.begin))
-            above = flux.mean + (values - flux.mean) * decay > phase.level + t
-            low, high = np.where(above, t, low), np.where(above, high, t)
-        return high[high > 0.0]
-
-    def _panel(self, phase: Phase, left: float, width: float) -> Array:
-        """Legendre coefficients of 2 s g on a panel, from the fresh and all that broke before."""
-        s = left + width * SHARE
+    def _panel(self, leg: _Leg, left: float, width: float) -> Array:
+        """Legendre coefficients of 2 s b on a panel, from what is below at its nodes."""
+        s = left + width * rule.NODES
         t = s * s
-        level = phase.level + phase.sign * t
-        known = self.flux.from_fresh(t + phase.begin, level, phase.sign)
-        for earlier in self.phases[:-1]:
-            known -= self._from_earlier(earlier, phase, t, level)
-        cuts = cuts_towards(s, np.array(phase.edges), s, self._finest)
-        elapsed = cuts.below * (s[cuts.row, None] + cuts.node)
-        counts = self.flux.counts(level[cuts.row], phase.sign * elapsed, elapsed)
-        row, node, weight = cuts.row[counts], cuts.node[counts], cuts.weight[counts]
-        elapsed = elapsed[counts]
-        weight = weight * self.flux.from_level(
-            level[row, None], phase.sign, phase.sign * elapsed, elapsed
-        )
-        own = node[:, 0] > left
-        if not own.all():
-            old = (weight[~own] * phase.value(node[~own])).sum(axis=-1)
-            known -= np.bincount(row[~own], weights=old, minlength=NODES)
-        basis = legendre.legvander((2.0 * (node[own] - left)) / width - 1.0, NODES - 1)
-        kernel = np.zeros((NODES, NODES))
-        np.add.at(kernel, row[own], np.einsum("nq,nqk->nk", weight[own], basis))
-        matrix = SERIES + 2.0 * s[:, None] * kernel
-        return np.asarray(np.linalg.solve(matrix, 2.0 * s * known), dtype=float)
+        level = leg.level + leg.sign * t
+        below = self._free.below_from_fresh(t + leg.begin, level)
+        matrix = np.zeros((_SIZE, _SIZE))
+        for other in self._legs:
+            known = self._earlier(other, leg, s, level)
+            own = (known.node[:, 0] > left) & (other is leg)
+            if not own.all():
+                met = (known.weight[~own] * other.value(known.node[~own])).sum(axis=-1)
+                below -= np.bincount(known.row[~own], weights=met, minlength=_SIZE)
+            basis = legendre.legvander((2.0 / width) * (known.node[own] - left) - 1.0, _SIZE - 1)
+            np.add.at(matrix, known.row[own], np.einsum("nq,nqk->nk", known.weight[own], basis))
+        return np.asarray(np.linalg.solve(matrix, below), dtype=float)
 
-    def _from_earlier(self, earlier: Phase, phase: Phase, t: Array, level: Array) -> Array:
-        """What those that broke while the level came down would add to the flux at ways t up."""
-        edges = np.array(earlier.edges)
-        top = np.full(t.size, edges[-1])
-        cuts = cuts_towards(top, edges, np.sqrt(t), self._finest)
-        back = cuts.below * (top[cuts.row, None] + cuts.node)  # the level came down by that much
-        rise, elapsed = t[cuts.row, None] - back, t[cuts.row, None] + back
-        counts = self.flux.counts(level[cuts.row], rise, elapsed)
-        row, node = cuts.row[counts], cuts.node[counts]
-        flux = self.flux.from_level(level[row, None], phase.sign, rise[counts], elapsed[counts])
-        parts = (cuts.weight[counts] * flux * earlier.value(node)).sum(axis=-1)
-        return np.asarray(np.bincount(row, weights=parts, minlength=t.size), dtype=float)
+    def _earlier(self, other: _Leg, leg: _Leg, s: Array, level: Array) -> _Earlier:
+        """Nodes for the breaks on a leg, up to s (n,) on the present one, where the level is now.
+
+        Parts end at the panels' edges and get ever finer towards the latest breaks; nodes are even in
+        the root of the distance from these, in which what is singular there is smooth.
+        """
+        present = other is leg
+        top = s if present else np.full(s.size, other.edges[-1])
+        after = np.zeros(s.size) if present else s * s
+        first = np.sqrt(np.minimum(self._finest / (2.0 * s), top))
+        cut = np.maximum(
+            top[:, None] - np.square(first[:, None] * 2.0 ** np.arange(DOUBLINGS)), 0.0
+        )
+        cut = cut[:, : int((cut > 0.0).any(axis=0).sum()) + 1]
+        fixed = np.minimum(np.array(other.edges), top[:, None])
+        ends = np.sort(np.concatenate([fixed, cut, top[:, None]], axis=1), axis=1)
+        row, column = np.nonzero(ends[:, 1:] > ends[:, :-1])
+        far = np.sqrt(top[row] - ends[row, column])
+        near = np.sqrt(np.maximum(top[row] - ends[row, column + 1], 0.0))
+
+        def below(root: Array, row: Rows) -> Array:
+            back = root * root * (2.0 * top[row, None] - root * root)  # way since, up to the top
+            rise, elapsed = after[row, None] + other.sign * back, after[row, None] + back
+            return self._free.below_from_level(level[row, None], rise, elapsed)
+
+        seen = below(np.stack([far, 0.5 * (near + far), np.maximum(near, 1e-3 * far)], 1), row).any(
+            axis=1
+        )
+        row, near, far = row[seen], near[seen], far[seen]
+        root = near[:, None] + (far - near)[:, None] * _INNER
+        weight = (far - near)[:, None] * _INNER_WEIGHTS * 2.0 * root * below(root, row)
+        return _Earlier(row, top[row, None] - root * root, weight)

@@ -17,9 +17,6 @@ Mask = npt.NDArray[np.bool_]
 
 # Ratio of the errors of the two resolutions.
 RATIO = 8.0
-# Standard deviations that normal thresholds keep from the stretch of contacts that sleep: those
-# that may have been met are fewer than 1e-11.
-ASLEEP = 7.0
 # Share that holds below which a strand is dropped.
 DEAD = 1e-15
 # Travel in one step of a density at resolution 0, of the narrowest width of the laws.
@@ -101,7 +98,6 @@ class Strands:
     ----------
     stretch : array (n, parts), of each part now (lengths)
     share : array (n, parts), weights of sum 1 over the parts
-    age : array (n, parts), time since the birth
     torn : bool
         Whether there are thresholds right above the stretch, which break at once: as strands begin.
     error : float
@@ -111,14 +107,9 @@ class Strands:
     def __init__(self, mesh: Mesh, stretch: Array, share: Array) -> None:
         self.mesh, self.share = mesh, share
         self.stretch = stretch.reshape(share.shape).copy()
-        self.age = np.zeros(share.shape)
         self.since, self.speed, self.error = 0.0, np.nan, 0.0
-        self._asleep = mesh.cells[0].far_above(self.stretch, self.age, ASLEEP)
         self.torn = mesh.torn(self.stretch, share)
-        self._weights = [np.zeros((share.size, cells.edges.size - 1)) for cells in mesh.cells]
-        for cells, weights in zip(mesh.cells, self._weights, strict=True):
-            awake = ~self._asleep.ravel()
-            weights[awake] = cells.fresh(self.stretch.ravel()[awake])
+        self._weights = [cells.fresh(self.stretch.ravel()) for cells in mesh.cells]
 
     @property
     def count(self) -> int:
@@ -133,8 +124,13 @@ class Strands:
         steps = self.steps_of(speed, longest) / longest
         if speed != self.speed:
             self.speed, self.since = speed, 0.0
-        lasts = np.repeat(duration[:, None], self.share.shape[1], axis=1)
-        self._travel(speed * lasts, lasts, steps)
+        lasts = np.repeat(duration, self.share.shape[1])
+        halves = np.sort(np.concatenate([steps, 0.5 * (steps[1:] + steps[:-1])]))
+        for own, weights, ends in zip(self.mesh.cells, self._weights, (steps, halves), strict=True):
+            rows = np.flatnonzero(weights.sum(axis=1) > DEAD)
+            begin, time = self.stretch.ravel()[rows], lasts[rows]
+            weights[rows] = stepped(own, weights[rows], begin, speed * time, time, ends)
+        self.stretch = self.stretch + speed * lasts.reshape(self.share.shape)
         self.since += longest
         self.torn = False
 
@@ -143,19 +139,9 @@ class Strands:
         since = self.since if speed == self.speed else 0.0
         return duration * self.mesh.fractions(speed, since, duration, self.torn)
 
-    def slip(self, travel: float) -> None:
-        """All strands are stretched by `travel` in no time."""
-        steps = max(1, int(np.ceil(abs(travel) / (TRAVEL_STEP * self.mesh.cells[0].width))))
-        none = np.zeros(self.share.shape)
-        self._travel(none + travel, none, np.linspace(0.0, 1.0, 2 * steps + 1)[::2])
-        self.speed = np.nan
-
     def left(self) -> Array:
         """Share of each strand that holds, and its force per contact born, shape (2, count)."""
-        told = [
-            np.where(self._asleep, 1.0, w.sum(axis=1).reshape(self.share.shape))
-            for w in self._weights
-        ]
+        told = [weights.sum(axis=1).reshape(self.share.shape) for weights in self._weights]
         missed = (told[1] - told[0]) / (RATIO - 1.0)
         self.error = max(self.error, float(np.abs(self.share * missed).sum(axis=1).max(initial=0)))
         holds = self.share * np.clip(told[1] + missed, 0.0, 1.0)
@@ -167,7 +153,7 @@ class Strands:
         out.__dict__.update(self.__dict__)
         rows = np.arange(self.count)[which]
         parts = (rows[:, None] * self.share.shape[1] + np.arange(self.share.shape[1])).ravel()
-        for name in ("share", "stretch", "age", "_asleep"):
+        for name in ("share", "stretch"):
             setattr(out, name, getattr(self, name)[rows])
         out._weights = [weights[parts] for weights in self._weights]
         return out
@@ -176,29 +162,11 @@ class Strands:
         """These strands, and then others that were born of the same law and move on with them."""
         return together([self, other])
 
-    def _travel(self, travel: Array, lasts: Array, steps: Array) -> None:
-        """Move all parts; `steps` are the ends of the coarse steps, as parts of the whole."""
-        after, age = self.stretch + travel, self.age + lasts
-        cells = self.mesh.cells[0]
-        furthest = np.maximum(np.abs(self.stretch), np.abs(after))
-        still = self._asleep & cells.far_above(furthest, self.age, ASLEEP)
-        still &= cells.far_above(furthest, age, ASLEEP)
-        up = np.flatnonzero(self._asleep & ~still)
-        if up.size:
-            for own, weights in zip(self.mesh.cells, self._weights, strict=True):
-                weights[up] = own.unmet(self.stretch.ravel()[up], self.age.ravel()[up])
-        halves = np.sort(np.concatenate([steps, 0.5 * (steps[1:] + steps[:-1])]))
-        for own, weights, ends in zip(self.mesh.cells, self._weights, (steps, halves), strict=True):
-            rows = np.flatnonzero(~still.ravel() & (weights.sum(axis=1) > DEAD))
-            begin, way, time = (x.ravel()[rows] for x in (self.stretch, travel, lasts))
-            weights[rows] = stepped(own, weights[rows], begin, way, time, ends)
-        self._asleep, self.stretch, self.age = still, after, age
-
 
 def together(parts: Sequence[Strands]) -> Strands:
     """Strands that were born of the same law and move on with each other, one part after another."""
     out = parts[0].take(np.zeros(0, dtype=np.intp))
-    for name in ("share", "stretch", "age", "_asleep"):
+    for name in ("share", "stretch"):
         setattr(out, name, np.concatenate([getattr(part, name) for part in parts]))
     out._weights = [np.concatenate(own) for own in zip(*(p._weights for p in parts), strict=True)]
     out.error = max(part.error for part in parts)

@@ -38,8 +38,6 @@ _SEEN = _Seen(3.0, 8.0, 2.5)
 # In units of the accuracy: shares e^-A that are nothing, even where next to none is left of all;
 # losses A where contacts hold; and shares of contacts of which panels are left out
 _GONE, _QUIET, _NO_WEIGHT = 1e-16, 1e-4, 1e-5
-# fall of ln A over a panel: beyond, most of the panel is of no interest
-_STEEP = 100.0
 # A: beside the threshold m, 16 nodes in (x_s - m)^(1/2) see e^-A fall from 1 this far
 _FALL = 4.0
 # width over distance: of panels that do not feel a root this far away, to 1e-13
@@ -159,8 +157,7 @@ class Above:
         done: list[Panels] = []
         while panels.row.size:
             panels = panels.pick(np.minimum(panels.first, panels.last) < self._gone)
-            share = _share(panels, self._gone, self._quiet)
-            at = panels.low + share * (panels.high - panels.low)
+            at = 0.5 * (panels.low + panels.high)
             if self.rooted:
                 beside = np.flatnonzero(self._beside(panels, replay))
                 grown = _grown(panels.first[beside], panels.last[beside])
@@ -205,18 +202,3 @@ class Above:
 def _grown(first: Array, last: Array) -> Array:
     """A at the end of panels less A at their beginning, from both ln A."""
     return np.exp(np.minimum(last, 300.0)) - np.exp(np.minimum(first, 300.0))
-
-
-def _share(panels: Panels, gone: float, quiet: float) -> Array:
-    """Where to cut panels, as a share of each: in the middle, or where steep ones get of interest.
-
-    ln A is about straight on a steep panel; only between `quiet` and `gone` it has to be followed.
-    """
-    share = np.full(panels.row.size, 0.5)
-    fall = panels.first - panels.last
-    steep = np.flatnonzero(fall > _STEEP)
-    first, last = panels.first[steep], panels.last[steep]
-    goal = np.where(first > 2.0 * gone, 1.5 * gone, 1.5 * quiet)
-    cut = np.clip((first - goal) / fall[steep], 0.01, 0.99)
-    share[steep] = np.where((last < goal) & (goal < first), cut, 0.5)
-    return share

@@ -6,44 +6,35 @@ from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
-from numpy.polynomial import legendre
 
 from master.lives.cold import TIE
 from master.lives.heat.above import Above
 from master.lives.heat.mean_rate_sum import mean_rate
 from master.lives.heat.replayed import ReplayedLife, rates_of
-from master.lives.heat.stretches import RESOLVED, Moves
+from master.lives.stretches import RESOLVED, Moves
 from master.motion.motion import Legs
+from master.renewal.table import Table
 from origins import Contacts
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Nodes of a panel of the table, on (-1, 1), and from values at them to Legendre coefficients.
-_SIZE = 14
-_Z = legendre.leggauss(_SIZE)[0]
-_TO_LEGENDRE = np.linalg.inv(legendre.legvander(_Z, _SIZE - 1)).T
-# Of H on a panel: its last coefficients are no larger, relatively.
-_ACCURACY = 1e-13
+# Of H on a panel of its table: the last coefficients are no larger, relatively.
+_ACCURACY, _SIZE = 1e-13, 14
 # H in units of the attempt frequency, below which it is known to this absolutely: 1e35 attempts.
 _NEVER = 1e-35
 # Roundings of a barrier: h is rounded by so many times it, and halving does not help.
 _ROUNDINGS = 16.0 * float(np.finfo(float).eps)
-_HALVINGS = 60
-# Panels that are still halved at once, beside those to begin with: more of them follow rounding.
-_MOST = 256
 # of the reach: no length is told to less
 _NARROW = 1e-13
 # of the reach, and of L: in proportion to its width, or to what it adds, a panel matters less
 _FELT = 1e-3
 # median thresholds: the reach of all laws but those with a heavy tail is about that
 _SPAN = 4.0
-# Gauss nodes along a short move: exact for the polynomials of the table
-_SHORT_Z, _SHORT_W = legendre.leggauss(8)
-_SHORT_Z, _SHORT_W = 0.5 * (_SHORT_Z + 1.0), 0.5 * _SHORT_W
-# share of L, or of a panel: a move that adds less is integrated by itself, as the difference has
-# lost 3 digits
-_SHORT = 1e-3
+# place on a panel, away from its nodes, at which the table is checked
+_BESIDE = 0.02
+_EPSILON = float(np.finfo(float).eps)
 _CHUNK = 400  # stretches at which H is summed at once
 # Share of an exact threshold within which rounding may tell wrong on which side of it a contact is.
 _TOLD = 1e-9
@@ -73,19 +64,21 @@ class MeanRateLife(ReplayedLife):
         self._above = Above(contacts.thresholds, rates, None)
         super().__init__(contacts.thresholds, self._above.edges, resolved)
         edges = np.unique(np.concatenate([[0.0, self.reach], self.bends, self._above.edges]))
-        edges = edges[edges <= self.reach]
         barrier = float(np.log(rates.scale) - rates.log_rate(0.0, self.reach, 1.0))
         rounding = _ROUNDINGS * max(barrier, 1.0)
-        self.table = RateTable(self._mean_rate, edges, rates.scale, rounding)
-        at = self.table.between()
+        self.table = RateTable(self._mean_rate, edges[edges <= self.reach], rates.scale, rounding)
+        widths = self.table.widths
+        at = self.table.begin + _BESIDE * widths
         once, again = self._mean_rate(at), self._mean_rate(at, parts=2)
-        most = np.maximum(self.table.largest(), _NEVER * rates.scale)
         wrong = np.abs(again - once) + np.abs(self.table.rate(at) - again)
+        ends = np.stack([self.table.begin + share * widths for share in (0.0, 0.5, 1.0 - 1e-12)])
+        wrong /= np.maximum(self.table.rate(ends).max(axis=0), _NEVER * rates.scale)
         # on a panel that adds little to L, H is felt only by contacts that slow down there
         span = min(self.reach, _SPAN * float(contacts.thresholds.isf(0.5)))
-        share = np.minimum(self.table.added(), (self.table.high - self.table.low) / span)
-        felt = np.minimum(1.0, share / _FELT)
-        self.error = _LARGEST_SLOPE * float((felt * wrong / most).max(initial=0.0))
+        grown = self.table.grown(self.table.edges)
+        share = np.diff(grown) / np.maximum(grown[1:], np.finfo(float).tiny)
+        felt = np.minimum(1.0, np.minimum(share, widths / span) / _FELT)
+        self.error = _LARGEST_SLOPE * float((felt * wrong).max(initial=0.0))
 
     def _mean_rate(self, x: Array, parts: int = 1) -> Array:
         """H at stretches x >= 0, shape (n,), by its definition."""
@@ -100,14 +93,21 @@ class MeanRateLife(ReplayedLife):
 
     def _of(self, pair: Rows, born: Array, side: Array, moves: Moves, legs: Legs) -> Array:
         """See ReplayedLife."""
-        spent = np.zeros(pair.size)
+        spent, rounded = np.zeros(pair.size), np.zeros(pair.size)
         for leg, speed in enumerate(legs.speed):
-            duration = legs.duration[pair, leg]
-            on = np.flatnonzero(duration > 0.0)
+            on = np.flatnonzero(legs.duration[pair, leg] > 0.0)
             near = (born + legs.displacement[pair, leg])[on]
-            far = (born + legs.displacement[pair, leg + 1])[on]
-            spent[on] += self._spent(near, far, speed, duration[on])
+            if speed == 0.0:
+                spent[on] += legs.duration[pair[on], leg] * self.table.rate(np.abs(near))
+                continue
+            before, after = (
+                self.table.grown(x) / abs(speed)
+                for x in (near, (born + legs.displacement[pair, leg + 1])[on])
+            )
+            spent[on] += np.abs(after - before)
+            rounded[on] += _EPSILON * np.abs(after)  # more than they differ, on short ways
         share = np.clip(self._passed(pair, born, side, legs), 0.0, 1.0) * np.exp(-spent)
+        self.error = max(self.error, float((share * rounded).max(initial=0.0)))
         return np.stack([share, share * (born + moves.now[pair])])
 
     def _passed(self, pair: Rows, born: Array, side: Array, legs: Legs) -> Array:
@@ -135,19 +135,8 @@ class MeanRateLife(ReplayedLife):
             held += np.where(near, weight * (here - np.less(x, position)), 0.0)
         return held
 
-    def _spent(self, near: Array, far: Array, speed: float, duration: Array) -> Array:
-        """The integral of H over the time of one leg; all of shape (n,)."""
-        if speed == 0.0:
-            return duration * self.table.rate(np.abs(near))
-        before, after = self.table.grown(near), self.table.grown(far)
-        gone = np.abs(after - before)
-        lost = (gone < _SHORT * np.abs(after)) | self.table.within_little(near, far)
-        short = np.flatnonzero(lost)
-        gone[short] = self.table.mean(near[short], far[short]) * duration[short] * abs(speed)
-        return gone / abs(speed)
 
-
-class RateTable:
+class RateTable(Table):
     """H(x) at 0 <= x <= the last edge, polynomials on panels; 0 beyond.
 
     Parameters
@@ -164,80 +153,31 @@ class RateTable:
     def __init__(
         self, function: Callable[[Array], Array], edges: Array, scale: float, rounding: float
     ) -> None:
-        low, high, kept = edges[:-1], edges[1:], []
-        before = np.full(low.size, np.inf)
-        for _ in range(_HALVINGS):
-            width = (high - low)[:, None]
-            x = low[:, None] + 0.5 * width * (_Z + 1.0)
-            values = function(x.ravel()).reshape(x.shape)
-            series = values @ _TO_LEGENDRE
-            most = np.maximum(np.abs(values).max(axis=1), _NEVER * scale)
-            tail = np.abs(series[:, -2:]).max(axis=1) / most
+        def found(x: Array) -> Array:
+            return function(x.ravel()).reshape(1, *x.shape)
+
+        def felt(values: Array, widths: Array) -> Array:
+            most = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * scale)
             # beside a bend the panels get narrow, and what they add to L gets little
-            rough = tail > _ACCURACY / np.minimum(1.0, width[:, 0] / (_FELT * edges[-1]))
-            rough &= (tail > rounding) | (tail < 0.3 * before)
-            rough &= (width[:, 0] > _NARROW * edges[-1]) & (low.size <= _MOST + edges.size)
-            kept.append((low[~rough], high[~rough], series[~rough]))
-            low, high, before = low[rough], high[rough], np.tile(tail[rough], 2)
-            if not low.size:
-                break
-            middle = 0.5 * (low + high)
-            low, high = np.append(low, middle), np.append(middle, high)
-        low, high, series = (np.concatenate(part) for part in zip(*kept, strict=True))
-        order = low.argsort()
-        self.low, self.high = low[order], high[order]
-        self._rate = series[order].T
-        half = 0.5 * (self.high - self.low)
-        self._grown = half * legendre.legint(self._rate, lbnd=-1.0)
-        self._before = np.append(0.0, np.cumsum(2.0 * half * self._rate[0]))
+            return np.asarray(most / np.minimum(1.0, widths / (_FELT * edges[-1])))
 
-    def between(self) -> Array:
-        """Points within the panels, away from their nodes, where the table may be checked."""
-        return self.low + 0.5 * (self.high - self.low) * (1.0 + 0.5 * (_Z[0] + _Z[1]))
-
-    def largest(self) -> Array:
-        """Largest H at the ends and in the middle of each panel, shape (panels,)."""
-        signs = (-1.0) ** np.arange(_SIZE)[:, None]
-        ends = np.stack([self._rate.sum(axis=0), (signs * self._rate).sum(axis=0), self._rate[0]])
-        return np.abs(ends).max(axis=0)
-
-    def added(self) -> Array:
-        """Share of L at the end of each panel that the panel adds, shape (panels,)."""
-        grown = np.maximum(self._before[1:], np.finfo(float).tiny)
-        return np.diff(self._before) / grown
-
-    def _at(self, x: Array) -> tuple[Rows, Array]:
-        """Panel of each x >= 0, and the place on it between -1 and 1."""
-        panel = np.clip(np.searchsorted(self.low, x, "right") - 1, 0, self.low.size - 1)
-        z = (2.0 * x - self.low[panel] - self.high[panel]) / (self.high - self.low)[panel]
-        return panel, np.minimum(z, 1.0)
+        shortest, rounding = _NARROW * float(edges[-1]), rounding / _ACCURACY
+        given = found, edges, _ACCURACY, shortest
+        super().__init__(*given, size=_SIZE, felt=felt, rounding=rounding)
 
     def rate(self, x: Array) -> Array:
         """H at x >= 0; same shape."""
-        panel, z = self._at(x)
-        found = legendre.legval(z, self._rate[:, panel], tensor=False)
-        return np.where(x > self.high[-1], 0.0, found)
+        return np.asarray(self(x)[0])
 
     def grown(self, x: Array) -> Array:
         """L, the integral of H from 0 to x, of either sign; same shape."""
-        panel, z = self._at(np.abs(x))
-        part = legendre.legval(z, self._grown[:, panel], tensor=False)
-        return np.sign(x) * (self._before[panel] + part)
-
-    def within_little(self, near: Array, far: Array) -> npt.NDArray[np.bool_]:
-        """Whether a way, on one side of 0, is short against the panel that it ends on."""
-        panel = self._at(np.abs(far))[0]
-        way = np.abs(far - near)
-        return (near * far >= 0.0) & (way < _SHORT * (self.high - self.low)[panel])
+        return np.sign(x) * self.before(np.abs(x))
 
     def mean(self, near: Array, far: Array) -> Array:
-        """Mean of H on short ways on one side of 0, across one edge at most; same shape."""
-        near, far = np.minimum(np.abs(near), np.abs(far)), np.maximum(np.abs(near), np.abs(far))
-        way = far - near
-        at = np.clip(self.low[self._at(far)[0]], near, far)
-        first = np.where(way > 0.0, (at - near) / np.where(way > 0.0, way, 1.0), 0.0)
-        out = np.zeros(way.shape)
-        for node, weight in zip(_SHORT_Z, _SHORT_W, strict=True):
-            out += weight * first * self.rate(np.minimum(near + node * (at - near), at))
-            out += weight * (1.0 - first) * self.rate(at + node * (far - at))
-        return out
+        """Mean of H on short ways on one side of 0; same shape."""
+        near, far = np.abs(near), np.abs(far)
+        at, weights = gauss(np.minimum(near, far), np.maximum(near, far))
+        lengths = weights.sum(axis=-1)
+        standing = lengths == 0.0
+        sums = (weights * self.rate(at)).sum(axis=-1)
+        return np.where(standing, self.rate(near), sums / np.where(standing, 1.0, lengths))

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.cold import NONE_LEFT
-from master.lives.heat.stretches import RESOLVED, Left, Moves, Rules, averaged, missed
+from master.lives.stretches import RESOLVED, Left, Moves, Rules, averaged, missed
 from master.motion.motion import History, Legs
 from origins import Contacts
 from origins.laws.rate_law import RateLaw
@@ -113,13 +113,8 @@ class ReplayedLife:
             return found.reshape(2, *stretch.shape)
 
         out = self._averaged(born, moves, inside)
-        some = every[every.size // 2 % ONE_OF :: ONE_OF * _DEARER]
-        few = Moves(*(part[some] for part in moves))
-
-        def again(pair: Rows, stretch: Array) -> Array:
-            return inside(some[pair], stretch)
-
-        change = missed(born, few, self.reach, self.bends, again, out[:, some])
+        one_of = ONE_OF * _DEARER
+        change = missed(born, moves, self.reach, self.bends, inside, out, one_of)
         self.error = max(self.error, MARGIN * change)
         return out.reshape(2, *shape)
 

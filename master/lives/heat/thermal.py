@@ -9,7 +9,7 @@ from master.lives.cold import TIE
 from master.lives.heat.above import ACCURACY, Above
 from master.lives.heat.replay import Replay
 from master.lives.heat.replayed import MARGIN, ONE_OF, ReplayedLife, rates_of
-from master.lives.heat.stretches import RESOLVED, Moves
+from master.lives.stretches import RESOLVED, Moves
 from master.motion.motion import Legs
 from origins import Contacts
 

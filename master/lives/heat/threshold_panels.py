@@ -20,10 +20,6 @@ Stiffness = Callable[[Array], Array]
 _Z, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _X: Array = 0.5 * (_Z + 1.0)
 _W: Array = 0.5 * _WEIGHTS
-# and 12, which tell where 16 are more than enough for the law itself
-_Z, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-_FEWER_X: Array = 0.5 * (_Z + 1.0)
-_FEWER_W: Array = 0.5 * _WEIGHTS
 
 _TAIL = 1e-30  # survival beyond which thresholds are not summed
 SMALLEST = 1e-100  # a length: no rate is defined at a threshold of 0
@@ -84,37 +80,10 @@ def nodes(law: Thresholds, panels: Panels, base: Array | None) -> tuple[Array, A
 
 
 def law_edges(law: Thresholds) -> Array:
-    """Edges of panels on which 16 nodes sum P_c and x_s P_c; none where there are atoms alone.
-
-    They are those of origins.quadrature, which are for 8 nodes, but for those that 12 do not need;
-    breakpoints of the law stay.
-    """
+    """Edges of panels on which 16 nodes sum P_c and x_s P_c; none where there are atoms alone."""
     if float(law.atoms[1].sum()) > 1.0 - 1e-14:
         return np.empty(0)
-    edges = np.maximum(panel_edges(law, tail=_TAIL), SMALLEST)
-    kept = np.isin(edges, np.maximum(law.breakpoints, SMALLEST))
-    kept[[0, -1]] = True
-    for first in (1, 2, 1, 2):
-        if edges.size < 4:
-            break
-        middle = np.arange(first, edges.size - 1, 2)
-        low, at, high = edges[middle - 1], edges[middle], edges[middle + 1]
-        change = np.zeros(middle.size)
-        for power in (0, 1):
-            whole, left, right = (
-                _weight(law, *ends, power) for ends in ((low, high), (low, at), (at, high))
-            )
-            change = np.maximum(change, np.abs(whole - left - right))
-        gone = middle[(change < 1e-15) & ~kept[middle]]
-        edges, kept = np.delete(edges, gone), np.delete(kept, gone)
-    return edges
-
-
-def _weight(law: Thresholds, low: Array, high: Array, power: int) -> Array:
-    """Weight of P_c between ends by 12 nodes; for power 1, times x_s over the upper end."""
-    width = (high - low)[:, None]
-    xi = low[:, None] + width * _FEWER_X
-    return (_FEWER_W * width * finite_density(law, xi) * (xi / high[:, None]) ** power).sum(axis=1)
+    return np.maximum(panel_edges(law, tail=_TAIL), SMALLEST)
 
 
 def fastest_thresholds(rates: RateLaw, stiffness: Stiffness | None, x: Array) -> Array:

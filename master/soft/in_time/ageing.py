@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.cells import Cells
-from master.lives.age.strands import ASLEEP, fresh_rate, stepped
+from master.lives.age.cells import ASLEEP, Cells
+from master.lives.age.strands import fresh_rate, stepped
 from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Left, Leg, Scales
 from origins import Contacts
 

@@ -29,7 +29,7 @@ _MANY, _FEWER = 14, 9
 # more accurate, would follow larger ones.
 _AGREED = 1e-3
 _HALVINGS = 40
-_PIECES = 16  # of a law's span to begin with: twelve nodes then resolve a Gaussian to 8 widths
+PIECES = 16  # of a law's span to begin with: twelve nodes then resolve a Gaussian to 8 widths
 _NARROW = 1e-13  # share of the span: narrower pieces hold no weight
 
 
@@ -61,15 +61,22 @@ Left = Callable[[Rows, Array], Array]
 
 
 def averaged(
-    law: Start, moves: Moves, reach: float, bends: Array, left: Left, resolved: float = RESOLVED
+    law: Start,
+    moves: Moves,
+    reach: float,
+    bends: Array,
+    left: Left,
+    resolved: float = RESOLVED,
+    pieces: int = PIECES,
 ) -> Array:
     """Share and force averaged over the law's stretches below `reach`; shape (2, pairs).
 
     left : asked for stretches of which each row lies within one smooth piece
     resolved : last coefficients at which pieces are no longer halved
+    pieces : of the law's span to begin with
     """
-    pieces = _pieces(law, moves, reach, bends)
-    return _summed(pieces, law, reach, moves.now.size, left, resolved)
+    begin = _pieces(law, moves, reach, bends, pieces)
+    return _summed(begin, law, reach, moves.now.size, left, resolved)
 
 
 class _Tried(NamedTuple):
@@ -113,13 +120,30 @@ class Rules(NamedTuple):
         return _Tried(found, agreed & (unseen.max(axis=1) <= _AGREED * resolved))
 
 
-def missed(law: Start, moves: Moves, reach: float, bends: Array, left: Left, found: Array) -> float:
-    """By how much `found`, the average over the stretches, changes where all pieces are halved."""
-    pair, low, high = _pieces(law, moves, reach, bends)
+def missed(
+    law: Start,
+    moves: Moves,
+    reach: float,
+    bends: Array,
+    left: Left,
+    found: Array,
+    one_of: int,
+    resolved: float = RESOLVED,
+) -> float:
+    """By how much `found`, the averages over the stretches, change where all pieces are halved.
+
+    one_of : of so many averages one is looked at
+    """
+    some = np.arange(moves.now.size // 2 % one_of, moves.now.size, one_of)
+    pair, low, high = _pieces(law, Moves(*(part[some] for part in moves)), reach, bends)
     middle = 0.5 * (low + high)
     halves = _Pieces(np.tile(pair, 2), np.append(low, middle), np.append(middle, high))
-    again = _summed(halves, law, reach, moves.now.size, left, RESOLVED)
-    return float(np.abs(again - found)[0].max(initial=0.0))
+
+    def of_some(pair: Rows, stretch: Array) -> Array:
+        return left(some[pair], stretch)
+
+    again = _summed(halves, law, reach, some.size, of_some, resolved)
+    return float(np.abs(again - found[:, some])[0].max(initial=0.0))
 
 
 class _Pieces(NamedTuple):
@@ -130,10 +154,10 @@ class _Pieces(NamedTuple):
     high: Array
 
 
-def _pieces(law: Start, moves: Moves, reach: float, bends: Array) -> _Pieces:
+def _pieces(law: Start, moves: Moves, reach: float, bends: Array, pieces: int = PIECES) -> _Pieces:
     """Where what is left bends: x is 0, or the largest |x| changes sides or meets a bend."""
     first, last = max(law.span[0], -reach), min(law.span[1], reach)
-    even = np.linspace(first, last, _PIECES + 1)
+    even = np.linspace(first, last, pieces + 1)
     # beyond the reach none holds: a piece that lies across would be told by its middle alone
     bends = np.append(bends, reach)
     fixed = [even, law.breakpoints, np.zeros(1), bends, -bends]

@@ -1,0 +1,133 @@
+"""P_c of one island over all angles: against angles counted on a fine grid, and what it means for sliding."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, minimize_scalar
+
+import eq_model
+import master
+import origins
+
+A = 2.5
+
+
+def force(n_i: int, n_j: int, angle: np.ndarray) -> np.ndarray:
+    return origins.triangular_barrier(A, n_i, n_j, angle) / (2.0 * np.pi)
+
+
+def counted(n_i: int, n_j: int, number: int = 1_000_000) -> np.ndarray:
+    return np.sort(force(n_i, n_j, 2.0 * np.pi * (np.arange(number) + 0.5) / number))
+
+
+@pytest.fixture(scope="module")
+def law() -> origins.Thresholds:
+    return origins.domains(A, sizes=[(5, 4)], stiffness=1.0, samples=100)
+
+
+@pytest.mark.parametrize("n_i, n_j", [(2, 2), (5, 4), (10, 9), (20, 19)])
+def test_shares_and_moments_are_those_of_a_fine_grid_of_angles(n_i: int, n_j: int) -> None:
+    exact = counted(n_i, n_j)
+    law = origins.domains(A, sizes=[(n_i, n_j)], stiffness=1.0, samples=100)
+    x = np.quantile(exact, np.linspace(0.001, 0.999, 500))
+    share = np.searchsorted(exact, x) / exact.size
+    # where b stands still the grid itself misses the root of its spacing
+    assert np.abs(law.cdf(x) - share).max() < 4e-5
+    assert np.abs(law.sf(x) - (1.0 - share)).max() < 4e-5
+    assert np.abs(law.cdf(law.ppf(share[10:-10])) - share[10:-10]).max() < 1e-7
+    assert law.mean() == pytest.approx(exact.mean(), rel=1e-9)
+    assert law.std() == pytest.approx(exact.std(), rel=1e-8)
+    assert law.moment(3) == pytest.approx((exact**3).mean(), rel=1e-8)
+    # the grid misses a ridge by its spacing times the slope
+    assert law.support()[1] == pytest.approx(exact[-1], rel=1e-4) and law.support()[1] >= exact[-1]
+
+
+def test_the_density_is_the_slope_of_the_shares(law: origins.Thresholds) -> None:
+    lower, upper = law.support()
+    x = np.linspace(lower, upper, 400)[1:-1]
+    step = 1e-7 * upper
+    slope = (law.cdf(x + step) - law.cdf(x - step)) / (2.0 * step)
+    assert np.median(np.abs(law.pdf(x) / slope - 1.0)) < 1e-7
+    assert np.quantile(np.abs(law.pdf(x) / slope - 1.0), 0.98) < 1e-3
+
+
+def test_peaks_and_jumps_stand_where_the_barrier_stands_still_and_bends(law: origins.Thresholds) -> None:
+    """Stationary angles by scipy's search and crossings of |S_x| and |S_y| by brentq, of their own."""
+    angles = np.linspace(0.0, np.pi / 2, 4001)
+    b = force(5, 4, angles)
+    tops = np.flatnonzero((b[1:-1] > b[:-2]) & (b[1:-1] > b[2:])) + 1
+    waves = np.abs(origins.triangular_structure_factors(A, 5, 4, angles))
+    difference = waves[:, 0] - waves[:, 1]
+
+    def apart(angle: float) -> float:
+        one, other = np.abs(origins.triangular_structure_factors(A, 5, 4, angle))
+        return float(one - other)
+
+    crossings = [
+        brentq(apart, angles[k], angles[k + 1], xtol=1e-14)
+        for k in np.flatnonzero(difference[1:] * difference[:-1] < 0.0)
+    ]
+    values = [float(force(5, 4, np.array(c))) for c in crossings]
+    smooth = []
+    for k in tops:
+        if not any(angles[k - 1] <= c <= angles[k + 1] for c in crossings):
+            found = minimize_scalar(
+                lambda t: -float(force(5, 4, np.array(t))), bounds=(angles[k - 1], angles[k + 1]), method="bounded"
+            )
+            smooth.append(-found.fun)
+    assert smooth
+    for value in smooth:
+        # an inverse square root below, which the law declares
+        near = law.breakpoints[np.abs(law.breakpoints - value).argmin()]
+        assert near == pytest.approx(value, rel=1e-9) and law.pdf(near) == np.inf
+        ratio = law.pdf(near - 1e-6 * near) / law.pdf(near - 1e-8 * near)
+        assert ratio == pytest.approx(0.1, rel=0.05)
+    declared = np.array([np.abs(law.breakpoints - v).min() < 1e-9 * v for v in values])
+    assert declared.any()
+
+
+def test_what_it_means_for_sliding(law: origins.Thresholds) -> None:
+    """The force drops with a vertical slope where P_c diverges: K* is infinite for every seed."""
+    contacts = origins.Contacts(law)
+    found = master.propensity(contacts, velocity=1.0, tolerance=1e-3)
+    assert found.critical_spring == np.inf
+    steady = master.steady_state(contacts, velocity=1.0)
+    exact = counted(5, 4)
+    assert steady.force == pytest.approx((exact**2).mean() / (2.0 * exact.mean()), rel=1e-7)
+
+
+def test_the_master_equation_and_the_ensemble_agree_on_it(law: origins.Thresholds) -> None:
+    contacts = origins.Contacts(law)
+    path = np.linspace(0.0, 3.0 * law.mean(), 21)
+    solved = master.solve(contacts, path, tolerance=1e-3)
+    drawn = eq_model.simulate(contacts, path, n_contacts=100_000, n_replicas=2, seed=1)
+    off = np.abs(solved.force - drawn.force)
+    assert solved.success
+    assert (off <= solved.force_error * law.mean() + 5.0 * drawn.force_standard_error).all()
+
+
+def test_the_force_before_any_contact_breaks_twice() -> None:
+    """F = X less the stretch of what has broken, as long as no contact born on the way can have reached the least b."""
+    exact = counted(2, 2, 4_000_000)
+    law = origins.domains(A, sizes=[(2, 2)], stiffness=1.0, samples=100)
+    path = np.linspace(0.0, 1.99 * exact[0], 60)
+    solved = master.solve(origins.Contacts(law), path, tolerance=1e-4)
+    broken = np.searchsorted(exact, path, side="right")
+    force = path - np.concatenate([[0.0], np.cumsum(exact)])[broken] / exact.size
+    # the grid of angles counts to some 1e-6
+    assert solved.success
+    assert (np.abs(solved.force - force) <= solved.force_error * law.mean() + 2e-6).all()
+    assert np.abs(solved.force - force).max() < 1e-4 * law.mean()
+
+
+def test_the_paper_law_takes_the_root() -> None:
+    law = origins.domains(A, sizes=[(5, 4)], law="paper", coefficient=4.0, samples=100)
+    exact = np.sqrt(counted(5, 4) / 4.0)
+    x = np.quantile(exact, [0.01, 0.3, 0.7, 0.99])
+    np.testing.assert_allclose(law.cdf(x), [0.01, 0.3, 0.7, 0.99], atol=4e-5)
+    assert law.mean() == pytest.approx(exact.mean(), rel=1e-5)
+
+
+def test_large_islands_and_other_substrates_are_sampled() -> None:
+    large = origins.domains(A, sizes=[(900, 900)], stiffness=1.0, samples=200)
+    other = origins.domains(A, sizes=[(3, 3)], stiffness=1.0, samples=200, substrate=origins.hexagonal_substrate())
+    assert large.n_samples == other.n_samples == 200
