@@ -81,9 +81,7 @@ class Steps:
             own = piece.speed / self.length
             even = max(own, even + LESS * own)
         held = piece.travel == 0.0
-        # thresholds that fluctuate are far above a stretch that grows from a bend on
-        first = self.scales.time if held or not self.scales.fuzzy else np.inf
-        return Clock(self.contacts.now, end, held, 0.0 if held else even, first)
+        return Clock(self.contacts.now, end, held, 0.0 if held else even, self.scales.time)
 
     def size(self, trial: Trial) -> float:
         """Of a step."""
