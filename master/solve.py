@@ -18,7 +18,7 @@ from origins.errors import check_tolerance, positive
 
 if TYPE_CHECKING:
     from master.paper.q15_transient import AgeingTransient
-    from master.soft.in_time.given import TimedSolution
+    from master.soft.in_time.solution import TimedSolution
 
 
 def solve(
@@ -98,7 +98,7 @@ def solve(
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
-            from master.soft.in_time.given import solve_given
+            from master.soft.in_time.solution import solve_given
 
             return solve_given(contacts, drive, tolerance, progress, wall_time)
         life = life_of(contacts, tolerance, motion)

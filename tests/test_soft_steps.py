@@ -12,13 +12,12 @@ from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.thermal import ThermalLife
 from master.motion.motion import Motion
 from master.soft.in_time.carried import Allowed
+from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.heat import MeanRateMemory, ProportionalMemory
 from master.soft.in_time.make import Maker
-from master.soft.in_time.pulled import Pulled
-from master.soft.in_time.slipping import Task
+from master.soft.in_time.pulled import Pulled, Task
 from master.soft.in_time.solution import solve_in_time
 from master.soft.in_time.spent import SpentMemory
-from master.soft.in_time.strands import StrandCohorts
 from master.soft.in_time.track import pieces
 from origins import (
     Ageing,
@@ -70,7 +69,7 @@ def test_strands_remember_what_a_replay_of_all_moves_tells(name: str) -> None:
     memory, exact = kind(contacts), ThermalLife(contacts)
     if contacts.thermal.closure == "paper":
         exact = MeanRateLife(contacts)
-    cohorts = StrandCohorts.of(contacts, memory, 0)
+    cohorts = Cohorts.of(contacts, memory, 0)
     rng = np.random.default_rng(1)
     lasts = np.where(np.diff(PLACES) == 0.0, 5.0, rng.uniform(0.03, 0.3, PLACES.size - 1))
     times = np.append(0.0, np.cumsum(lasts))
@@ -99,7 +98,7 @@ def test_second_order_in_the_step(name: str) -> None:
     maker, told = Maker(contacts, 1.0), []
     # the first finds how long the way is, in steps, for the others
     for level in range(2, 6):
-        again = partial(maker.fresh, level)
+        again = partial(maker.all, level, True)
         waits = contacts.waiting_time
         task = Task(pieces(drive, balance), spring, "reset", waits, 1.0, again, 1e-10)
         plan = told[-1][1] if told else []

@@ -1,17 +1,31 @@
-"""Carried: all contacts of a slider on its way, what a step would lead to, and the step taken."""
+"""Carried: all contacts of a slider on its way, what a step would lead to, and the step taken.
+
+With J(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) what is left of the births
+at s, number conservation says
+
+    G_0(t) + integral of E(t, s) dJ(s) + [B(t) - J(t)] = 1,        J(t) = B(t - delay).
+
+Within a step births are even: the integral is a sum over steps of means of E, good to the square of
+the step.
+"""
 
 from __future__ import annotations
 
 import time as clock
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
 
 from master.soft.in_time.cohorts import Cohorts
-from master.soft.in_time.past import Counted, Line, Past, count, unknown
 
-# Share of the length over which births change by which the slider moves to see how F changes.
-BESIDE = 1e-4
+# Points of the polynomial that reads what broke a delay before.
+STENCIL = 4
+# Share of the time by which the delay is longer: what is born at once then is not born before.
+SLACK = 1e-13
+# Share of the births at the end of a step that is left of those at its beginning, below which it is
+# not known how many of the births in between hold.
+MOST_GONE = 0.5
 
 
 class TooLongError(Exception):
@@ -19,20 +33,41 @@ class TooLongError(Exception):
 
 
 class Allowed(NamedTuple):
-    """Steps, numbers looked at in all of them, and the reading of time.monotonic() at the end."""
+    """Scales, numbers looked at in all of them, and the reading of time.monotonic() at the end."""
 
     steps: float
     work: float
     until: float = np.inf
 
 
+class Line(NamedTuple):
+    """A number that is known as slope * B + rest from what is asked for, B."""
+
+    slope: float
+    rest: float
+
+
 class Trial(NamedTuple):
-    """A step that is not taken yet: how far and until when, and what it leads to."""
+    """A step that is not taken yet: how far and until when, and what it leads to.
+
+    force : per contact and <k> (a length); holding : share of the contacts
+    breaks, births : per contact since t = 0
+    """
 
     travel: float
     now: float
     cohorts: Cohorts
-    counted: Counted
+    force: float
+    holding: float
+    breaks: float
+    births: float
+
+
+class Pending(NamedTuple):
+    """When a share of the contacts, which may be 0, is born at once, and births bend."""
+
+    at: float
+    weight: float
 
 
 class Carried:
@@ -40,16 +75,19 @@ class Carried:
 
     Attributes
     ----------
-    place, now : float
-        X (a length) and the time.
-    force : float
-        F/(N_c <k>) (a length).
-    holding : float
-        Share of the contacts.
+    place, now, force, holding : float
+        X (a length), the time, F/(N_c <k>) (a length), and the share of the contacts that holds.
+    pending : list of Pending
+    steps : int
+        Taken so far.
+    work : float
+        Numbers looked at in them.
+    unresolved : float
+        Largest force (a length) of contacts of which steps do not tell how many hold.
     """
 
     def __init__(self, cohorts: Cohorts, delay: float, allowed: Allowed) -> None:
-        self.delay, self.allowed, self.length = delay, allowed, cohorts.steps.length
+        self.delay, self._allowed = delay, allowed
         self.steps, self.work, self.unresolved = 0, 0.0, 0.0
         self.place, self.now = 0.0, 0.0
         self.settle(cohorts)
@@ -57,20 +95,52 @@ class Carried:
     def settle(self, cohorts: Cohorts) -> None:
         """These contacts, and nothing before them."""
         self.force, self.holding = float(cohorts.pull[0]), float(cohorts.held[0])
-        self.cohorts = cohorts.born(0.0)
-        self.past, self._last = Past(self.delay, [self.now]), (0.0, 0.0)
-        self.pending: list[tuple[float, float]] = []
+        self.cohorts, self._last = cohorts.born(0.0), (0.0, 0.0)
+        # moments at which steps ended, breaks and births until then, and across which nothing is read
+        self._times, self._bends = [self.now], [0]
+        self._breaks, self._births = [0.0], [0.0]
+        self.pending: list[Pending] = []
+
+    @property
+    def breaks(self) -> float:
+        """Per contact since t = 0."""
+        return self._breaks[-1]
 
     def tried(self, travel: float, now: float, frozen: bool = False) -> Trial:
         """The slider moves on by `travel` until `now`; where `frozen` none is born."""
-        duration = now - self.now
-        speed = self._speed(travel, duration)
-        cohorts = self.cohorts.advance(travel, duration).born(speed)
-        if frozen or (self.delay and now == self.now):
-            births = Line(0.0, self.past.births[-1])
-        else:
-            births = self.past.births_at(now)
-        return Trial(travel, now, cohorts, count(cohorts, self.past, births))
+        duration, before = now - self.now, self._births[-1]
+        cohorts = self.cohorts.advance(travel, duration).born(self._speed(travel, duration))
+        frozen |= bool(self.delay) and now == self.now
+        slope, rest = Line(0.0, before) if frozen else self._births_at(now)
+        held, pull = cohorts.spread()
+        even = np.diff(self._births)
+        known, last = float(cohorts.held[0] + held[:-1] @ even), float(held[-1])
+        # known + last (J - J_before) + B - J = 1, J = slope B + rest
+        breaks = (1.0 - known + last * before + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
+        new = slope * breaks + rest - before
+        force = float(cohorts.pull[0] + pull[:-1] @ even + pull[-1] * new)
+        return Trial(travel, now, cohorts, force, known + last * new, breaks, before + new)
+
+    def _births_at(self, now: float) -> Line:
+        """Births up to a later moment, in terms of the breaks B up to then."""
+        if not self.delay:
+            return Line(1.0, 0.0)
+        times = np.array([*self._times, now])
+        at = now - self.delay - SLACK * (now - times[0])
+        if at <= times[0]:
+            return Line(0.0, 0.0)
+        last = times.size - 1
+        cell = int(np.searchsorted(times, at, side="left"))
+        bends = np.array([*self._bends, last])
+        part = int(np.searchsorted(bends, cell, side="left"))
+        low, high = int(bends[part - 1]), min(int(bends[part]), last)
+        begin = min(max(cell - STENCIL // 2, low), max(high - STENCIL + 1, low))
+        nodes = np.arange(begin, min(begin + STENCIL - 1, high) + 1)
+        # births at once are two moments with nothing between
+        nodes = nodes[np.append(np.diff(times[nodes]) > 0.0, True)]
+        weights = _lagrange(times[nodes], at)
+        known = np.array([*self._breaks, 0.0])[nodes]
+        return Line(float(weights[-1]) if nodes[-1] == last else 0.0, float(weights @ known))
 
     def _speed(self, travel: float, duration: float) -> float:
         """|dX/dt| at the end of a step, from the mean of this one and of the last."""
@@ -86,56 +156,66 @@ class Carried:
         """Take the step."""
         self.steps += 1
         self.work += np.count_nonzero(trial.cohorts.held) * trial.cohorts.work
-        allowed = self.allowed
-        if self.steps > allowed.steps or self.work > allowed.work:
+        if self.steps > self._allowed.steps or self.work > self._allowed.work:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
             raise TooLongError(f"{done}, and more are not taken on")
-        if clock.monotonic() > allowed.until:
+        if clock.monotonic() > self._allowed.until:
             raise TooLongError("stopped by wall_time")
         self._last = trial.travel, trial.now - self.now
         self.place, self.now = self.place + trial.travel, trial.now
-        self.cohorts = trial.cohorts
-        self.force, self.holding = trial.counted.force, trial.counted.holding
-        self.past.add(self.now, trial.counted.breaks, trial.counted.births)
-        self.unresolved = max(self.unresolved, unknown(self.cohorts, self.past))
+        self.cohorts, self.force, self.holding = trial.cohorts, trial.force, trial.holding
+        self._add(trial.breaks, trial.births)
+        held, pull = self.cohorts.held[1:], self.cohorts.pull[1:]
+        # a step of whose first births most are gone and of whose last births most are not
+        apart = np.where(held[:-1] < MOST_GONE * held[1:], 0.5 * np.abs(np.diff(pull)), 0.0)
+        self.unresolved = max(self.unresolved, float(apart @ np.abs(np.diff(self._births))))
 
-    def born_at_once(self, weight: float, breaks: float) -> None:
+    def after(self, trial: Trial) -> Carried:
+        """These contacts as they would be after a step."""
+        out = copy(self)
+        out._times, out._breaks, out._births = self._times[:], self._breaks[:], self._births[:]
+        out.cohorts, out.force, out.now = trial.cohorts, trial.force, trial.now
+        out._add(trial.breaks, trial.births)
+        return out
+
+    def _add(self, breaks: float, births: float) -> None:
+        self._times.append(self.now)
+        self._breaks.append(breaks)
+        self._births.append(births)
+
+    def born_at_once(self, weight: float) -> None:
         """A finite share is born where the slider stands: two births with nothing between."""
         self.bend()
         self.cohorts = self.cohorts.born(0.0)
         held, pull = self.cohorts.spread()
         self.force += float(pull[-1]) * weight
         self.holding += float(held[-1]) * weight
-        self.past.add(self.now, breaks, self.past.births[-1] + weight)
+        self._add(self.breaks, self._births[-1] + weight)
         self.bend()
 
     def bend(self) -> None:
         """Breaks may bend or jump here: nothing is read across."""
-        self.past.bends.append(len(self.past.times) - 1)
+        self._bends.append(len(self._times) - 1)
         self._last = 0.0, 0.0
 
     def mark_later(self, at: float, weight: float = 0.0) -> None:
         """What bends or jumps here, by a share of the contacts, does so again after the delay."""
         if self.delay:
-            self.pending += [(at + self.delay, weight), (at + 2.0 * self.delay, 0.0)]
+            again = Pending(at + self.delay, weight), Pending(at + 2.0 * self.delay, 0.0)
+            self.pending += again
 
-    def force_slope(self, sign: float, trial: Trial | None = None) -> float:
-        """F'(X) in motion that takes no time, here or where a trial ends."""
-        ahead = self if trial is None else self._after(trial)
-        step = sign * BESIDE * self.length
-        first, second = (ahead.tried(k * step, ahead.now).counted.force for k in (1, 2))
-        return (2.0 * first - 0.5 * second - 1.5 * ahead.force) / step
+    def born_now(self) -> None:
+        """What is pending until now is born."""
+        weight = sum(one.weight for one in self.pending if one.at <= self.now)
+        self.pending = [one for one in self.pending if one.at > self.now]
+        if weight > 0.0:
+            self.born_at_once(weight)
 
-    def _after(self, trial: Trial) -> Carried:
-        """These contacts as they would be after a trial."""
-        out, past = Carried.__new__(Carried), self.past
-        out.__dict__.update(self.__dict__)
-        out.cohorts, out.force, out.now = trial.cohorts, trial.counted.force, trial.now
-        out.past = Past(
-            past.delay,
-            [*past.times, trial.now],
-            [*past.breaks, trial.counted.breaks],
-            [*past.births, trial.counted.births],
-            past.bends,
-        )
-        return out
+
+def _lagrange(nodes: np.ndarray, at: float) -> np.ndarray:
+    """Weights of values at nodes (n,) in the polynomial through them, at a point."""
+    apart = nodes[:, None] - nodes
+    np.fill_diagonal(apart, 1.0)
+    ways = np.tile(at - nodes, (nodes.size, 1))
+    np.fill_diagonal(ways, 1.0)
+    return np.asarray((ways / apart).prod(axis=1))

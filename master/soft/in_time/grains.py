@@ -13,8 +13,7 @@ import numpy.typing as npt
 from master.lives.age.grid import narrowest
 from master.lives.grains import GrainLife, pinned_hazard
 from master.lives.growing_thresholds import GrowingThresholds
-from master.soft.in_time.cohorts import Steps
-from master.soft.in_time.memory import Left, Leg, width_of
+from master.soft.in_time.memory import Left, Leg, Scales, width_of
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
@@ -50,7 +49,7 @@ class GrainMemory:
         # as fast as grains grow, few hold and at small stretches
         quick = grains.breaking(1.0 / (np.sqrt(grains.growth.B) * self._first))
         length = STEPS * min(width_of(contacts), narrowest(quick))
-        self.steps = Steps(length, SHORT * self._first)
+        self.scales = Scales(length, SHORT * self._first)
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
@@ -96,9 +95,9 @@ class WarmGrainMemory(GrainMemory):
         self._thermal, self._cells = thermal, np.arange(cells)
         self.width = SPENT + cells
         self._hazards = -np.log((self._cells + 0.5) / cells)
-        length = min(self.steps.length, CHANGE * thermal.temperature / contacts.mean_threshold)
+        length = min(self.scales.length, CHANGE * thermal.temperature / contacts.mean_threshold)
         rate = thermal.rates.scale
-        self.steps = Steps(length, min(self.steps.time, 1.0 / rate), rate)
+        self.scales = Scales(length, min(self.scales.time, 1.0 / rate), rate)
         self._thresholds = GrowingThresholds(self._grains, LONGEST * self._first)
         self._times = np.linspace(np.log(EARLIEST), np.log(LATEST), TIMES * 2**level)
         since = self._first * np.exp(self._times)[:, None]

@@ -16,8 +16,7 @@ from master.lives.heat.replay import Replay
 from master.lives.heat.replayed import rates_of
 from master.lives.heat.threshold_panels import Stiffness
 from master.motion.motion import Legs
-from master.soft.in_time.cohorts import Steps
-from master.soft.in_time.memory import STARTS, Left, Leg, width_of
+from master.soft.in_time.memory import STARTS, Left, Leg, Scales, width_of
 from origins import Contacts
 from origins.laws.rate_law import RateLaw
 
@@ -47,7 +46,7 @@ class ProportionalMemory:
         self._above = Above(self._law, self._rates, None)
         self._atoms = list(zip(*self._law.atoms, strict=True))
         self.reach = reach_of(contacts)
-        self.steps = steps_of(contacts)
+        self.scales = scales_of(contacts)
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
@@ -92,7 +91,7 @@ class MeanRateMemory:
         life = MeanRateLife(contacts)
         self._table, self._law, self.reach = life.table, contacts.thresholds, life.reach
         self.error = life.error + SUMS
-        self.steps = steps_of(contacts)
+        self.scales = scales_of(contacts)
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
@@ -137,7 +136,7 @@ def replay_of(leg: Leg, rates: RateLaw, stiffness: Stiffness | None = None) -> R
     return Replay(rates, stiffness, leg.begin, legs)
 
 
-def steps_of(contacts: Contacts) -> Steps:
+def scales_of(contacts: Contacts) -> Scales:
     """What steps resolve of contacts that break by heat."""
     thermal, law = contacts.thermal, contacts.thresholds
     assert thermal is not None
@@ -154,7 +153,7 @@ def steps_of(contacts: Contacts) -> Steps:
     below = unit * (1.0 - np.array([0.1, 0.11]))
     rise = -float(np.diff(rates.log_rate(below, mean, 1.0))[0]) / (0.01 * unit)
     skin = 1.0 / rise if rise * width * THIN > 1.0 else 0.0
-    return Steps(width, 1.0 / rates.scale, min(float(each.mean()), most), skin=skin)
+    return Scales(width, 1.0 / rates.scale, min(float(each.mean()), most), skin=skin)
 
 
 def reach_of(contacts: Contacts) -> float:

@@ -1,14 +1,13 @@
-"""Which cohorts the laws of contacts ask for."""
+"""Which memory the laws of contacts ask for."""
 
 from __future__ import annotations
 
-from master.soft.in_time.ageing import AgeingCohorts
+from master.soft.in_time.ageing import AgeingMemory
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.grains import GrainMemory, WarmGrainMemory
 from master.soft.in_time.heat import MeanRateMemory, ProportionalMemory
 from master.soft.in_time.memory import ColdMemory, Memory
 from master.soft.in_time.spent import SpentMemory
-from master.soft.in_time.strands import StrandCohorts
 from origins import Contacts
 
 
@@ -24,32 +23,25 @@ class Maker:
 
     def __init__(self, contacts: Contacts, fastest: float) -> None:
         self._contacts, self._fastest = contacts, fastest
-        again = None if contacts.reforming is None else contacts.reforming.law
-        self._fresh = contacts
-        if contacts.grains is None:
-            self._fresh = contacts.replace(start=again)
         self._memories: dict[int, Memory] = {}
 
-    def all(self, level: int) -> Cohorts:
-        """All contacts at X = 0, none born yet; meshes are halved `level` times."""
-        return self._cohorts(self._contacts, level)
+    def all(self, level: int, reset: bool = False) -> Cohorts:
+        """All contacts at X = 0, none born yet, as they start or as a reset leaves them.
 
-    def fresh(self, level: int) -> Cohorts:
-        """The same contacts where all have just formed again: what a reset leaves."""
-        return self._cohorts(self._fresh, level, reset=True)
-
-    def _cohorts(self, contacts: Contacts, level: int, reset: bool = False) -> Cohorts:
-        if contacts.ageing is not None:
-            return AgeingCohorts.of(contacts, level, self._fastest)
-        mesh = 0 if contacts.grains is None else level
+        Inner meshes are halved `level` times.
+        """
+        contacts = self._contacts
+        mesh = 0 if contacts.grains is None and contacts.ageing is None else level
         if mesh not in self._memories:
-            self._memories[mesh] = _memory(self._contacts, mesh)
-        return StrandCohorts.of(contacts, self._memories[mesh], level, reset)
+            self._memories[mesh] = _memory(contacts, mesh, self._fastest)
+        return Cohorts.of(contacts, self._memories[mesh], level, reset)
 
 
-def _memory(contacts: Contacts, level: int) -> Memory:
-    """What the law of single contacts keeps of the past; of grains alone on finer meshes."""
+def _memory(contacts: Contacts, level: int, fastest: float) -> Memory:
+    """What the law of single contacts keeps of the past; of some on finer meshes with each level."""
     thermal = contacts.thermal
+    if contacts.ageing is not None:
+        return AgeingMemory(contacts, level, fastest)
     if contacts.grains is not None:
         kind = GrainMemory if thermal is None else WarmGrainMemory
         return kind(contacts, level)

@@ -9,14 +9,31 @@ import numpy.typing as npt
 
 from master.lives.age.grid import narrowest
 from master.lives.cold import ColdLife
-from master.soft.in_time.cohorts import Steps
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Nodes for the stretches at the start, which are looked at once in a step, and at births, at level
-# 0 and more with each level of the steps.
-STARTS, BIRTHS, MORE_BIRTHS = 400, 8, 4
+# Nodes for the stretches at the start where each costs little in a step; and where each is dear,
+# on the coarsest steps and more on each finer level.
+STARTS, FEW_STARTS, MORE_STARTS = 400, 24, 8
+
+
+class Scales(NamedTuple):
+    """What the steps of a slider have to resolve.
+
+    length : travel over which shares and births change (a length)
+    time : the shortest time over which they change on a slider that stands still; inf where nothing
+        happens then
+    rate : at which fresh contacts break (per time), 0 where steps need not resolve it
+    skin : stretch over which the rate of breaking changes by a factor e where few break by it, or 0
+    fuzzy : whether thresholds fluctuate, so that none stand right at a stretch
+    """
+
+    length: float
+    time: float = np.inf
+    rate: float = 0.0
+    skin: float = 0.0
+    fuzzy: bool = False
 
 
 class Leg(NamedTuple):
@@ -30,11 +47,6 @@ class Leg(NamedTuple):
     end: Array
     furthest: Array
     duration: float
-
-    @property
-    def speed(self) -> float:
-        """dX/dt; for a move that takes time."""
-        return float(self.end[0] - self.begin[0]) / self.duration if self.end.size else 0.0
 
 
 class Left(NamedTuple):
@@ -56,7 +68,9 @@ class Memory(Protocol):
 
     Attributes
     ----------
-    steps, error : see Cohorts
+    scales : Scales
+    error : float
+        What `left` is off by, in contacts, however small the steps.
     reach : float
         Stretch beyond which none holds (a length).
     width : int
@@ -65,7 +79,7 @@ class Memory(Protocol):
         Nodes that stand for a spread start at most.
     """
 
-    steps: Steps
+    scales: Scales
     error: float
     reach: float
     width: int
@@ -105,7 +119,7 @@ class ColdMemory:
         self._life, self._law = ColdLife(contacts), contacts.thresholds
         self._stiffness = contacts.relative_stiffness
         self.reach = self._life.reach
-        self.steps = Steps(width_of(contacts))
+        self.scales = Scales(width_of(contacts))
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""

@@ -1,36 +1,65 @@
-"""Pulled: one drive of a soft slider, K (X_T - X) = F, step by step and slip after slip.
-
-A step is so long in X and in time together, dX/length + d(clock) = step, that it is even where the
-slider creeps and where it runs ahead of a slip, in which dX/dt grows without end: there X_T is
-smooth in X. The slider lets go where the force falls faster than the spring's as it moves in no
-time, F'(X) = -K. Where thresholds fluctuate none stand right at a stretch, and motion in no time
-breaks none at first: there it lets go where X_T, as a function of X, has come furthest. So it is
-where the weakest break by themselves before they are met; but there the faster the slider is the
-more of them hold, as if it was pushed: it has let go where it is so many times as fast as the drive,
-and comes to rest no sooner than they have been broken.
-"""
+"""Pulled: one drive of a soft slider, K (X_T - X) = F, step by step and slip after slip."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
+from scipy.optimize import brentq
 
 from master.soft.in_time.carried import Allowed, Carried, TooLongError, Trial
 from master.soft.in_time.cohorts import Cohorts
-from master.soft.in_time.onset import Onset
-from master.soft.in_time.secants import foreseen, secant
-from master.soft.in_time.slipping import COARSEST, MOST_SLIPS, Slip, Slipping, Task
-from master.soft.in_time.track import LESS, Clock, Piece, Track
+from master.soft.in_time.secants import foreseen
+from master.soft.in_time.steps import Steps
+from master.soft.in_time.track import Piece, Track
+from origins.drive import SlipRule
 
-# Halvings of the last step before a slip where thresholds fluctuate: an edge that thins to nothing is
-# followed down in ever smaller steps; and what share of the step its end is known to then.
-NEARER, ABOUT = 4, 0.1
-# Share of a step's usual time that it takes where the slider may be about to let go.
-AHEAD = 0.3
-# A share of a step's time; steps in which time grows by a factor e; breaks: where contacts break
-# faster than that, as after a slip, steps are even in the logarithm of time.
-SOON, PER_FOLD, FELT = 0.1, 0.7, 1e-5
-# Share of the time that is as good as none.
-INSTANT = 1e-12
+# Length of a step in a search for the end of a slip in which none is born, as a share of the length
+# over which births change; and share of a step by which a slip goes on at least.
+SCAN, LEAST_SLIP = 0.06, 1e-4
+# Halvings of the last step before a slip, of contacts of which none stand right at their thresholds.
+NEARER = 4
+# Accuracy of a slip's end, in mean thresholds.
+ENDS = 1e-15
+# Slips, and steps of a search for the end of one.
+MOST_SLIPS = 20_000
+
+
+class Slip(NamedTuple):
+    """Lengths, as in master.soft.slips.Slips."""
+
+    drive: float
+    before: float
+    after: float
+    force_before: float
+    force_after: float
+
+
+class Task(NamedTuple):
+    """What is asked of a slider.
+
+    pieces : of the drive
+    spring : K/(N_c <k>), inf of a rigid slider; rule : what a slip does
+    delay : of the contacts; unit : mean threshold (a length)
+    again : makes the contacts that a reset leaves
+    close : share of a step to which its balance is found
+    """
+
+    pieces: list[Piece]
+    spring: float
+    rule: SlipRule
+    delay: float
+    unit: float
+    again: Callable[[], Cohorts]
+    close: float
+
+
+class Planned(NamedTuple):
+    """How many steps, inf where that is not known, of which size."""
+
+    number: float
+    size: float
 
 
 class Pulled:
@@ -60,68 +89,50 @@ class Pulled:
     def __init__(
         self, cohorts: Cohorts, task: Task, level: int, plan: list[float], allowed: Allowed
     ) -> None:
-        self.task, self._level, self._plan = task, level, plan
-        self._length = COARSEST * cohorts.steps.length
+        self._task, self._level, self._plan = task, level, plan
         self.contacts = Carried(cohorts, task.delay, allowed)
+        self._steps = Steps(self.contacts, task.spring, task.unit, task.close)
         self.tracks: list[Track] = []
         self.stretches: list[float] = []
         self.slips: list[Slip] = []
-        self._steep = (1.0 + task.spring) * (1.0 + 1.0 / LESS) * self._length
-        fastest = max(abs(piece.travel) / piece.duration for piece in task.pieces)
-        self._onset = Onset(self.contacts, task.spring, task.unit, self._length, fastest)
-        self._slipping = Slipping(self.contacts, task, level, self._length, self._onset.thin)
 
     def run(self) -> None:
         """Follow the drive to its end."""
-        for piece in self.task.pieces:
+        for piece in self._task.pieces:
             self.contacts.mark_later(piece.begin)
-            self._follow(piece, piece is self.task.pieces[-1])
+            self._follow(piece, piece is self._task.pieces[-1])
 
     def _follow(self, piece: Piece, last: bool) -> None:
         """The drive goes on to the end of a piece."""
-        here, spring = self.contacts, self.task.spring
-        resets, before, since = 0, 0, len(self.tracks)
-        sign = float(np.sign(piece.travel) or np.sign(here.force) or 1.0)
-        steps = here.cohorts.steps
-        # while contacts hold, the slider follows a soft spring's drive from far
-        clock = Clock(
-            piece, self._length * (1.0 + spring) / spring, steps.time, steps.rate / COARSEST
-        )
+        here, since = self.contacts, [len(self.tracks)]
+        self._steps.begin(piece)
         while True:
-            marks = [at for at, _ in here.pending if at < piece.end]
-            end = min(marks, default=piece.end)
-            self._relax(end, piece, clock)
-            if self._slide(end, piece, clock, sign):
-                slip = self._slipping.slip(piece.at(here.now), sign, self._planned())
-                self.slips.append(slip)
-                if self._slipping.smooth:
-                    self.stretches.append(abs(slip.after - slip.before) / self._length)
-                before, since = since, len(self.tracks)
-                resets += 1
-                if self.task.rule == "reset" and resets == 2 and self._repeat(piece, last, before):
+            end = min((one.at for one in here.pending if one.at < piece.end), default=piece.end)
+            if self._slide(end):
+                self.slips.append(self._slip())
+                since.append(len(self.tracks))
+                repeats = self._task.rule == "reset" and len(since) == 3
+                if repeats and self._repeat(last, since[1]):
                     return
-            elif marks:
-                weight = sum(share for at, share in here.pending if at == here.now)
-                here.pending = [one for one in here.pending if one[0] != here.now]
-                if weight > 0.0:
-                    here.born_at_once(weight, here.past.breaks[-1])
+            elif end < piece.end:
+                here.born_now()
             else:
                 return
 
-    def _repeat(self, piece: Piece, last: bool, since: int) -> bool:
+    def _repeat(self, last: bool, since: int) -> bool:
         """After a reset all is as after the one before, on the tracks since then, again and again.
 
         Whether to the end of the path.
         """
-        here, tracks = self.contacts, self.tracks[since:]
+        here, tracks, end = self.contacts, self.tracks[since:], self._steps.piece.end
         slip, length = self.slips[-1], self.stretches[-1]
         period = here.now - tracks[0].clock[0]
         way = slip.after - tracks[0].place[0]
-        while last or here.now + period < piece.end:
+        while last or here.now + period < end:
             tracks = [track.later(period, way) for track in tracks]
             self.tracks += tracks
             self.stretches.append(length)
-            if here.now + period > piece.end:
+            if here.now + period > end:
                 return True
             lengths = slip.drive + way, slip.before + way, slip.after + way
             slip = Slip(*lengths, slip.force_before, slip.force_after)
@@ -129,84 +140,64 @@ class Pulled:
             here.now, here.place = here.now + period, slip.after
             if len(self.slips) > MOST_SLIPS:
                 raise TooLongError
-        here.settle(self.task.again())
+        here.settle(self._task.again())
         return False
 
-    def _relax(self, end: float, piece: Piece, clock: Clock) -> None:
-        """On for a while in which contacts break faster than steps tell.
-
-        As after a slip the weakest do, one after the other in the logarithm of time.
-        """
-        here = self.contacts
-        now, steps = here.now, here.cohorts.steps
-        lasts = SOON * (min(clock.time(clock.count(now) + 1.0), end) - now)
-        first = max(steps.time, INSTANT * end)
-        if not first < SOON * lasts:
-            return
-        if here.tried(0.0, now + lasts).counted.breaks - here.past.breaks[-1] < FELT:
-            return
-        folds = float(np.log(lasts / first))
-        number = int(np.ceil(PER_FOLD * folds)) * 2**self._level
-        track, travel = Track(), 0.0
-        self.tracks.append(track)
-        here.bend()
-        self._write(track, 0.0)
-        for k in range(number + 1):
-            trial = self._to(now + first * float(np.exp(folds * k / number)), piece, travel)
-            travel = trial.travel
-            here.take(trial)
-            self._write(track, k + 1.0)
-
-    def _slide(self, end: float, piece: Piece, clock: Clock, sign: float) -> bool:
+    def _slide(self, end: float) -> bool:
         """Until `end`, or until the slider lets go: which of them."""
-        here, onset = self.contacts, self._onset
-        planned, fine = self._planned(), 0.5**self._level
-        steps = int(np.ceil(max(planned, 1e-6))) * 2**self._level
-        size = planned / steps if planned else fine
-        track = Track()
+        here, steps, track = self.contacts, self._steps, Track()
         self.tracks.append(track)
         here.bend()
         self._write(track, 0.0)
-        total, shares, taken = 0.0, [0.5], 0
-        let_go = onset.at_once(sign)
+        steps.start(end, track)
+        # the time is all there is to a rigid slider's steps
+        planned = self._planned(steps.clock.count(end) if steps.rigid else 0.0)
+        total, shares, taken, let_go = 0.0, [0.5], 0, False
         while not let_go and here.now < end:
             taken += 1
             share = foreseen(shares)
             # the last of the planned steps takes what is left
-            trial = self._step(size * (1.5 if taken >= steps else 1.0), share, piece, clock, sign)
+            late = taken >= planned.number
+            trial = steps.step(1.5 * planned.size if late else planned.size, share)
             if trial.now >= end:
-                trial = self._to(end, piece, trial.travel)
-            # the slider runs ahead of its drive before it lets go
-            ahead = clock.count(trial.now) - clock.count(here.now) < AHEAD * LESS * size
-            if trial.now <= here.now or (ahead and onset.past(trial, track, clock, sign)):
+                trial = steps.to(end, trial.travel)
+            if trial.now <= here.now or steps.past(trial, planned.size):
                 let_go = True
-                for _ in range(NEARER if onset.fuzzy else 0):
-                    half = onset.found(trial.travel, piece, track, clock, sign, ABOUT)
-                    part = onset.balanced(0.5 * half.travel, piece, clock, sign)
-                    total += self._record(part, track, clock, sign, total)
-                    trial = trial._replace(travel=trial.travel - part.travel)
-                trial = onset.found(trial.travel, piece, track, clock, sign, self.task.close)
-            elif trial.now < end and taken >= steps:
-                trial = self._step(size, share, piece, clock, sign)
-            count = clock.count(trial.now) - clock.count(here.now)
-            stretch = self._record(trial, track, clock, sign, total)
-            shares.append(count / stretch if stretch > 0.0 else 0.5)
-            total += stretch
+                for _ in range(NEARER if steps.fuzzy else 0):
+                    half = steps.balanced(0.5 * steps.onset(trial.travel).travel)
+                    total += self._take(half, track, total)
+                    trial = trial._replace(travel=trial.travel - half.travel)
+                trial = steps.onset(trial.travel)
+            elif trial.now < end and late:
+                trial = steps.step(planned.size, share)
+            time = steps.clock.count(trial.now) - steps.clock.count(here.now)
+            stretch = self._take(trial, track, total)
+            if stretch > 0.0:
+                total += stretch
+                shares.append(time / stretch)
         self.stretches.append(total)
         return let_go
 
-    def _planned(self) -> float:
-        """How many of the coarsest steps the next smooth stretch took on coarser steps, or 0."""
-        number = len(self.stretches)
-        return self._plan[number] if number < len(self._plan) else 0.0
-
-    def _record(self, trial: Trial, track: Track, clock: Clock, sign: float, total: float) -> float:
-        """Take a step, the size of which is returned."""
-        time = clock.count(trial.now) - clock.count(self.contacts.now)
-        size = sign * trial.travel / self._length + time
-        self.contacts.take(trial)
-        self._write(track, total + size)
+    def _take(self, trial: Trial, track: Track, total: float) -> float:
+        """Take a step, the size of which is returned; none that goes nowhere in no time."""
+        size = max(self._steps.size(trial), 0.0)
+        if trial.travel or trial.now > self.contacts.now:
+            self.contacts.take(trial)
+            self._write(track, total + size)
         return size
+
+    def _planned(self, length: float = 0.0) -> Planned:
+        """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take.
+
+        length : in steps of the coarsest, where that is known beforehand
+        """
+        number, finer = len(self.stretches), 2**self._level
+        if not length and number < len(self._plan):
+            length = self._plan[number]
+        if not length:
+            return Planned(np.inf, 1.0 / finer)
+        count = int(np.ceil(length)) * finer
+        return Planned(count, length / count)
 
     def _write(self, track: Track, total: float) -> None:
         here = self.contacts
@@ -216,33 +207,53 @@ class Pulled:
         track.force.append(here.force)
         track.holding.append(here.holding)
 
-    def _step(self, size: float, share: float, piece: Piece, clock: Clock, sign: float) -> Trial:
-        """A step of this size; at a time before now where there is none.
+    def _slip(self) -> Slip:
+        """The slider slips while the drive stands."""
+        here, rule = self.contacts, self._task.rule
+        drive, before, force = self._steps.piece.at(here.now), here.place, here.force
+        if rule == "reset":
+            cohorts = self._task.again()
+            here.place = drive - float(cohorts.pull[0]) / self._task.spring
+            here.settle(cohorts)
+        else:
+            self._rush(rule == "reform-after" or self._task.delay > 0.0)
+        return Slip(drive, before, here.place, force, here.force)
 
-        share : of the size, what time is expected to take
-        """
-        here, spring = self.contacts, self.task.spring
-        begin = clock.count(here.now)
-        found: list[Trial] = []
+    def _rush(self, out: bool) -> None:
+        """On to the first balance; where `out` what breaks is born no sooner than that."""
+        here, unit = self.contacts, self._task.unit
+        steps = self._steps
+        step = SCAN * steps.scales.length if out else self._planned().size * steps.length
+        size = steps.sign * step
+        here.bend()
+        begin, broken, travel = here.place, here.breaks, 0.0
+        # where heat has broken the weakest those that are left hold again when they are pushed
+        away = steps.scales.skin == 0.0
+        for _ in range(MOST_SLIPS):
+            trial = here.tried(travel + size, here.now, out)
+            lack = steps.lack(trial)
+            if lack <= 0.0 and (away or abs(here.place + travel - begin) > unit):
+                break
+            away |= lack > 0.0
+            if out:
+                travel += size
+            else:
+                here.take(trial)
+        else:
+            raise TooLongError
+        low = travel if here.place + travel != begin else LEAST_SLIP * size
 
-        def excess(count: float) -> float:
-            now = max(clock.time(begin + count), here.now)
-            trial = here.tried(sign * self._length * (size - count), now)
-            short = spring * (piece.at(now) - here.place - trial.travel) - trial.counted.force
-            found[:] = [trial if count > 0.0 else trial._replace(now=here.now - 1.0)]
-            return sign * short
+        def lacks(way: float) -> float:
+            return steps.lack(here.tried(way, here.now, out))
 
-        self._steep = secant(excess, share * size, self._steep, self.task.close * size, 0.0)
-        return found[0]
-
-    def _to(self, end: float, piece: Piece, guess: float) -> Trial:
-        """A step up to a time."""
-        here, spring = self.contacts, self.task.spring
-        found: list[Trial] = []
-
-        def excess(travel: float) -> float:
-            found[:] = [here.tried(travel, end)]
-            return spring * (piece.at(end) - here.place - travel) - found[0].counted.force
-
-        secant(excess, guess, -spring - 1.0, self.task.close * self._length)
-        return found[0]
+        if lacks(low) > 0.0:
+            low = float(brentq(lacks, low, travel + size, xtol=ENDS * unit))
+        here.take(here.tried(low, here.now, out))
+        here.bend()
+        if not out:
+            self.stretches.append(abs(here.place - begin) / self._steps.length)
+            return
+        fresh = here.breaks - broken
+        here.mark_later(here.now, fresh)
+        if not here.delay:
+            here.born_at_once(fresh)

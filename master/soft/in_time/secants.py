@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import brentq
 
 # A guess further than this from the last value is none.
 UNLIKE = 0.2
@@ -20,11 +19,6 @@ def foreseen(values: list[float]) -> float:
     a, b, c = values[-3:]
     guess = a + 3.0 * (c - b)
     return guess if abs(guess - c) < UNLIKE else c
-
-
-def first_root(function: Function, low: float, high: float, close: float) -> float:
-    """The root between two places at which a function has other signs, by Brent's method."""
-    return float(brentq(function, low, high, xtol=close, rtol=1e-14))
 
 
 def secant(

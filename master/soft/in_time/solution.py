@@ -1,25 +1,88 @@
-"""A soft slider with laws of single contacts that tell time, to the tolerance asked."""
+"""Sliders whose contacts have laws that tell time, followed in steps, to the tolerance asked."""
 
 from __future__ import annotations
 
 import time as clock
+from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from master.outcome import Progress, outcome, unheard
 from master.soft.in_time.make import Maker
-from master.soft.in_time.refining import refined
-from master.soft.in_time.track import fastest, pieces, reached
+from master.soft.in_time.refining import Refined, refined
+from master.soft.in_time.track import pieces, reached
 from master.soft.regime import Course, regime
 from master.soft.slips import Slips
 from master.soft.solution import SoftSolution
-from origins import Contacts
-from origins.drive import Drive
+from origins import Contacts, Drive, InputError
+from origins.brief import brief
 from origins.errors import refuse
+
+Array = npt.NDArray[np.float64]
 
 # A start whose mean stretch is this near to nothing, over K, balances the drive where it begins; in
 # mean thresholds.
 SAME = 1e-12
+
+
+@dataclass(frozen=True)
+class TimedSolution:
+    """F along a rigid slider's path in time; fields as in master.solution.Solution.
+
+    `nodes` are steps, and `force_error` is an estimate.
+    """
+
+    path: Array
+    time: Array
+    force: Array
+    force_error: float
+    holding: Array
+    run_time: float
+    nodes: int
+    success: bool
+    message: str
+
+    __repr__ = brief
+
+    def distribution(self, point: int) -> None:
+        """Q(x;X) is not known where contacts grow in heat: InputError."""
+        raise InputError(
+            "contacts.grains: Q(x;X) is not known along paths in time yet where contacts grow"
+        )
+
+
+def solve_given(
+    contacts: Contacts,
+    drive: Drive,
+    tolerance: float,
+    progress: Progress = unheard,
+    wall_time: float | None = None,
+) -> TimedSolution:
+    """Force on a rigid slider on steps halved until they tell it to the tolerance; see `solve`.
+
+    As where grains grow in heat and the path turns or holds: what each strand has spent is kept, so
+    that a step costs the same however many legs lie behind it.
+
+    Raises InputError where a path takes too many steps.
+    """
+    began = clock.perf_counter()
+    until = np.inf if wall_time is None else clock.monotonic() + wall_time
+    maker = Maker(contacts, _fastest(drive))
+    found = refined(contacts, maker, drive, 0.0, tolerance, progress, until)
+    told = found.force.size
+    success, message = _outcome(contacts, drive, found, tolerance, "X")
+    return TimedSolution(
+        path=drive.path[:told],
+        time=reached(drive, 0.0)[:told],
+        force=found.force,
+        force_error=found.error,
+        holding=found.holding,
+        run_time=clock.perf_counter() - began,
+        nodes=found.steps,
+        success=success,
+        message=message,
+    )
 
 
 def solve_in_time(
@@ -47,7 +110,7 @@ def solve_in_time(
     if contacts.reforming is not None and out:
         rule = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
         refuse("slip", drive.slip, rule)
-    maker = Maker(contacts, fastest(drive))
+    maker = Maker(contacts, _fastest(drive))
     balance = float(maker.all(0).pull[0]) / spring
     if abs(drive.path[0] - balance) <= SAME * unit:
         balance = float(drive.path[0])  # a start of no mean stretch is one of rounding
@@ -55,27 +118,23 @@ def solve_in_time(
     if late and abs(drive.path[0] - balance) > SAME * unit:
         rule = f"at time 0 the drive stands where it balances the start, {balance:.9g}"
         refuse("path[0]", drive.path[0], rule)
-    asked = reached(drive, balance)
-    found = refined(contacts, maker, drive, balance, asked, tolerance, progress, until)
-    told = found.force.size
-    path, whole = drive.path[:told], told == drive.path.size
-    error = found.error
-    success, message = outcome(contacts, error, tolerance, found.reason)
-    if not whole:
-        last = f"X_T = {path[-1]:.6g}" if told else "the first point"
-        success, message = False, f"stopped at {last} by wall_time; the path is cut there"
+    found = refined(contacts, maker, drive, balance, tolerance, progress, until)
+    told, error = found.force.size, found.error
+    success, message = _outcome(contacts, drive, found, tolerance, "X_T")
     drives, before, after, above, below = found.slips
     slips = Slips(drives, before, after, above, below, error * unit / spring)
-    position = path - found.force / spring
+    position = drive.path[:told] - found.force / spring
     moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
     course = None
     if moving:
-        speeds = [abs(piece.travel) / piece.duration for piece in moving]
-        mean = sum(abs(piece.travel) for piece in moving) / sum(p.duration for p in moving)
+        way = sum(abs(piece.travel) for piece in moving)
+        mean = way / sum(piece.duration for piece in moving)
         speed = drive.velocity if drive.time is None else mean
-        course = Course(asked[:told], found.force, position, moving[-1].begin, speeds[-1], speed)
+        times, last = reached(drive, balance)[:told], moving[-1]
+        course = Course(times, found.force, position, last.begin, last.speed, speed)
+    known = told == drive.path.size and bool(np.isfinite(error))
     return SoftSolution(
-        path=path,
+        path=drive.path[:told],
         balance=balance,
         position=position,
         force=found.force,
@@ -83,9 +142,28 @@ def solve_in_time(
         holding=found.holding,
         slips=slips,
         period=slips.period,
-        regime=regime(contacts, drive, slips, tolerance, whole and np.isfinite(error), course),
+        regime=regime(contacts, drive, slips, tolerance, known, course),
         run_time=clock.perf_counter() - began,
         nodes=found.steps,
         success=success,
         message=message,
     )
+
+
+def _fastest(drive: Drive) -> float:
+    """Largest speed of the drive from the first point of its path on."""
+    if drive.time is None or drive.path.size < 2:
+        return drive.velocity
+    steps = np.diff(drive.time)
+    return float((np.abs(np.diff(drive.path))[steps > 0.0] / steps[steps > 0.0]).max(initial=0.0))
+
+
+def _outcome(
+    contacts: Contacts, drive: Drive, found: Refined, tolerance: float, axis: str
+) -> tuple[bool, str]:
+    """Success, and in words what was reached."""
+    told = found.force.size
+    if told == drive.path.size:
+        return outcome(contacts, found.error, tolerance, found.reason)
+    last = f"{axis} = {drive.path[told - 1]:.6g}" if told else "the first point"
+    return False, f"stopped at {last} by wall_time; the path is cut there"

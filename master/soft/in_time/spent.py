@@ -15,7 +15,7 @@ import numpy.typing as npt
 from master.lives.cold import TIE
 from master.lives.heat.replayed import rates_of
 from master.lives.heat.threshold_panels import Panels, law_edges, nodes
-from master.soft.in_time.heat import reach_of, replay_of, steps_of
+from master.soft.in_time.heat import reach_of, replay_of, scales_of
 from master.soft.in_time.memory import Left, Leg
 from origins import Contacts
 from origins.errors import InputError
@@ -76,7 +76,7 @@ class SpentMemory:
         ends = self._fixed.size + np.array([1, 1 + self._atoms.size])
         self._parts = slice(1, ends[0]), slice(ends[0], ends[1]), slice(ends[1], ends[1] + SIZE)
         self.width, self.reach = int(ends[1]) + SIZE, reach_of(contacts)
-        self.steps = steps_of(contacts)
+        self.scales = scales_of(contacts)
         # places of the nodes on a panel and in the root of the way, and barycentric weights
         z = np.polynomial.legendre.leggauss(SIZE)[0]
         self._places = 0.5 * (z + 1.0)

@@ -1,4 +1,4 @@
-"""Tracks: smooth stretches of a soft slider's way, and the clock in which its steps are even."""
+"""Tracks: the drive's straight ways, the clock in which steps are even, and what steps found."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import make_interp_spline
+from scipy.special import wrightomega
 
 from master.motion.motion import Motion
-from master.soft.in_time.past import lagrange
 from origins import Drive
 
 Array = npt.NDArray[np.float64]
 
-# What the way of the drive counts less than that of the slider in a step: it is the slider that must
-# be followed.
-LESS = 0.25
-# Steps, on the coarsest level, in which the time of a hold grows by a factor e.
-PER_FOLD = 2.0
-# Points of the polynomials that tell force and holding between steps.
-STENCIL = 6
+# Steps, on the coarsest level, in which the time since a bend grows by a factor e: of a drive that
+# holds, and of one that moves, where these come beside those of its way.
+PER_FOLD_HELD, PER_FOLD = 2.0, 0.4
+# Degree of the polynomials that tell force and holding between steps.
+DEGREE = 5
+# Halvings of a step, of which the last are below rounding.
 BISECTIONS = 60
 
 
@@ -41,6 +41,11 @@ class Piece(NamedTuple):
     def duration(self) -> float:
         return self.end - self.begin
 
+    @property
+    def speed(self) -> float:
+        """|dX_T/dt|."""
+        return abs(self.travel) / self.duration
+
     def at(self, now: float) -> float:
         """Where the drive is."""
         return self.before + self.travel / self.duration * (now - self.begin)
@@ -53,14 +58,6 @@ def reached(drive: Drive, balance: float) -> Array:
     return np.asarray(np.abs(np.diff(drive.path, prepend=balance)).cumsum() / drive.velocity)
 
 
-def fastest(drive: Drive) -> float:
-    """Largest speed of the drive from the first point of its path on."""
-    if drive.time is None or drive.path.size < 2:
-        return drive.velocity
-    steps = np.diff(drive.time)
-    return float((np.abs(np.diff(drive.path))[steps > 0.0] / steps[steps > 0.0]).max(initial=0.0))
-
-
 def pieces(drive: Drive, balance: float) -> list[Piece]:
     """The drive's way from the balance at t = 0 to the end of its path."""
     times = np.append(0.0, reached(drive, balance))
@@ -70,6 +67,46 @@ def pieces(drive: Drive, balance: float) -> list[Piece]:
     knots = zip(motion.times, motion.positions, strict=True)
     ends = [(float(time), float(place)) for time, place in knots]
     return [Piece(a[0], b[0], a[1], b[1]) for a, b in pairwise(ends)]
+
+
+class Clock:
+    """Steps of equal counts: even in time, and after a bend even in its logarithm.
+
+    Parameters
+    ----------
+    begin, end : float
+        Of the time between two bends: what happens after one does so ever more slowly.
+    held : bool
+        Whether the drive holds.
+    rate : float
+        Even steps per time that are asked for.
+    first : float
+        The shortest time over which contacts change after a bend; inf where nothing happens then.
+    """
+
+    def __init__(self, begin: float, end: float, held: bool, rate: float, first: float) -> None:
+        self._begin, self._rate = begin, rate
+        lasts = end - begin
+        self._first = min(first, lasts)
+        per_fold = PER_FOLD_HELD if held else PER_FOLD
+        self._folds = per_fold if held or first < lasts else 0.0
+
+    def count(self, time: float) -> float:
+        """Steps since the beginning."""
+        since = time - self._begin
+        folds = float(np.log1p(since / self._first)) if self._folds else 0.0
+        return self._rate * since + self._folds * folds
+
+    def time(self, count: float) -> float:
+        """The time after so many steps."""
+        if not self._folds:
+            return self._begin + count / self._rate
+        folds, even = count / self._folds, self._rate * self._first / self._folds
+        if not even:
+            return self._begin + self._first * float(np.expm1(min(folds, 700.0)))
+        # even u + log(1 + u) = folds
+        grown = float(wrightomega(folds + even + np.log(even)).real) / even
+        return self._begin + self._first * (grown - 1.0)
 
 
 class Read(NamedTuple):
@@ -96,52 +133,16 @@ class Track:
 
     def read(self, at: Array) -> Read:
         """Force and holding at times, through the step parameter, in which all is smooth."""
-        clock, n = np.array(self.clock), len(self.clock)
-        step, told = np.array(self.step), np.array([self.force, self.holding])
-        if n == 1:
-            return Read(*(np.full(at.size, row[0]) for row in told))
-        size = min(STENCIL, n)
-        cell = np.clip(np.searchsorted(clock, at, side="left"), 1, n - 1)
-        low = np.clip(cell - size // 2, 0, n - size)
-        nodes = low[:, None] + np.arange(size)
-        a, b = step[cell - 1], step[cell]
+        step, first = np.unique(self.step, return_index=True)
+        told = np.array([self.clock, self.force, self.holding]).T[first]
+        if step.size == 1:
+            return Read(np.full(at.size, told[0, 1]), np.full(at.size, told[0, 2]))
+        degree = min(DEGREE, 2 * ((step.size - 2) // 2) + 1)  # odd, as splines are at best
+        values = make_interp_spline(step, told, k=degree)
+        cell = np.clip(np.searchsorted(told[:, 0], at, side="left"), 1, step.size - 1)
+        low, high = step[cell - 1], step[cell]
         for _ in range(BISECTIONS):
-            middle = 0.5 * (a + b)
-            early = (lagrange(step[nodes], middle) * clock[nodes]).sum(axis=1) < at
-            a, b = np.where(early, middle, a), np.where(early, b, middle)
-        weights = lagrange(step[nodes], 0.5 * (a + b))
-        return Read(*((weights * row[nodes]).sum(axis=1) for row in told))
-
-
-class Clock:
-    """Even steps in time, or in a hold even in ln(1 + t/first), of one piece of the drive.
-
-    Parameters
-    ----------
-    piece : Piece
-    length : float
-        Travel of the drive that takes one step, but for LESS.
-    time : float
-        The shortest time over which contacts change in a hold.
-    rate : float
-        Steps per time that contacts ask for while the drive moves.
-    """
-
-    def __init__(self, piece: Piece, length: float, time: float, rate: float) -> None:
-        self._piece, self._held = piece, piece.travel == 0.0
-        if self._held and not np.isfinite(time):
-            time = piece.duration
-        speed = abs(piece.travel) / piece.duration
-        self._first, self._rate = time, LESS * speed / length + rate
-
-    def count(self, time: float) -> float:
-        """Steps since the piece began."""
-        since = time - self._piece.begin
-        return PER_FOLD * float(np.log1p(since / self._first)) if self._held else since * self._rate
-
-    def time(self, count: float) -> float:
-        """The time after so many steps."""
-        if self._held:
-            grown = float(np.expm1(min(count / PER_FOLD, 700.0)))
-            return self._piece.begin + self._first * grown
-        return self._piece.begin + count / self._rate
+            middle = 0.5 * (low + high)
+            early = values(middle)[:, 0] < at
+            low, high = np.where(early, middle, low), np.where(early, high, middle)
+        return Read(*values(0.5 * (low + high))[:, 1:].T)
