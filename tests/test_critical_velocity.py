@@ -44,7 +44,7 @@ def test_propensity_tells_the_same_spring() -> None:
     """At v_c the critical spring is the one that v_c was found for; it reads F(X), whose slowest decay is X*."""
     contacts = figure_a06("exact")
     told = master.propensity(contacts, velocity=4.253078)
-    assert told.critical_spring == pytest.approx(3.5, abs=1e-6) and told.critical_spring_error < 2e-7
+    assert told.critical_spring == pytest.approx(3.5, abs=1e-6) and told.critical_spring_error < 3e-7
     path = np.linspace(0.0, 40.0, 4001)
     force = master.solve(contacts, path, 1e-8, velocity=4.253078).force
     kinetic = master.steady_state(contacts, velocity=4.253078).force

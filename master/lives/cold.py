@@ -39,8 +39,8 @@ SEEN = 30.0
 # by how much the largest of these misses counts.
 CHECKED, MARGIN = 16, 2.0
 # Last coefficients at which pieces of the stretches are no longer halved: beside a cusp of S(|r|) sums
-# miss a twentieth of it.
-RESOLVED = 1e-11
+# miss a twentieth of it, and leaps of more from move to move would look like slips of a soft slider.
+RESOLVED = 1e-12
 
 
 class ColdLife:
