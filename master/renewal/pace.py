@@ -23,8 +23,11 @@ PATIENCE = 32
 # smooth, so that wide ones err by the power 16 more. Where contacts break at all rates at once,
 # panels may widen as time goes by, and are tried sooner.
 WIDEN, WIDEN_IN_TIME = 0.5**rule.DEGREE, 1e-2
-# Share of the tolerance below which panels in heat are tried four times as wide.
+# Share of the tolerance below which such panels are tried four times as wide.
 FAR_BELOW = 1e-6
+# Width in grains below which panels lie beside a point that no polynomial follows, such as a pole of
+# P_c: they may widen with the distance to it, and are tried sooner, too.
+BESIDE = 1e-2
 
 # Share of a refused panel's width that is tried at least next.
 STEEPEST = 1e-3
@@ -83,7 +86,7 @@ class Pace:
             narrower = float(np.clip(goal, STEEPEST, narrower))
         self._last = width, wrong
         self.allowed, self.count, self._smooth = narrower * width, 1, 0
-        if self._widened and self._in_time:  # it was tried too soon
+        if self._widened and self._sooner(width):  # it was tried too soon
             self._wait = min(max(2, 2 * self._wait), PATIENCE)
         self._widened = False
 
@@ -92,14 +95,19 @@ class Pace:
         self._last = 0.0, 0.0
         self._wait, self._widened = (self._wait // 2 if self._widened else self._wait), False
         self.count = min(2 * self.count, LONGEST)
-        spare = self._tolerance * (WIDEN_IN_TIME if self._in_time else WIDEN)
+        sooner = self._sooner(width)
+        spare = self._tolerance * (WIDEN_IN_TIME if sooner else WIDEN)
         needless = run.wrong.max() < max(spare, 1e-14)
         self._smooth = self._smooth + run.wrong.size if needless else 0
         still = abs(run.breaks[:, -1]).max() < 1e-3 * self._tolerance
         narrow = still or width * self._speed <= 0.5 * self._grain
         patience = self._wait if narrow else PATIENCE
         if hurried or (self._smooth > patience and width > 0.6 * self.allowed):
-            self.count = 1 if self._in_time else max(1, self.count // 2)
+            self.count = 1 if sooner else max(1, self.count // 2)
             self._smooth, self._widened = 0, True
-            spare = self._in_time and run.wrong.max() < FAR_BELOW * self._tolerance
-            self.allowed = min((4.0 if spare else 2.0) * width, self._most)
+            far_below = sooner and run.wrong.max() < FAR_BELOW * self._tolerance
+            self.allowed = min((4.0 if far_below else 2.0) * width, self._most)
+
+    def _sooner(self, width: float) -> bool:
+        """Whether panels of this width are tried wider before they err by far less than asked."""
+        return self._in_time or width * self._speed < BESIDE * self._grain
