@@ -33,8 +33,8 @@ ROUNDING = 8.0 * float(np.finfo(float).eps)
 CHUNK = 40_000
 # What a survival averaged over the stretches at birth costs, in such from one stretch.
 SPREAD_WORK = 40
-# Pieces, as seen from later targets, that are integrated one by one before halving ends: some 10 s.
-MOST_WORK = 6_000_000
+# Pieces, as seen from later targets, that are integrated one by one before halving ends: some 30 s.
+MOST_WORK = 15_000_000
 # Halvings of a piece whose survival no polynomial follows.
 DEPTH = 40
 
