@@ -7,24 +7,22 @@ import scipy.stats as stats
 from rate_laws import Tilted
 
 import master
+from master import decoherence_spectrum
 from master.lives.make import life_of
 from master.steady.steady import births_of
 from master.steady.travel import Travel
 from master.stick_slip.decoherence import decoherence_length
-from master.stick_slip.spectrum import decoherence_spectrum
 from origins import (
     Contacts,
     Delay,
     InputError,
     Thermal,
     gaussian,
-    gaussian_start,
     identical,
     mixture,
-    rectangular,
 )
 
-WIDE, WAIT = gaussian(1.0, 0.2), Delay(0.3)
+WIDE = gaussian(1.0, 0.2)
 
 
 def bells(mean: float, std: float, count: int) -> np.ndarray:
@@ -36,21 +34,6 @@ def bells(mean: float, std: float, count: int) -> np.ndarray:
 def length_of(contacts: Contacts):
     travel = Travel(life_of(contacts), births_of(contacts), 1.0)
     return decoherence_length(contacts, travel, contacts.waiting_time)
-
-
-@pytest.mark.parametrize("std", [1e-3, 0.05, 0.1])
-def test_gaussian_roots_and_amplitudes_in_closed_form(std: float) -> None:
-    mean, width = 0.1, 0.025
-    contacts = Contacts(gaussian(1.0, std), gaussian_start(mean, width))
-    found = decoherence_spectrum(contacts, n_roots=6)
-    exact = bells(1.0, std, 6)
-    assert (np.abs(found.roots - exact) <= found.roots_error).all()
-    np.testing.assert_allclose(found.roots, exact, rtol=1e-11)
-    amplitude = -2.0 / exact * np.exp(exact * mean + 0.5 * (exact * width) ** 2)
-    assert (np.abs(found.amplitude - amplitude) <= found.amplitude_error).all()
-    np.testing.assert_allclose(found.amplitude, amplitude, rtol=1e-9)
-    length = length_of(contacts)
-    assert abs(length.length + 1.0 / exact[0].real) <= length.error < 1e-8 * length.length
 
 
 @pytest.mark.parametrize("born", [0.0, 0.1, 0.3])
@@ -71,6 +54,15 @@ def test_gamma_thresholds_in_closed_form() -> None:
     assert abs(found.roots[0] - exact) <= found.roots_error[0] < 1e-9
     length = length_of(Contacts(stats.gamma(3.0)))
     assert abs(length.length - 1.0) <= length.error <= 0.12
+
+
+def test_arcsine_thresholds_whose_density_diverges_at_both_ends() -> None:
+    """p^(s) = e^(-s/2) I_0(s/2)."""
+    root = mp.findroot(
+        lambda s: mp.exp(-s / 2) * mp.besseli(0, s / 2) - 1, mp.mpc(-1.4, 2 * mp.pi)
+    )
+    length = length_of(Contacts(stats.arcsine()))
+    assert abs(length.length + float(1 / root.real)) <= length.error < 1e-11
 
 
 @pytest.mark.parametrize("wait", [4.0, 20.0, 100.0])
@@ -94,31 +86,6 @@ def test_exponential_thresholds_that_wait(wait: float) -> None:
     amplitude = 2.0 / (1.0 + exact) ** 2 / (wait + 1.0 / (1.0 + exact))
     assert (np.abs(found.amplitude - amplitude) <= found.amplitude_error).all()
     assert found.roots_error.max() < 1e-9
-
-
-LATE = {
-    "start": Contacts(WIDE, gaussian_start(0.1, 0.05)),
-    "behind, linked, delay": Contacts(WIDE, -0.6, stiffness="linked", delay=WAIT),
-    "re-forming": Contacts(WIDE, 0.1, reforming=gaussian_start(0.05, 0.05), delay=WAIT),
-    "jumps": Contacts(rectangular(0.5, 1.5), gaussian_start(0.0, 0.1)),
-    "tail": Contacts(stats.gamma(6.0)),
-    "exact value": Contacts(mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3])),
-    "warm, stiff": Contacts(gaussian(1.0, 0.1), thermal=Thermal("stiff", 0.1)),
-    "warm, linked": Contacts(WIDE, thermal=Thermal("soft", 0.1), stiffness="linked", delay=WAIT),
-    "warm, paper's": Contacts(gaussian(1.0, 0.1), thermal=Thermal("soft", 0.1, closure="paper")),
-}
-
-
-@pytest.mark.parametrize("name", LATE)
-def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
-    contacts = LATE[name]
-    found = decoherence_spectrum(contacts, n_roots=6)
-    x = contacts.mean_threshold * np.array([1.3, 2.1, 3.7, 6.2, 11.4, 21.3])
-    solved = master.solve(contacts, x, 1e-9)
-    off = np.abs(found.force(x) - solved.force) / contacts.mean_threshold
-    error = found.force_error(x)
-    assert (off <= error + solved.force_error).all()
-    assert error[-1] < 3e-4
 
 
 def test_exact_values_alone_and_heavy_tails_have_no_decay() -> None:
