@@ -42,9 +42,8 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> Lengt
     if travel.longest < BROAD * travel.length:
         found = leading_roots(travel, wait, 1, NEAR * rate)
     if not found.transforms:
-        return Length(
-            travel.longest, np.inf
-        )  # the few that live for so long tell, and are not known
+        # X* hangs on the few contacts that live longest, which the table of E does not resolve
+        return Length(travel.longest, np.inf)
     if found.roots.size:
         slowest = found.roots[:1]
         decay = -float(slowest[0].real)
