@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from master.lives.age.cells import ASLEEP, Cells
 from master.lives.age.strands import fresh_rate, stepped
-from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Left, Leg, Scales
+from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Leg, Memory, Scales
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
@@ -27,7 +27,7 @@ DEAD = 1e-13
 AGE, SLEEPS, CELLS = range(3)
 
 
-class AgeingMemory:
+class AgeingMemory(Memory):
     """Contacts with `ageing`, closure "exact"; the errors of cells fall by 8 with each level.
 
     fastest : speed at which an edge of the density is resolved
@@ -53,10 +53,6 @@ class AgeingMemory:
         kept[~asleep, CELLS:] = self._cells.fresh(stretch[~asleep])
         return kept
 
-    def fresh(self, stretch: Array, speed: float) -> Array:
-        """See Memory."""
-        return self.start(stretch)
-
     def advance(self, kept: Array, leg: Leg) -> Array:
         """See Memory."""
         out = kept.copy()
@@ -77,8 +73,7 @@ class AgeingMemory:
             out[awake, CELLS:] = stepped(self._cells, out[awake, CELLS:], begin, way, time, ends)
         return out
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
         held = np.where(kept[:, SLEEPS] > 0.0, 1.0, kept[:, CELLS:].sum(axis=1))
-        none = np.zeros(held.size)
-        return Left(held, stretch * held, none, none)
+        return np.stack([held, stretch * held])

@@ -13,13 +13,11 @@ import numpy.typing as npt
 from master.lives.age.grid import narrowest
 from master.lives.grains import GrainLife, pinned_hazard
 from master.lives.growing_thresholds import GrowingThresholds
-from master.soft.in_time.memory import Left, Leg, Scales, width_of
+from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Leg, Memory, Scales, width_of
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Nodes for a spread start, and more with each level.
-STARTS, MORE_STARTS = 24, 8
 # Length over which births change, in the narrowest widths of the laws of thresholds.
 STEPS = 2.0
 # The first step of a hold, in pinning times.
@@ -34,7 +32,7 @@ CELLS, CHANGE, GONE = 16, 2.0, 90.0
 EARLIEST, LATEST, TIMES = 1e-5, 1e7, 400
 
 
-class GrainMemory:
+class GrainMemory(Memory):
     """Growing grains without heat: largest hazard, that at birth, and the time since pinning."""
 
     width, error = 3, 1e-13
@@ -45,7 +43,7 @@ class GrainMemory:
         self._grains, self._first = grains, grains.growth.first_pinning_time
         life = GrainLife(contacts, LONGEST * self._first)
         self._start_since, self.reach = life.start_since, life.start_reach
-        self.starts = STARTS + MORE_STARTS * level
+        self.starts = FEW_STARTS + MORE_STARTS * level
         # as fast as grains grow, few hold and at small stretches
         quick = grains.breaking(1.0 / (np.sqrt(grains.growth.B) * self._first))
         length = STEPS * min(width_of(contacts), narrowest(quick))
@@ -73,10 +71,10 @@ class GrainMemory:
         out[:, WORST] = np.maximum(out[:, WORST], now)
         return out
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
-        held, none = self._held(kept), np.zeros(stretch.size)
-        return Left(held, stretch * held, none, none)
+        held = self._held(kept)
+        return np.stack([held, stretch * held])
 
     def _held(self, kept: Array) -> Array:
         return np.exp(kept[:, FIRST] - kept[:, WORST])

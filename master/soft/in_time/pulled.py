@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -40,9 +39,9 @@ class Task(NamedTuple):
     """What is asked of a slider.
 
     pieces : of the drive
-    spring : K/(N_c <k>), inf of a rigid slider; rule : what a slip does
+    spring : K/(N_c <k>); rule : what a slip does
     delay : of the contacts; unit : mean threshold (a length)
-    again : makes the contacts that a reset leaves
+    again : the contacts that a reset leaves
     close : share of a step to which its balance is found
     """
 
@@ -51,7 +50,7 @@ class Task(NamedTuple):
     rule: SlipRule
     delay: float
     unit: float
-    again: Callable[[], Cohorts]
+    again: Cohorts
     close: float
 
 
@@ -140,7 +139,7 @@ class Pulled:
             here.now, here.place = here.now + period, slip.after
             if len(self.slips) > MOST_SLIPS:
                 raise TooLongError
-        here.settle(self._task.again())
+        here.settle(self._task.again)
         return False
 
     def _slide(self, end: float) -> bool:
@@ -150,8 +149,7 @@ class Pulled:
         here.bend()
         self._write(track, 0.0)
         steps.start(end, track)
-        # the time is all there is to a rigid slider's steps
-        planned = self._planned(steps.clock.count(end) if steps.rigid else 0.0)
+        planned = self._planned()
         total, shares, taken, let_go = 0.0, [0.5], 0, False
         while not let_go and here.now < end:
             taken += 1
@@ -186,14 +184,10 @@ class Pulled:
             self._write(track, total + size)
         return size
 
-    def _planned(self, length: float = 0.0) -> Planned:
-        """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take.
-
-        length : in steps of the coarsest, where that is known beforehand
-        """
+    def _planned(self) -> Planned:
+        """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take."""
         number, finer = len(self.stretches), 2**self._level
-        if not length and number < len(self._plan):
-            length = self._plan[number]
+        length = self._plan[number] if number < len(self._plan) else 0.0
         if not length:
             return Planned(np.inf, 1.0 / finer)
         count = int(np.ceil(length)) * finer
@@ -212,8 +206,8 @@ class Pulled:
         here, rule = self.contacts, self._task.rule
         drive, before, force = self._steps.piece.at(here.now), here.place, here.force
         if rule == "reset":
-            cohorts = self._task.again()
-            here.place = drive - float(cohorts.pull[0]) / self._task.spring
+            cohorts = self._task.again
+            here.place = drive - float(cohorts.left[1, 0]) / self._task.spring
             here.settle(cohorts)
         else:
             self._rush(rule == "reform-after" or self._task.delay > 0.0)

@@ -16,7 +16,7 @@ from master.lives.cold import TIE
 from master.lives.heat.replayed import rates_of
 from master.lives.heat.threshold_panels import Panels, law_edges, nodes
 from master.soft.in_time.heat import reach_of, replay_of, scales_of
-from master.soft.in_time.memory import Left, Leg
+from master.soft.in_time.memory import Leg, Memory
 from origins import Contacts
 from origins.errors import InputError
 from origins.laws.rate_law import RateLaw
@@ -39,7 +39,7 @@ AT_NODE = 1e-14
 SIZE = 16
 
 
-class SpentMemory:
+class SpentMemory(Memory):
     """What each strand keeps: m where its own nodes stand, A at the fixed ones, at single exact
     thresholds, and at its own nodes.
 
@@ -90,10 +90,6 @@ class SpentMemory:
         kept[:, 0] = np.abs(stretch)
         return kept
 
-    def fresh(self, stretch: Array, speed: float) -> Array:
-        """See Memory."""
-        return self.start(stretch)
-
     def advance(self, kept: Array, leg: Leg) -> Array:
         """See Memory."""
         fixed, atoms, own = self._parts
@@ -132,11 +128,10 @@ class SpentMemory:
         last = int(loud[-1]) + 1 if loud.size else first
         return min(first, last), min(last + SIZE, self._fixed.size)
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
         fixed, atoms, own = self._parts
         held = np.zeros((furthest.size, 2))
-        edge = np.asarray(self._law.pdf(furthest), dtype=float)
         if self._fixed.size:
             xi, weight = self._own(furthest)
             left = weight * np.exp(-np.minimum(kept[:, own], GONE))
@@ -147,13 +142,11 @@ class SpentMemory:
             share = np.exp(-np.minimum(kept[:, fixed][:, first:], GONE))
             share *= np.arange(first, self._fixed.size) >= beyond[:, None]
             held += share @ self._weights[first:]
-            edge *= np.exp(-np.minimum(kept[:, own.start], GONE))
         for k, (position, weight) in enumerate(zip(self._atoms, self._atom_weights, strict=True)):
             here = weight * (furthest < position * (1.0 - TIE))
             here = here * np.exp(-np.minimum(kept[:, atoms.start + k], GONE))
             held += np.stack([here, here * self._kappa(position)], axis=1)
-        stiff = edge * self._kappa(np.maximum(furthest, 1e-300))
-        return Left(held[:, 0], stretch * held[:, 1], edge, stiff)
+        return np.stack([held[:, 0], stretch * held[:, 1]])
 
     def _panel(self, m: Array) -> Rows:
         """The panel that holds m, the first or last where none does."""
