@@ -8,10 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.life import Life
+from master.lives.make import steady_life
 from master.renewal import rule
 from master.renewal.march import March
 from master.rigid import ROUND_OFF as ROUND_OFF_OF_FORCE
-from master.steady.forward import Forward
+from master.steady.forward import Forward, births_table
 from master.steady.travel import Travel
 from origins import Contacts
 
@@ -66,6 +67,13 @@ class _Best(NamedTuple):
         at = int(np.argmax(self.least + self.most))
         value = 0.5 * float(self.least[at] + self.most[at])
         return value, max(float(self.most.max()) - value, value - float(self.least.max()), 0.0)
+
+
+def critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
+    """K*/(N_c <k>) of contacts on a rigid slider that moves forward from their start, and its error."""
+    life = steady_life(contacts, velocity)
+    travel = births_table(contacts, life, velocity, tolerance)
+    return extremes(contacts, life, travel, velocity, tolerance)[:2]
 
 
 def extremes(

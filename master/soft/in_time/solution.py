@@ -10,11 +10,11 @@ import numpy.typing as npt
 from master.outcome import Progress, outcome, unheard
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.make import memory_of
-from master.soft.in_time.refining import Refined, refined
+from master.soft.in_time.refining import refined
 from master.soft.in_time.track import pieces, reached
-from master.soft.regime import Course, regime
+from master.soft.regime import Course
 from master.soft.slips import Slips
-from master.soft.solution import SoftSolution
+from master.soft.solution import AT_REST, SoftSolution, solution_of
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
@@ -46,12 +46,15 @@ def solve_given(
     until = np.inf if wall_time is None else clock.monotonic() + wall_time
     stiff = Drive(drive.path, drive.velocity, drive.time, RIGID, drive.slip)
     found = refined(contacts, stiff, 0.0, tolerance, progress, until)
-    told = found.force.size
-    success, message = _outcome(contacts, drive, found, tolerance, "X")
-    times = reached(drive, 0.0)[:told]
+    end = drive.path[: found.force.size]
+    success, message = outcome(contacts, found.error, tolerance, found.reason)
+    if end.size < drive.path.size:
+        last = f"X = {end[-1]:.6g}" if end.size else "the first point"
+        success, message = False, f"stopped at {last} by wall_time; the path is cut there"
+    times = reached(drive, 0.0)[: end.size]
     run_time = clock.perf_counter() - began
     return Solution(
-        path=drive.path[:told],
+        path=end,
         force=found.force,
         time=times,
         force_error=found.error,
@@ -89,8 +92,7 @@ def solve_in_time(
     unit, spring, waits = contacts.mean_threshold, drive.spring, contacts.delay is not None
     out = drive.slip == "reform-after" or (waits and drive.slip == "instant")
     if contacts.reforming is not None and out:
-        rule = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
-        refuse("slip", drive.slip, rule)
+        refuse("slip", drive.slip, AT_REST)
     balance = float(Cohorts.of(contacts, memory_of(contacts, 0, 1.0), 0).left[1, 0]) / spring
     if abs(drive.path[0] - balance) <= SAME * unit:
         balance = float(drive.path[0])  # a start of no mean stretch is one of rounding
@@ -99,43 +101,32 @@ def solve_in_time(
         rule = f"at time 0 the drive stands where it balances the start, {balance:.9g}"
         refuse("path[0]", drive.path[0], rule)
     found = refined(contacts, drive, balance, tolerance, progress, until)
-    told, error = found.force.size, found.error
-    success, message = _outcome(contacts, drive, found, tolerance, "X_T")
+    position = drive.path[: found.force.size] - found.force / spring
     drives, before, after, above, below = found.slips
-    slips = Slips(drives, before, after, above, below, error * unit / spring)
-    position = drive.path[:told] - found.force / spring
-    moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
-    course = None
-    if moving:
-        way = sum(abs(piece.travel) for piece in moving)
-        mean = way / sum(piece.duration for piece in moving)
-        speed = drive.velocity if drive.time is None else mean
-        times, last = reached(drive, balance)[:told], moving[-1]
-        course = Course(times, found.force, position, last.begin, last.speed, speed)
-    known = told == drive.path.size and bool(np.isfinite(error))
-    return SoftSolution(
-        path=drive.path[:told],
+    return solution_of(
+        contacts,
+        drive,
+        tolerance,
+        began,
+        found.reason,
+        "by wall_time",
+        _course(drive, balance, found.force, position),
         balance=balance,
         position=position,
         force=found.force,
-        force_error=error,
         holding=found.holding,
-        slips=slips,
-        period=slips.period,
-        regime=regime(contacts, drive, slips, tolerance, known, course),
-        run_time=clock.perf_counter() - began,
+        slips=Slips(drives, before, after, above, below, found.error * unit / spring),
+        force_error=found.error,
         nodes=found.steps,
-        success=success,
-        message=message,
     )
 
 
-def _outcome(
-    contacts: Contacts, drive: Drive, found: Refined, tolerance: float, axis: str
-) -> tuple[bool, str]:
-    """Success, and in words what was reached."""
-    told = found.force.size
-    if told == drive.path.size:
-        return outcome(contacts, found.error, tolerance, found.reason)
-    last = f"{axis} = {drive.path[told - 1]:.6g}" if told else "the first point"
-    return False, f"stopped at {last} by wall_time; the path is cut there"
+def _course(drive: Drive, balance: float, force: Array, position: Array) -> Course | None:
+    """How the slider moved; None where it did not."""
+    moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
+    if not moving:
+        return None
+    way, lasts = (sum(getattr(one, name) for one in moving) for name in ("way", "duration"))
+    speed = drive.velocity if drive.time is None else way / lasts
+    times, last = reached(drive, balance)[: force.size], moving[-1]
+    return Course(times, force, position, last.begin, last.speed, speed)

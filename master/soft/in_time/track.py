@@ -42,9 +42,14 @@ class Piece(NamedTuple):
         return self.end - self.begin
 
     @property
+    def way(self) -> float:
+        """|dX_T|."""
+        return abs(self.travel)
+
+    @property
     def speed(self) -> float:
         """|dX_T/dt|."""
-        return abs(self.travel) / self.duration
+        return self.way / self.duration
 
     def at(self, now: float) -> float:
         """Where the drive is."""
