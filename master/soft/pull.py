@@ -189,6 +189,11 @@ class Pull:
         return tuple(moment for moment, here in zip(moments, kept, strict=True) if here)
 
     @property
+    def nodes(self) -> int:
+        """Moments at which number conservation was solved on this move."""
+        return (len(self._march.begin) - self._first) * rule.DEGREE
+
+    @property
     def _solved(self) -> float:
         return self._march.reached
 

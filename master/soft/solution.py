@@ -152,7 +152,7 @@ def solve_soft(
     over = "by wall_time" if time.monotonic() > until else "as slips ask for too much work"
     if ride.crowded:
         over = "as exact thresholds break together more often than can be followed"
-    drives, before, after, above, below = np.concatenate(ride.slips, axis=1)
+    drives, before, after, above, below = np.array(ride.slips).reshape(-1, 5).T
     return solution_of(
         contacts,
         drive,
