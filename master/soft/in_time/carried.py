@@ -40,13 +40,6 @@ class Allowed(NamedTuple):
     until: float = np.inf
 
 
-class Line(NamedTuple):
-    """A number that is known as slope * B + rest from what is asked for, B."""
-
-    slope: float
-    rest: float
-
-
 class Trial(NamedTuple):
     """A step that is not taken yet: how far and until when, and what it leads to.
 
@@ -111,7 +104,7 @@ class Carried:
         duration, before = now - self.now, self._births[-1]
         cohorts = self.cohorts.advance(travel, duration).born(self._speed(travel, duration))
         frozen |= bool(self.delay) and now == self.now
-        slope, rest = Line(0.0, before) if frozen else self._births_at(now)
+        slope, rest = (0.0, before) if frozen else self._births_at(now)
         between = cohorts.between()
         known, force = (cohorts.left[:, 0] + between[:, :-1] @ np.diff(self._births)).tolist()
         last, pull = between[:, -1].tolist()
@@ -121,14 +114,14 @@ class Carried:
         force, held = force + pull * new, known + last * new
         return Trial(travel, now, cohorts, force, held, breaks, before + new)
 
-    def _births_at(self, now: float) -> Line:
-        """Births up to a later moment, in terms of the breaks B up to then."""
+    def _births_at(self, now: float) -> tuple[float, float]:
+        """Births up to a later moment, slope * B + rest of the breaks B up to then: slope and rest."""
         if not self.delay:
-            return Line(1.0, 0.0)
+            return 1.0, 0.0
         times = np.array([*self._times, now])
         at = now - self.delay - SLACK * (now - times[0])
         if at <= times[0]:
-            return Line(0.0, 0.0)
+            return 0.0, 0.0
         last = times.size - 1
         cell = int(np.searchsorted(times, at, side="left"))
         bends = np.array([*self._bends, last])
@@ -140,7 +133,7 @@ class Carried:
         nodes = nodes[np.append(np.diff(times[nodes]) > 0.0, True)]
         weights = _lagrange(times[nodes], at)
         known = np.array([*self._breaks, 0.0])[nodes]
-        return Line(float(weights[-1]) if nodes[-1] == last else 0.0, float(weights @ known))
+        return float(weights[-1]) if nodes[-1] == last else 0.0, float(weights @ known)
 
     def _speed(self, travel: float, duration: float) -> float:
         """|dX/dt| at the end of a step, from the mean of this one and of the last."""

@@ -9,7 +9,6 @@ from scipy.optimize import brentq
 
 from master.soft.in_time.carried import Allowed, Carried, TooLongError, Trial
 from master.soft.in_time.cohorts import Cohorts
-from master.soft.in_time.secants import foreseen
 from master.soft.in_time.steps import Steps
 from master.soft.in_time.track import Piece, Track
 from origins.drive import SlipRule
@@ -17,8 +16,6 @@ from origins.drive import SlipRule
 # Length of a step in a search for the end of a slip in which none is born, as a share of the length
 # over which births change; and share of a step by which a slip goes on at least.
 SCAN, LEAST_SLIP = 0.06, 1e-4
-# Halvings of the last step before a slip, of contacts of which none stand right at their thresholds.
-NEARER = 4
 # Accuracy of a slip's end, in mean thresholds.
 ENDS = 1e-15
 # Slips, and steps of a search for the end of one.
@@ -52,13 +49,6 @@ class Task(NamedTuple):
     unit: float
     again: Cohorts
     close: float
-
-
-class Planned(NamedTuple):
-    """How many steps, inf where that is not known, of which size."""
-
-    number: float
-    size: float
 
 
 class Pulled:
@@ -149,30 +139,25 @@ class Pulled:
         here.bend()
         self._write(track, 0.0)
         steps.start(end, track)
-        planned = self._planned()
-        total, shares, taken, let_go = 0.0, [0.5], 0, False
+        number, size = self._planned()
+        total, share, taken, let_go = 0.0, 0.5, 0, False
         while not let_go and here.now < end:
             taken += 1
-            share = foreseen(shares)
             # the last of the planned steps takes what is left
-            late = taken >= planned.number
-            trial = steps.step(1.5 * planned.size if late else planned.size, share)
+            late = taken >= number
+            trial = steps.step(1.5 * size if late else size, share)
             if trial.now >= end:
                 trial = steps.to(end, trial.travel)
-            if trial.now <= here.now or steps.past(trial, planned.size):
+            if trial.now <= here.now or steps.past(trial, size):
                 let_go = True
-                for _ in range(NEARER if steps.fuzzy else 0):
-                    half = steps.balanced(0.5 * steps.onset(trial.travel).travel)
-                    total += self._take(half, track, total)
-                    trial = trial._replace(travel=trial.travel - half.travel)
                 trial = steps.onset(trial.travel)
             elif trial.now < end and late:
-                trial = steps.step(planned.size, share)
+                trial = steps.step(size, share)
             time = steps.clock.count(trial.now) - steps.clock.count(here.now)
             stretch = self._take(trial, track, total)
             if stretch > 0.0:
                 total += stretch
-                shares.append(time / stretch)
+                share = time / stretch
         self.stretches.append(total)
         return let_go
 
@@ -184,14 +169,17 @@ class Pulled:
             self._write(track, total + size)
         return size
 
-    def _planned(self) -> Planned:
-        """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take."""
+    def _planned(self) -> tuple[float, float]:
+        """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take.
+
+        How many, inf where that is not known, and their size.
+        """
         number, finer = len(self.stretches), 2**self._level
         length = self._plan[number] if number < len(self._plan) else 0.0
         if not length:
-            return Planned(np.inf, 1.0 / finer)
+            return np.inf, 1.0 / finer
         count = int(np.ceil(length)) * finer
-        return Planned(count, length / count)
+        return count, length / count
 
     def _write(self, track: Track, total: float) -> None:
         here = self.contacts
@@ -217,7 +205,7 @@ class Pulled:
         """On to the first balance; where `out` what breaks is born no sooner than that."""
         here, unit = self.contacts, self._task.unit
         steps = self._steps
-        step = SCAN * steps.scales.length if out else self._planned().size * steps.length
+        step = SCAN * steps.scales.length if out else self._planned()[1] * steps.length
         size = steps.sign * step
         here.bend()
         begin, broken, travel = here.place, here.breaks, 0.0
