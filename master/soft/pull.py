@@ -174,19 +174,7 @@ class Pull:
         y = max(y, STILL * self.matter.life.grain)
         end, line = self.past.end + y, self.past.line_to(self.at(y))
         met = tuple(moment for moment in self._moments if moment.time < end)
-        moments = self._lasting((*met, Moment(end, 1)), line)
-        return Past(self._march, end, end, line, moments, error)
-
-    def _lasting(self, moments: tuple[Moment, ...], line: tuple[float, ...]) -> tuple[Moment, ...]:
-        """Those moments whose contacts may still hold."""
-        motion = Motion.along(np.array(line))
-        times = np.array([moment.time for moment in moments])
-        high, low = motion.extremes(motion.times[-1:], motion.leg(times))
-        born = motion.at(times)
-        first, last = self.matter.again.span
-        furthest = np.maximum(first + high[0] - born, born - low[0] - last)
-        kept = furthest < self.matter.life.reach
-        return tuple(moment for moment, here in zip(moments, kept, strict=True) if here)
+        return Past(self._march, end, end, line, (*met, Moment(end, 1)), error)
 
     @property
     def nodes(self) -> int:
@@ -274,4 +262,4 @@ class Held(Pull):
         """What has happened when the slip ends after the travel y, and the broken re-form."""
         moved = self.after(y, error)
         met = (*self.past.moments, Moment(moved.end, 0))
-        return replace(moved, cut=self.past.end, moments=self._lasting(met, moved.line))
+        return replace(moved, cut=self.past.end, moments=met)
