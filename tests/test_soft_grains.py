@@ -63,8 +63,3 @@ def test_grains_that_grow_while_the_spring_loads_decide_nothing_before_they_brea
     assert not stiff.slips.drive.size and stiff.regime.verdict == "smooth", stiff.regime.reason
 
 
-def test_a_stiff_spring_is_a_rigid_slider() -> None:
-    contacts, path = Contacts(GRAINS), np.linspace(0.2, 3.0, 8)
-    pulled = master.solve(contacts, path, 1e-3, velocity=0.5, spring=1e6)
-    rigid = master.solve(contacts, path, 1e-9, velocity=0.5)
-    assert pulled.success and np.abs(pulled.force - rigid.force).max() <= pulled.force_error * contacts.mean_threshold

@@ -131,13 +131,6 @@ def test_a_start_whose_mean_is_nothing_but_rounding_does_not_slip() -> None:
     assert alone.success and alone.force.tolist() == [0.0]
 
 
-def test_short_delays_leave_a_slider_as_without() -> None:
-    path = np.linspace(0.0, 4.0, 21)
-    delayed = master.solve(Contacts(WIDE, delay=Delay(1e-9)), path, 1e-2, spring=0.5, slip="reform-after")
-    plain = master.solve(Contacts(WIDE), path, 1e-6, spring=0.5, slip="reform-after")
-    assert delayed.success and delayed.slips.drive == pytest.approx(plain.slips.drive, abs=2e-2)
-
-
 @pytest.mark.parametrize(
     "laws", [{"thermal": SOFT}, {"ageing": Ageing(gaussian(1.2, 0.1), 1e-2)}], ids=["temperature", "ageing"]
 )
@@ -149,14 +142,6 @@ def test_one_reset_is_judged_alike_whatever_the_rates(laws: dict[str, Any]) -> N
     for start, verdict in ((None, "stick-slip"), (0.1, "undecided")):
         found = regime(Contacts(gaussian(1.0, 0.1), start, **laws), drive, slip, 1e-4)
         assert found.verdict == verdict and found.reason.startswith("one slip")
-
-
-def test_a_spring_as_stiff_as_one_likes_loses_no_digits() -> None:
-    contacts, path = Contacts(WIDE, thermal=SOFT), np.linspace(0.1, 1.0, 7)
-    pulled = master.solve(contacts, path, 1e-4, spring=1e10)
-    rigid = master.solve(contacts, path, 1e-9)
-    assert pulled.success and pulled.force_error <= 1e-4
-    assert np.abs(pulled.force - rigid.force).max() <= pulled.force_error + 1e-9
 
 
 def test_slips_that_only_coarse_steps_find_leave_an_error_estimate() -> None:

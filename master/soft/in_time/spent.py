@@ -32,6 +32,8 @@ ERROR = 1e-7
 TAIL = 1e-14
 # Nodes of a strand: colder contacts need more, and their sliders' steps take too long.
 MOST_NODES = 30_000
+# ln A below which nothing is spent.
+QUIET = -45.0
 # Places nearer to a node than this share of a panel are the node.
 AT_NODE = 1e-14
 SIZE = 16
@@ -95,11 +97,26 @@ class SpentMemory(Memory):
         out[grown, self._own_part] = self._moved(kept[grown], m[grown])
         out[:, 0] = m
         if leg.duration:
-            fixed = np.broadcast_to(self._fixed, (m.size, self._fixed.size))
+            some = self._loud(leg)
+            fixed = np.broadcast_to(self._fixed[some], (m.size, some.size))
             at = np.maximum(np.concatenate([fixed, self._own(m)[0]], axis=1), m[:, None])
             replay = replay_of(leg, self._rates, self._stiffness)
-            out[:, 1:] += replay.spent(np.arange(m.size), at)
+            spent = replay.spent(np.arange(m.size), at)
+            out[:, 1 + some] += spent[:, : some.size]
+            out[:, self._own_part] += spent[:, some.size :]
         return out
+
+    def _loud(self, leg: Leg) -> Rows:
+        """The fixed nodes at which any strand spends anything on a leg: few where it is cold."""
+        far = np.maximum(np.abs(leg.begin), np.abs(leg.end)).max()
+        beyond = np.maximum(self._fixed, far)
+        with np.errstate(divide="ignore"):
+            most = self._rates.log_rate(far, beyond, self._kappa(beyond)) + np.log(leg.duration)
+        # stiff contacts right at their threshold hardly break: those beyond do
+        loud = np.flatnonzero((most > QUIET) | (self._fixed <= far))
+        last = self._fixed[loud].max(initial=0.0)
+        met = self._fixed >= leg.furthest.min()
+        return np.flatnonzero(met & (self._fixed <= last))
 
     def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
