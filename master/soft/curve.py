@@ -23,8 +23,6 @@ Array = npt.NDArray[np.float64]
 
 # Points between which a panel's load is looked for, as shares of it.
 SHARES: Array = np.asarray(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 2 * rule.DEGREE + 1)))
-# Coefficients of a polynomial, over its largest, that are rounding: its roots do not hang on them.
-ROUNDING = 1e-15
 
 
 class Panels(NamedTuple):
@@ -141,7 +139,9 @@ class Curve:
             begin, width = float(self.begin[index]), float(self.width[index])
             first = np.clip(2.0 * (after - begin) / width - 1.0, -1.0, 1.0)
             one = coefficients[index]
-            roots = legendre.legroots(legendre.legtrim(one, ROUNDING * np.abs(one).max()))
+            # coefficients of a polynomial, over its largest, that are rounding: its roots do not
+            # hang on them
+            roots = legendre.legroots(legendre.legtrim(one, 1e-15 * np.abs(one).max()))
             # two roots that are one may have left the axis by rounding
             real = np.sort(roots.real[np.abs(roots.imag) < 1e-6])
             points = np.append(np.append(first, real[(real > first) & (real < 1.0)]), 1.0)

@@ -14,11 +14,6 @@ from origins.drive import SlipRule
 
 Array = npt.NDArray[np.float64]
 
-# A drive that begins this near the balance, in mean thresholds, begins there.
-SAME = 1e-12
-# Slips that are followed, some 1 ms each.
-MOST_SLIPS = 20_000
-
 
 class Ride:
     """A soft slider that is pulled along a path of the drive (paper, Eq. Q16x2).
@@ -51,7 +46,8 @@ class Ride:
         self._last, self._relaxed = (matter, Past()), matter.relaxed()
         self._fresh: dict[int, Pull] = {}  # of contacts that just re-formed, by direction
         steps = np.diff(path, prepend=self.balance)
-        if abs(steps[0]) <= SAME * matter.unit:
+        # a drive that begins this near the balance, in mean thresholds, begins there
+        if abs(steps[0]) <= 1e-12 * matter.unit:
             steps[0] = 0.0
         moving = np.flatnonzero(steps)
         signs = np.sign(steps[moving])
@@ -159,5 +155,6 @@ class Ride:
         self.slips.append(pull.direction * np.array(row))
         self.drive_error = max(self.drive_error, go.error / self.spring + self._shift)
         self.error = max(self.error, self.spring * self.drive_error)
-        if len(self.slips) > MOST_SLIPS or clock.monotonic() > self.matter.until:
+        # slips, at most: each takes some 1 ms
+        if len(self.slips) > 20_000 or clock.monotonic() > self.matter.until:
             raise StoppedError

@@ -16,13 +16,6 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Length over which births change, in the narrowest widths of both laws.
-STEPS = 2.0
-# The shortest time that a hold's first step takes, of that in which thresholds spread by the
-# narrowest width.
-AT_ONCE = 1e-3
-# Share that holds below which a strand is dropped.
-DEAD = 1e-13
 # Columns of what is kept: the age, whether the strand sleeps, and from there on the cells.
 AGE, SLEEPS, CELLS = range(3)
 
@@ -42,8 +35,11 @@ class AgeingMemory(Memory):
         self.width = CELLS + cells.edges.size - 1
         self.reach = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
         self.starts = FEW_STARTS + MORE_STARTS * level
-        shortest = AT_ONCE * cells.width**2 / ageing.rate
-        self.scales = Scales(STEPS * cells.width, shortest, fresh_rate(contacts), fuzzy=True)
+        # the shortest time that a hold's first step takes, of that in which thresholds spread by
+        # the narrowest width
+        shortest = 1e-3 * cells.width**2 / ageing.rate
+        # length over which births change, in the narrowest widths of both laws
+        self.scales = Scales(2.0 * cells.width, shortest, fresh_rate(contacts), fuzzy=True)
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
@@ -64,7 +60,8 @@ class AgeingMemory(Memory):
         up = np.flatnonzero(slept & ~asleep)
         if up.size:
             out[up, CELLS:] = self._cells.unmet(leg.begin[up], kept[up, AGE])
-        holds = out[:, CELLS:].sum(axis=1) > DEAD
+        # share that holds below which a strand is dropped
+        holds = out[:, CELLS:].sum(axis=1) > 1e-13
         out[~holds, CELLS:] = 0.0
         awake = np.flatnonzero(~asleep & holds)
         if awake.size:

@@ -21,11 +21,6 @@ from master.soft.in_time.cohorts import Cohorts
 
 # Points of the polynomial that reads what broke a delay before.
 STENCIL = 4
-# Share of the time by which the delay is longer: what is born at once then is not born before.
-SLACK = 1e-13
-# Share of the births at the end of a step that is left of those at its beginning, below which it is
-# not known how many of the births in between hold.
-MOST_GONE = 0.5
 
 
 class TooLongError(Exception):
@@ -119,7 +114,8 @@ class Carried:
         if not self.delay:
             return 1.0, 0.0
         times = np.array([*self._times, now])
-        at = now - self.delay - SLACK * (now - times[0])
+        # the delay is longer by a share of 1e-13: what is born at once then is not born before
+        at = now - self.delay - 1e-13 * (now - times[0])
         if at <= times[0]:
             return 0.0, 0.0
         last = times.size - 1
@@ -160,7 +156,9 @@ class Carried:
         self._add(trial.breaks, trial.births)
         held, pull = self.cohorts.left[:, 1:]
         # a step of whose first births most are gone and of whose last births most are not
-        apart = np.where(held[:-1] < MOST_GONE * held[1:], 0.5 * np.abs(np.diff(pull)), 0.0)
+        # share of the births at the end of a step that is left of those at its beginning, below
+        # which it is not known how many of the births in between hold
+        apart = np.where(held[:-1] < 0.5 * held[1:], 0.5 * np.abs(np.diff(pull)), 0.0)
         self.unresolved = max(self.unresolved, float(apart @ np.abs(np.diff(self._births))))
 
     def after(self, trial: Trial) -> Carried:

@@ -18,10 +18,6 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Length over which births change, in the narrowest widths of the laws of thresholds.
-STEPS = 2.0
-# The first step of a hold, in pinning times.
-SHORT = 0.05
 # The longest time that grains are followed for, in pinning times: they hardly grow beyond.
 LONGEST = 1e7
 # Columns of what is kept: the largest hazard, the hazard at birth, and the time since pinning.
@@ -46,8 +42,10 @@ class GrainMemory(Memory):
         self.starts = FEW_STARTS + MORE_STARTS * level
         # as fast as grains grow, few hold and at small stretches
         quick = grains.breaking(1.0 / (np.sqrt(grains.growth.B) * self._first))
-        length = STEPS * min(width_of(contacts), narrowest(quick))
-        self.scales = Scales(length, SHORT * self._first)
+        # length over which births change, in the narrowest widths of the laws of thresholds
+        length = 2.0 * min(width_of(contacts), narrowest(quick))
+        # the first step of a hold, in pinning times
+        self.scales = Scales(length, 0.05 * self._first)
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""

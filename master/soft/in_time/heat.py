@@ -22,15 +22,10 @@ from origins.laws.rate_law import RateLaw
 
 Array = npt.NDArray[np.float64]
 
-# The weakest three in ten of the fresh contacts do not count in the rate that steps resolve: they
-# are gone soon, and others feel little of it.
-WEAK = 0.3
 # Share of contacts to which sums over thresholds are known.
 SUMS = 1e-12
 # The logarithm of a share that is none.
 NONE_LEFT = -745.0
-# Widths of P_c over which the rate changes by less than a factor e are a thin skin.
-THIN = 0.005
 
 
 class ProportionalMemory(Memory):
@@ -134,7 +129,9 @@ def scales_of(contacts: Contacts) -> Scales:
     rank = (np.arange(200) + 0.5) / 200.0
     fresh = np.maximum(np.asarray(law.ppf(rank)), 1e-12 * unit)
     each = rates.rate(0.0, fresh, contacts.relative_stiffness(fresh))
-    weakest = np.maximum(np.array([float(law.ppf(WEAK))]), 1e-12 * unit)
+    # the weakest three in ten of the fresh contacts do not count in the rate that steps resolve:
+    # they are gone soon, and others feel little of it
+    weakest = np.maximum(np.array([float(law.ppf(0.3))]), 1e-12 * unit)
     most = float(rates.rate(0.0, weakest, contacts.relative_stiffness(weakest))[0])
     if thermal.closure == "paper":
         most = np.inf
@@ -142,7 +139,8 @@ def scales_of(contacts: Contacts) -> Scales:
     # stretch below the threshold over which ln h changes by 1
     below = unit * (1.0 - np.array([0.1, 0.11]))
     rise = -float(np.diff(rates.log_rate(below, mean, 1.0))[0]) / (0.01 * unit)
-    skin = 1.0 / rise if rise * width * THIN > 1.0 else 0.0
+    # widths of P_c over which the rate changes by less than a factor e are a thin skin
+    skin = 1.0 / rise if rise * width * 0.005 > 1.0 else 0.0
     return Scales(width, 1.0 / rates.scale, min(float(each.mean()), most), skin=skin)
 
 

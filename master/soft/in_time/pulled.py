@@ -16,8 +16,6 @@ from origins.drive import SlipRule
 # Length of a step in a search for the end of a slip in which none is born, as a share of the length
 # over which births change; and share of a step by which a slip goes on at least.
 SCAN, LEAST_SLIP = 0.06, 1e-4
-# Accuracy of a slip's end, in mean thresholds.
-ENDS = 1e-15
 # Slips, and steps of a search for the end of one.
 MOST_SLIPS = 20_000
 
@@ -229,7 +227,8 @@ class Pulled:
             return steps.lack(here.tried(way, here.now, out))
 
         if lacks(low) > 0.0:
-            low = float(brentq(lacks, low, travel + size, xtol=ENDS * unit))
+            # accuracy of a slip's end, in mean thresholds
+            low = float(brentq(lacks, low, travel + size, xtol=1e-15 * unit))
         here.take(here.tried(low, here.now, out))
         here.bend()
         if not out:

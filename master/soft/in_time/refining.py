@@ -28,12 +28,8 @@ Mask = npt.NDArray[np.bool_]
 # Scales, and numbers looked at in all of them: these take a minute or less; so much more where slips
 # come and go, and there is no error yet.
 MOST_STEPS, MOST_WORK, MORE = 6e3, 1e9, 10.0
-# Halvings until there is an error.
-TELLING = 2
 # Of the tolerance, the share of a step to which its balance is found; no less and no more than.
 CLOSE, CLOSEST = 1e-2, (1e-10, 1e-6)
-# Round-off of the force for each step, in mean thresholds.
-ROUND_OFF = 1e-13
 # Changes that fall by a quarter, or a little less, are those of answers that fall as the square of
 # the step; of their extrapolations' change a quarter is left at most.
 EVEN, LEFT = 0.27, 0.25
@@ -85,7 +81,8 @@ def refined(
     plan: list[float] = []
     for level in count():
         cohorts, again = (Cohorts.of(contacts, memory, level, reset) for reset in (False, True))
-        share = 0.5 ** max(TELLING - level, 0)
+        # there is an error from the second halving on
+        share = 0.5 ** max(2 - level, 0)
         more = 1.0 if best is None or np.isfinite(best.error) else MORE
         allowed = Allowed(more * MOST_STEPS * share, more * MOST_WORK * share**2, until)
         task = Task(course, spring, drive.slip, contacts.waiting_time, unit, again, close)
@@ -102,7 +99,8 @@ def refined(
             return answers.add(pulled, asked[asked <= here.now], np.inf)._replace(reason=reason)
         plan, known = pulled.stretches, memory.error
         stiff = spring if pulled.slips else min(spring, 1.0)
-        rounding = ROUND_OFF * (1.0 + here.steps) * (1.0 + stiff)
+        # round-off of the force for each step, in mean thresholds
+        rounding = 1e-13 * (1.0 + here.steps) * (1.0 + stiff)
         found = answers.add(pulled, asked, known + rounding)
         progress(found.error)
         if best is None or found.error <= best.error:

@@ -24,8 +24,6 @@ Array = npt.NDArray[np.float64]
 # A start whose mean stretch is this near to nothing, over K, balances the drive where it begins; in
 # mean thresholds.
 SAME = 1e-12
-# K/(N_c <k>) of a slider that is as good as rigid: X is off by F/K.
-RIGID = 1e10
 
 
 def solve_given(
@@ -44,7 +42,8 @@ def solve_given(
     """
     began = clock.perf_counter()
     until = np.inf if wall_time is None else clock.monotonic() + wall_time
-    stiff = Drive(drive.path, drive.velocity, drive.time, RIGID, drive.slip)
+    # on this spring, K/(N_c <k>), a slider is as good as rigid: X is off by F/K
+    stiff = Drive(drive.path, drive.velocity, drive.time, 1e10, drive.slip)
     found = refined(contacts, stiff, 0.0, tolerance, progress, until)
     end = drive.path[: found.force.size]
     success, message = outcome(contacts, found.error, tolerance, found.reason)

@@ -30,10 +30,6 @@ SEEN, LOOKS = 5.0, np.array([0.0, 0.5, 0.9])
 ERROR = 1e-7
 # Share of the contacts beyond both ends of the panels.
 TAIL = 1e-14
-# Nodes of a strand: colder contacts need more, and their sliders' steps take too long.
-MOST_NODES = 30_000
-# ln A below which nothing is spent.
-QUIET = -45.0
 # Places nearer to a node than this share of a panel are the node.
 AT_NODE = 1e-14
 SIZE = 16
@@ -59,7 +55,8 @@ class SpentMemory(Memory):
         self._kappa = contacts.relative_stiffness
         self._edges = _fine_edges(contacts, rates)
         count = max(self._edges.size - 1, 0)
-        if count * SIZE > MOST_NODES:
+        # nodes of a strand, at most: with those of colder contacts steps take too long
+        if count * SIZE > 30_000:
             raise InputError(
                 f"thermal: contacts of {rates.name} rates that break within so thin a skin of "
                 "thresholds are not followed under a spring; take a higher temperature"
@@ -113,7 +110,8 @@ class SpentMemory(Memory):
         with np.errstate(divide="ignore"):
             most = self._rates.log_rate(far, beyond, self._kappa(beyond)) + np.log(leg.duration)
         # stiff contacts right at their threshold hardly break: those beyond do
-        loud = np.flatnonzero((most > QUIET) | (self._fixed <= far))
+        # ln A below which nothing is spent
+        loud = np.flatnonzero((most > -45.0) | (self._fixed <= far))
         last = self._fixed[loud].max(initial=0.0)
         met = self._fixed >= leg.furthest.min()
         return np.flatnonzero(met & (self._fixed <= last))

@@ -22,10 +22,6 @@ COARSEST = 0.5
 # What the way of the drive counts less than that of the slider in a step: it is the slider that must
 # be followed.
 LESS = 0.25
-# Share of a step's usual time that it takes where the slider may be about to let go.
-AHEAD = 0.3
-# Share of the length over which births change by which the slider moves to see how F changes.
-BESIDE = 1e-4
 # Where none stand right at their thresholds: share of a step from which on it is looked for where
 # the slider lets go, and nodes of the polynomial that tells how the drive goes on.
 LEAST_WAY, SLOPE_NODES = 0.01, 5
@@ -122,13 +118,16 @@ class Steps:
         """Whether the slider has let go by the end of a step."""
         # it runs ahead of its drive before
         time = self.clock.count(trial.now) - self.clock.count(self.contacts.now)
-        return time < AHEAD * LESS * size and self._falls(trial) <= 0.0
+        # share of a step's usual time that it takes where the slider may be about to let go
+        return time < 0.3 * LESS * size and self._falls(trial) <= 0.0
 
     def _falls(self, trial: Trial) -> float:
         """Of the sign of K + F'(X) at the end of a step, in motion that takes no time."""
         if self.fuzzy:
             return self._drive_slope(trial)
-        ahead, beside = self.contacts.after(trial), BESIDE * self.scales.length
+        # share of the length over which births change by which the slider moves to see how F
+        # changes
+        ahead, beside = self.contacts.after(trial), 1e-4 * self.scales.length
         way = self.sign * beside
         near, far = (ahead.tried(k * way, ahead.now).force for k in (1.0, 2.0))
         return self._spring + (2.0 * near - 0.5 * far - 1.5 * ahead.force) / way

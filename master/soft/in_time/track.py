@@ -19,10 +19,6 @@ Array = npt.NDArray[np.float64]
 # Steps, on the coarsest level, in which the time since a bend grows by a factor e: of a drive that
 # holds, and of one that moves, where these come beside those of its way.
 PER_FOLD_HELD, PER_FOLD = 2.0, 0.4
-# Degree of the polynomials that tell force and holding between steps.
-DEGREE = 5
-# Halvings of a step, of which the last are below rounding.
-BISECTIONS = 60
 
 
 class Piece(NamedTuple):
@@ -135,11 +131,13 @@ class Track:
         told = np.array([self.clock, self.force, self.holding]).T[first]
         if step.size == 1:
             return np.repeat(told[0, 1:, None], at.size, axis=1)
-        degree = min(DEGREE, 2 * ((step.size - 2) // 2) + 1)  # odd, as splines are at best
+        # degree of the polynomials that tell force and holding between steps
+        degree = min(5, 2 * ((step.size - 2) // 2) + 1)  # odd, as splines are at best
         values = make_interp_spline(step, told, k=degree)
         cell = np.clip(np.searchsorted(told[:, 0], at, side="left"), 1, step.size - 1)
         low, high = step[cell - 1], step[cell]
-        for _ in range(BISECTIONS):
+        # halvings of a step, of which the last are below rounding
+        for _ in range(60):
             middle = 0.5 * (low + high)
             early = values(middle)[:, 0] < at
             low, high = np.where(early, middle, low), np.where(early, high, middle)
