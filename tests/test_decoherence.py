@@ -118,35 +118,6 @@ def test_tails_slower_than_any_exponential_have_no_length(law) -> None:
     assert (told.decoherence_length, told.decoherence_length_error) == (np.inf, 0.0)
 
 
-TWO_WITNESSES = {
-    # identical contacts, hot: an exact value of less weight beside a density that ends in a root
-    "soft, cold": Contacts(identical(1.0), thermal=Thermal("soft", 0.05)),
-    "soft, hot": Contacts(identical(1.0), thermal=Thermal("soft", 0.3)),
-    "paper's closure": Contacts(
-        identical(1.0), thermal=Thermal("soft", 0.1, closure="paper"), delay=WAIT
-    ),
-    "no temperature": LATE["exact value and width"](),
-    "rectangular": Contacts(rectangular(0.5, 1.5), thermal=Thermal("soft", 0.1), delay=WAIT),
-}
-
-
-@pytest.mark.parametrize("name", TWO_WITNESSES)
-def test_the_slowest_root_is_the_decoherence_length(name: str) -> None:
-    """X* is that of the slowest root, or of the rate about which roots crowd."""
-    contacts = TWO_WITNESSES[name]
-    told = master.propensity(contacts, 1e-6)
-    length, error = told.decoherence_length, told.decoherence_length_error
-    found = master.decoherence_spectrum(contacts, n_roots=1)
-    if found.roots.size:
-        assert (
-            abs(length - found.decay_length[0])
-            <= error + found.decay_length_error[0]
-            < 1e-5 * length
-        )
-    else:  # all roots crowd about the rate of the exact value
-        assert error == pytest.approx(0.1 * length) and length - error < found.beyond
-
-
 def test_what_has_no_spectrum_is_said() -> None:
     with pytest.raises(
         InputError, match="exact values alone: their roots come as near to Re s = 0 as one likes"

@@ -254,19 +254,6 @@ def bell(mean: float, std: float) -> Callable[[mp.mpc], mp.mpc]:
     return lambda s: mp.exp(-s * mp.mpf(mean) + (s * mp.mpf(std)) ** 2 / 2)
 
 
-def weibull(shape: mp.mpf, rate: float) -> Callable[[mp.mpc], mp.mpc]:
-    """By quadrature over u = rate x^shape, which is exponential; u = t^4 makes its onset smooth for shape 4/3 and 2."""
-    edges = [mp.mpf(k) / 2 for k in range(9)]
-
-    def transform(s: mp.mpc) -> mp.mpc:
-        def integrand(t: mp.mpf) -> mp.mpc:
-            return mp.exp(-s * (t**4 / mp.mpf(rate)) ** (1 / shape) - t**4) * 4 * t**3
-
-        return mp.quad(integrand, edges)
-
-    return transform
-
-
 ROOTS: dict[str, tuple[object, Callable[[mp.mpc], mp.mpc]]] = {
     "gap": (
         origins.mixture(
@@ -274,15 +261,10 @@ ROOTS: dict[str, tuple[object, Callable[[mp.mpc], mp.mpc]]] = {
         ),
         lambda s: rectangle(0.25, 0.5)(s) / 4 + 3 * rectangle(1.0, 1.75)(s) / 4,
     ),
-    "two peaks": (
-        origins.mixture([origins.gaussian(0.95, 1e-3), origins.gaussian(1.05, 1e-3)], [0.5, 0.5]),
-        lambda s: (bell(0.95, 1e-3)(s) + bell(1.05, 1e-3)(s)) / 2,
-    ),
     "value and gaussian": (
         origins.mixture([origins.identical(0.95), origins.gaussian(1.05, 0.1)], [0.25, 0.75]),
         lambda s: mp.exp(-s * mp.mpf(0.95)) / 4 + 3 * bell(1.05, 0.1)(s) / 4,
     ),
-    "gw_elastic": (origins.gw_elastic(1.588), weibull(mp.mpf(4) / 3, 1.588)),
 }
 
 

@@ -1,6 +1,5 @@
 """The soft slider: onset, landing, period and verdict against closed forms and quadrature."""
 
-import heapq
 
 import numpy as np
 import pytest
@@ -275,44 +274,6 @@ def test_instant_decoheres_to_smooth_sliding():
     drop = solution.slips.drop
     assert drop.size >= 2 and (np.diff(drop) < 0.0).all()
     assert np.abs(solution.force - gaussian_force(solution.position, 1.0, 0.1)).max() <= 1e-8
-
-
-def avalanches(thresholds, spring: float, end: float, size: int, least: float, rng) -> np.ndarray:
-    """Contacts one by one: avalanches of more than the share `least`; X_T, X after, drop."""
-    births, breaks = 0.0, thresholds.isf(1.0 - rng.random(size))
-    fresh = iter(thresholds.isf(1.0 - rng.random(20 * size)))
-    heap = [(float(at), 0.0) for at in breaks]
-    heapq.heapify(heap)
-    found = []
-    while True:
-        at = heap[0][0]
-        force = at - births / size
-        drive = at + force / spring
-        if drive > end:
-            return np.array(found)
-        position, holding = at, size
-        while heap and heap[0][0] <= position + 1e-15:
-            births -= heapq.heappop(heap)[1]
-            holding -= 1
-            position = max(at, (spring * size * drive + births) / (spring * size + holding))
-        for _ in range(size - holding):
-            heapq.heappush(heap, (position + float(next(fresh)), position))
-        births += (size - holding) * position
-        if size - holding > least * size:
-            found.append((drive, position, force - spring * (drive - position)))
-
-
-@pytest.mark.parametrize(("std", "spring"), [(0.05, 3.5), (0.2, 0.5)])
-def test_reform_after_is_what_many_contacts_do(std, spring):
-    law, end = origins.gaussian(1.0, std), 5.0
-    solution = solved(origins.Contacts(law), [0.0, end], spring, "reform-after")
-    rng = np.random.default_rng(20100902)
-    found = np.mean([avalanches(law, spring, end, 20_000, 0.2, rng) for _ in range(3)], axis=0)
-    slips = solution.slips
-    # finite numbers slip late, and scatter: by N^(-2/3) and N^(-1/2)
-    assert np.abs(found[:, 0] - slips.drive).max() < 0.01
-    assert np.abs(found[:, 1] - slips.after).max() < 0.03
-    assert np.abs(found[:, 2] - slips.drop).max() < 0.03
 
 
 def test_a_spring_may_be_as_stiff_as_one_likes():
