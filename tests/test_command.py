@@ -144,7 +144,7 @@ def test_what_makes_a_run_hopeless_is_told_before_it(dry: list[str], write_scene
     def begin(*arguments: Any, **named: Any) -> None:
         raise InputError("begun")
 
-    for place in ("running.runner.solve", "running.forecast.pilot"):
+    for place in ("running.runner.solve", "running.forecast.forecast_lines"):
         monkeypatch.setattr(f"toolkit.{place}", begin)
     laws = {"thermal": {"law": "soft", "temperature": 500.0}, "start": {"kind": "identical", "value": 2.0}}
     tables = {**MASTER_ONLY, "contacts": {**MASTER_ONLY["contacts"], **laws}}
@@ -247,8 +247,8 @@ def test_tolerance_out_of_reach_is_status_1(write_scene, capsys) -> None:
 
 TEXT = to_toml(MASTER_ONLY)
 BAD = [
-    ({**MASTER_ONLY, "colour": 1}, "", [], "colour = 1: unknown key"),
-    ({**MASTER_ONLY, "drive": {"to": "far", "points": 3}}, "", [], "drive.to = 'far': must be a number"),
+    ({**MASTER_ONLY, "colour": 1}, "", [], "colour: unknown key; known here: contacts,"),
+    ({**MASTER_ONLY, "drive": {"to": "far", "points": 3}}, "", [], "drive.to: expected float, got str"),
     ({}, TEXT.replace("mean = 1.0", "mean = nan"), [], "contacts.thresholds.mean = nan: must be finite"),
     ({}, TEXT.replace("std = 0.05", "std = -0.05"), [], "contacts.thresholds.std = -0.05: must be above zero"),
     (
@@ -398,20 +398,3 @@ def test_a_signal_while_it_imports_is_one_line(
     assert capsys.readouterr() == ("", f"mesofriction: {word}; nothing was written\n")
 
 
-def test_compiling_is_told_while_it_lasts() -> None:
-    code = """
-import contextlib, io
-from toolkit.running.compiling_notice import CompilingNotice
-with contextlib.redirect_stderr(io.StringIO()) as told, CompilingNotice(patience=0.0, look=1e-3):
-    import numba
-    more = 3  # functions compiled once it is told, which is told only once
-    while more:
-        numba.njit(lambda x: [x**0.5 + y for y in range(3)])(2.0)
-        more -= bool(told.getvalue())
-print(told.getvalue(), end="")
-"""
-    words = [sys.executable, "-c", code]
-    done = subprocess.run(words, env=clean_environment(), capture_output=True, text=True, timeout=HANGS)
-    (line,) = done.stdout.splitlines()
-    assert done.stderr == ""
-    assert line.startswith("mesofriction: compiling, ")

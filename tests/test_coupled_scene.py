@@ -15,7 +15,7 @@ from origins.errors import InputError
 from toolkit.commands.run import report
 from toolkit.results.records import record_of
 from toolkit.running.checkpoint import Checkpoint
-from toolkit.running.coupled import slips_beside
+from toolkit.results.slips import slips_beside
 from toolkit.running.runner import make_ensemble, solve
 from toolkit.scene.scene import load_scene
 from toolkit.scene.toml import to_toml

@@ -9,7 +9,7 @@ from scipy.special import gamma
 
 import origins
 import toolkit
-from toolkit.results.describe import conditions, describe
+from toolkit.judge.describe import conditions, describe
 from toolkit.scene.interfaces import remarks, with_error
 
 MOMENTS = ("mean", "second_moment", "third_moment")

@@ -77,7 +77,7 @@ def test_a_picture_shows_the_decades_of_a_hold() -> None:
     result = toolkit.run(scene(drive))
     write_along(axes, result)
     axes.figure.canvas.draw()
-    assert [text.get_text() for text in axes.get_xticklabels()][:3] == ["0", "1", "+$10^{0}$"]
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["0", "1", "1000001", "1000002"]
     # points are even, and ticks apart
     at = axes.transAxes.inverted().transform(axes.transData.transform([(time, 0.0) for time in result.time]))[:, 0]
     np.testing.assert_allclose(np.diff(at), 1.0 / 90.0, rtol=1e-6)
@@ -174,7 +174,7 @@ def test_labels_of_many_holds_leave_room_for_each_other(hold: float) -> None:
         ({"points": 11, "turns": [1.0, 1e9]}, {"eq": {}}, "is 1e+09 mean thresholds"),
         ({"points": 11, "to": 1.0, "from": 1.0}, {}, "drive.from = 1.0: is where the path ends or turns first"),
         ({"points": 11, "to": 1.0, "from": -1e9}, {"eq": {}}, "drive.from = -1000000000.0: is 1e+09 mean thresholds"),
-        ({"points": 11, "to": 1.0, "from": "a"}, {}, "drive.from = 'a': must be a number"),
+        ({"points": 11, "to": 1.0, "from": "a"}, {}, "drive.from: expected float"),
         ({"points": 11, "to": 1.0, "from": 0.5, "times": [1.0]}, {}, "for drive.from and each of drive.turns, 2"),
         ({"points": 11, "to": 1.0, "from": 0.5, "times": [1.0, 1.0]}, {}, "drive.times[1] = 1.0: must be later"),
         ({"points": 11, "to": 1.0, "from": 0.5, "times": [0.0, 1.0]}, {}, "drive.times[0] = 0.0: leaves no time"),

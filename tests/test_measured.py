@@ -8,7 +8,7 @@ import pytest
 import origins
 import toolkit
 from toolkit.pictures.run import plot_samples
-from toolkit.results.describe import describe
+from toolkit.judge.describe import describe
 from toolkit.scene.measured import from_samples
 from toolkit.scene.sampling import NAMES, misfit, numerical_only, sampling_errors
 
@@ -46,17 +46,17 @@ def test_a_column_beside_an_index_under_a_header(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "more", "message"),
     [
-        ("1.0\ntwo\n", {}, r"file = 'own\.txt': line 2 holds 'two'; 'two' is no number, write one value a line"),
-        ("a\nb\n1.0\n", {}, "line 2 holds no number; write one value"),
+        ("1.0\ntwo\n", {}, r"file = 'own\.txt': line 2 holds 'two'; x_s must be a number"),
+        ("a\nb\n1.0\n", {}, "line 2 holds no number; x_s must be a number"),
         ("index,force\n1,0.5\n", {"quantity": "f_s"}, "line 2 holds '1,0.5'; say which of the 2 columns holds f_s"),
         ("1 2\n", {"column": 3}, "there is no column 3"),
         ("1 2\n", {"column": 0}, "column = 0: "),
-        ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2 holds '1 -3'; the weight = -3 must be"),
+        ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2 holds '1 -3'; the weight must be"),
         ("1.0\n1.0 2.0\n", {}, "line 2 holds '1.0 2.0'; all lines must"),
         ("1 2 3\n", {}, "line 1 holds '1 2 3'"),
         ("# nothing\n", {}, "holds no numbers"),
-        ("1.0\n-2.0\n", {}, r"file = 'own\.txt': line 2 holds '-2\.0'; x_s = -2 must be"),
-        ("1.0\nnan\n", {"quantity": "f_s"}, "line 2 holds 'nan'; f_s = nan must be finite"),
+        ("1.0\n-2.0\n", {}, r"file = 'own\.txt': line 2 holds '-2\.0'; x_s must be"),
+        ("1.0\nnan\n", {"quantity": "f_s"}, "line 2 holds 'nan'; f_s must be a number, finite"),
         ("1.0\n", {"quantity": "x"}, "quantity = 'x': must be"),
         ("1.0\n", {"x_s": [1.0]}, "holds the samples; leave x_s, f_s and weights out"),
     ],
@@ -80,7 +80,7 @@ def test_errors_of_samples_are_sampling_errors(monkeypatch: pytest.MonkeyPatch) 
     expected = SAMPLES.std(ddof=1) / np.sqrt(SAMPLES.size)
     # an error from 20 resamples is known to a sixth
     assert abs(errors["mean"] / expected - 1.0) < 0.7
-    monkeypatch.setattr("toolkit.results.describe.sampling_errors", lambda contacts: errors)
+    monkeypatch.setattr("toolkit.judge.describe.sampling_errors", lambda contacts: errors)
     numbers = describe(contacts).numbers
     assert all(numbers[name].error >= errors[name] for name in NAMES)
     assert sampling_errors(origins.Contacts(origins.gaussian(1.0, 0.1))) == {}

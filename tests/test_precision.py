@@ -16,7 +16,7 @@ import origins
 from toolkit.command import main
 from toolkit.judge.precision import Ladders, Point, Precision, precision, table
 from toolkit.pictures.precision import save_precision
-from toolkit.results.references import closed_form, reference
+from toolkit.judge.references import closed_form, reference
 from toolkit.scene.scene import load_scene
 from toolkit.scene.toml import to_toml
 

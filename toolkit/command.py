@@ -55,7 +55,7 @@ def _parse(words: list[str]) -> "argparse.Namespace":
     import argparse
     from importlib import import_module
 
-    from toolkit import __version__
+    from toolkit.version import __version__
 
     purpose = "Friction at the mesoscale, from thresholds to sliding."
     parser = argparse.ArgumentParser(prog="mesofriction", description=purpose)
@@ -77,4 +77,6 @@ def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
     if module.ALL_RANKS:
         return end_together(lambda comm: int(module.execute(parsed, comm)), launched)
     # the other ranks wait: what rank 0 imports may start MPI, which starts on all or on none
-    return end_together(lambda comm: on_root(comm, lambda: int(module.execute(parsed, None))), launched)
+    return end_together(
+        lambda comm: on_root(comm, lambda: int(module.execute(parsed, None))), launched
+    )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolkit.results.references import Reference, reference
+from toolkit.judge.references import Reference, reference
 from toolkit.scene import laws
 from toolkit.scene.scene import EqTable, Scene
 
@@ -70,7 +70,9 @@ class Precision:
     notes: list[str]
 
 
-def precision(scene: Scene, ladders: Ladders | None = None, report: Callable[[Point], None] | None = None) -> Precision:
+def precision(
+    scene: Scene, ladders: Ladders | None = None, report: Callable[[Point], None] | None = None
+) -> Precision:
     """Measure the master equation and the paper's explicit scheme (scenes with [master]), the ensemble and the paper's
     closest-contact algorithm (scenes with [eq]).
 
@@ -127,14 +129,18 @@ def _master(scene: Scene, tolerance: float) -> tuple[Array, float]:
 def _explicit(scene: Scene, steps: float) -> tuple[Array, None]:
     from master.paper.explicit import explicit
 
-    return explicit(scene.contacts, scene.path, step=scene.contacts.mean_threshold / steps).force, None
+    return explicit(
+        scene.contacts, scene.path, step=scene.contacts.mean_threshold / steps
+    ).force, None
 
 
 def _ensemble(scene: Scene, eq: EqTable, size: float) -> tuple[Array, float]:
     import eq_model
 
     with laws.inside("eq", {"seed": "seed"}):
-        simulated = eq_model.simulate(scene.contacts, scene.path, n_contacts=int(size), seed=eq.seed)
+        simulated = eq_model.simulate(
+            scene.contacts, scene.path, n_contacts=int(size), seed=eq.seed
+        )
     return simulated.force, float(simulated.force_standard_error.max())
 
 
@@ -201,7 +207,9 @@ def table_line(point: Point) -> str:
     setting = settings.get(point.method, f"{point.setting:,.0f} contacts")
     mark = "*" if point.at_reference else " "
     claimed = "" if point.claimed_error is None else f"{point.claimed_error:.1e}"
-    run_time = f"{1e3 * point.run_time:.2f} ms" if point.run_time < 1.0 else f"{point.run_time:.2f} s "
+    run_time = (
+        f"{1e3 * point.run_time:.2f} ms" if point.run_time < 1.0 else f"{point.run_time:.2f} s "
+    )
     return f"{point.method:9} {setting:>19}  {point.error:9.1e}{mark}  {claimed:>8}  {run_time:>10}  {point.runs:4d}"
 
 

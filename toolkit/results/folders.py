@@ -22,13 +22,9 @@ def check_folder(folder: str | os.PathLike[str]) -> Path:
     try:
         for place in (path, *path.absolute().parents):
             if place.is_dir():
-                if not os.access(place, os.W_OK | os.X_OK):
-                    refuse("out", str(folder), f"{place} may not be written; choose another folder")
                 break
             if os.path.lexists(place):
-                refuse(
-                    "out", str(folder), f"{place} is a file, not a folder; choose another folder"
-                )
+                refuse("out", str(folder), f"{place} is a file, not a folder; choose another")
         with _beside(path, keep=False) as draft:
             (draft / "try").write_bytes(_TRIED)
     except (OSError, ValueError) as error:
@@ -47,9 +43,8 @@ def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
     """
     name = sha256(str(Path(folder).resolve()).encode("utf-8", "surrogateescape")).hexdigest()[:24]
     try:
-        lock = os.open(
-            Path(tempfile.gettempdir()) / f"mesofriction-{name}.lock", os.O_RDWR | os.O_CREAT, 0o666
-        )
+        file = Path(tempfile.gettempdir()) / f"mesofriction-{name}.lock"
+        lock = os.open(file, os.O_RDWR | os.O_CREAT, 0o666)
     except OSError:  # no room for locks, or another user's
         yield
         return

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from origins.brief import brief
 from origins.thresholds.law import Thresholds
 from origins.thresholds.quadrature import panel_edges
+from toolkit.scene.drive import make_drive
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import SceneTable, read_table
@@ -81,16 +82,9 @@ class SoftRecord(SolvedRecord):
     def regime(self) -> "Regime":
         from master.soft.regime import Regime
 
-        own = {
-            "slips": int(self.slip_drive.size),
-            "trend": None if np.isnan(self.trend) else self.trend,
-        }
-        return Regime(
-            **{
-                field.name: own.get(field.name, getattr(self, field.name))
-                for field in fields(Regime)
-            }
-        )
+        own = {field.name: getattr(self, field.name) for field in fields(Regime)}
+        own["slips"] = int(self.slip_drive.size)
+        return Regime(**own | {"trend": None if np.isnan(self.trend) else self.trend})
 
 
 @dataclass(frozen=True)
@@ -158,9 +152,8 @@ class CoupledRecord(SimulatedRecord):
     def slips(self) -> "CoupledSlips":
         from eq_model import CoupledSlips
 
-        return CoupledSlips(
-            **{field.name: getattr(self, f"slip_{field.name}") for field in fields(CoupledSlips)}
-        )
+        names = [field.name for field in fields(CoupledSlips)]
+        return CoupledSlips(**{name: getattr(self, f"slip_{name}") for name in names})
 
 
 Curve = SolvedRecord | SimulatedRecord
@@ -188,6 +181,8 @@ class ThresholdCurve:
     `unit` is that of every length of the run: "m" where the law comes from a surface, else the scene's own.
     """
 
+    __repr__ = brief
+
     x: Array
     density: Array
     survival: Array
@@ -195,7 +190,9 @@ class ThresholdCurve:
     atom_weights: Array
     unit: str
 
-    __repr__ = brief
+    @property
+    def in_metres(self) -> bool:
+        return self.unit != OWN_UNIT
 
 
 @dataclass(frozen=True)
@@ -209,23 +206,14 @@ class Result:
     mean_threshold : float
         <x_s>, a length.
     thresholds : ThresholdCurve
-        P_c as drawn: `x`, `density`, `survival`, `atoms`, `atom_weights`, `unit`.
-    master : SolvedRecord or None
-        `path`, `force` = F/(N_c<k>) (lengths), `holding` (a fraction), each of shape (n,); `force_error` (in <x_s>),
-        `success`, `message`, `run_time`; a SoftRecord where a spring pulls, an AgeingRecord in the paper's closure of
-        ageing. None where not asked for.
-    eq : SimulatedRecord or None
-        `path`, `force`, `holding`, `force_standard_error` and `step_error` (lengths), `holding_standard_error`, each of
-        shape (n,);
-        `histograms`, of eq_model.histogram.Histogram, each read when it is asked for; `contacts` followed, `breaks`,
-        `breaks_per_rank`, `success`, `message`, `run_time`, `compile_time`. A run that went on from a checkpoint counts
-        the `run_time` of all launches, each its slowest rank's, and the breaks of the earlier ones on rank 0: a note
-        says so. None where not asked for.
+        P_c as drawn.
+    master, eq, sweep : SolvedRecord, SimulatedRecord, SweepRecord or None
+        Each solver's answer, None where it was not asked for. `master` is a SoftRecord where a spring pulls, an
+        AgeingRecord in the paper's closure of ageing; `eq` a CoupledRecord where a spring pulls. A run that went on
+        from a checkpoint counts the `run_time` of all launches, each its slowest rank's, and the breaks of the earlier
+        ones on rank 0: a note says so.
     time : array of shape (n,)
         When each point of the path is reached, s for a surface, else in the scene's own unit; empty without a path.
-    sweep : SweepRecord or None
-        F_k, what holds and K* along speeds, temperatures, rates of ageing or delays: SweepRecord. None
-        where not asked for.
     notes : tuple of str
         What to keep in mind: where samples, surface or load strain the thresholds, what makes a run hopeless, that it
         went on from a checkpoint.
@@ -248,6 +236,10 @@ class Result:
     __repr__ = brief
 
     @property
+    def in_metres(self) -> bool:
+        return self.thresholds.in_metres
+
+    @property
     def asked(self) -> SceneTable:
         """The scene's tables, defaults filled in."""
         return read_table(tomllib.loads(self.text))
@@ -260,8 +252,6 @@ class Result:
 
     @property
     def time(self) -> Array:
-        from toolkit.scene.drive import make_drive
-
         if self.asked.drive is None:
             return np.empty(0)
         drive = make_drive(self.asked.drive)
@@ -282,14 +272,11 @@ class Result:
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
     """P_c(x) on points close enough together for a picture of every peak and gap, and on both sides of each jump."""
     atoms, weights = thresholds.atoms
-    tail = np.geomspace(1e-6, 0.5, 100)
+    tail, jumps = np.geomspace(1e-6, 0.5, 100), thresholds.breakpoints
     quantiles = np.concatenate([thresholds.ppf(tail), thresholds.isf(tail)])
     upper = 1.05 * quantiles.max()
-    edges = np.unique(
-        np.concatenate([[0.0], panel_edges(thresholds, upper), thresholds.breakpoints, [upper]])
-    )
+    edges = np.unique([0.0, *panel_edges(thresholds, upper), *jumps, upper])
     within = np.linspace(edges[:-1], edges[1:], _PER_PANEL).ravel()
-    jumps = thresholds.breakpoints
     x = np.unique(np.concatenate([quantiles, within, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
     unit = "m" if thresholds.interface is not None else OWN_UNIT
     return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights, unit)

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -31,10 +31,10 @@ def from_samples(
     """Thresholds through samples; see origins.from_samples.
 
     `file` counts from the scene's folder and is read by rank 0 of `comm`; its columns, parted by semicolons, or by
-    blanks or commas, count from 1: `column` holds the
-    values, x_s or f_s as `quantity` says, `weight_column` how much each counts, left out, all alike. `column` may be
-    left out where there is one. Beside semicolons or blanks as separators "1,5" is 1.5, a decimal comma. # begins a
-    comment, and the first line may be a header of text. Raises InputError.
+    blanks or commas, count from 1: `column` holds the values, x_s or f_s as `quantity` says, `weight_column` how much
+    each counts, left out, all alike. `column` may be left out where there is one. Beside semicolons or blanks as
+    separators "1,5" is 1.5, a decimal comma. # begins a comment, and the first line may be a header of text.
+    Raises InputError.
     """
     given = {"x_s": x_s, "f_s": f_s}
     for name, value in (("column", column), ("weight_column", weight_column)):
@@ -51,7 +51,11 @@ def from_samples(
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
         if quantity not in QUANTITIES:
             refuse("quantity", quantity, 'must be "x_s" or "f_s"')
-        table = _read(folder, file, quantity, column, weight_column, comm)
+        lines = read_text("file", folder / file, comm, file).splitlines()
+        names = {quantity: column} | (
+            {} if weight_column is None else {"the weight": weight_column}
+        )
+        table = _read(file, lines, names)
         given[quantity] = table[:, 0].tolist()
         weights = table[:, 1].tolist() if weight_column is not None else None
     elif quantity != "x_s":
@@ -61,50 +65,39 @@ def from_samples(
     )
 
 
-def _read(
-    folder: Path, file: str, quantity: str, column: int | None, weight_column: int | None, comm: Any
-) -> np.ndarray:
-    """The values and, where asked for, their weights as columns."""
-    if not isinstance(file, str):
-        refuse("file", file, 'must be a file name, such as "thresholds.txt"')
-    lines = read_text("file", folder / file, comm, file).splitlines()
+def _read(file: str, lines: list[str], columns: dict[str, int | None]) -> np.ndarray:
+    """The values of these columns, counted from 1 (None: of the only one), a row for each line."""
     rows: list[list[float]] = []
-    width = first = 0
+    width = 0
     for number, line in enumerate(lines, start=1):
         words = _words(line.partition("#")[0])
+        values = [_number(word) for word in words]
+        # a file of words alone may be no table, and not meant to be shown
+        told = shown(line.strip()) if rows or not all(map(np.isnan, values)) else "no number"
+
+        def bad(rule: str, here: str = f"line {number} holds {told}") -> NoReturn:
+            refuse("file", file, f"{here}; {rule}")
+
         if not words:
             continue
-        first = first or number
-        if number == first and not any(map(_is_number, words)):
-            continue  # a header
-        # a file of words alone may be no table, and not meant to be shown
-        told = bool(rows) or any(map(_is_number, words))
-        here = f"line {number} holds {shown(line.strip()) if told else 'no number'}"
-        width = width or len(words)
+        if not width:
+            width = len(words)
+            if all(np.isnan(value) for value in values) and "nan" not in words:
+                continue  # a header
         if len(words) != width:
-            refuse(
-                "file", file, f"{here}; all lines must have as many columns as the first, {width}"
-            )
-        if column is None and width > 1:
-            refuse(
-                "file",
-                file,
-                f"{here}; say which of the {width} columns holds {quantity}, such as column = {width}",
-            )
-        row = []
-        for name, place in ((quantity, column or 1), ("the weight", weight_column)):
-            if place is None:
-                continue
-            if place > width:
-                refuse("file", file, f"{here}; there is no column {place}")
-            value = _number(words[place - 1])
-            if value is None:
-                which = f"{words[place - 1]!r} is no number, " if told else ""
-                refuse("file", file, f"{here}; {which}write one value a line, or a header first")
+            bad(f"all lines must have as many columns as the first, {width}")
+        rows.append([])
+        for name, place in columns.items():
+            if place is None and width > 1:
+                bad(f"say which of the {width} columns holds {name}, such as column = {width}")
+            if (place or 1) > width:
+                bad(f"there is no column {place}")
+            value = values[(place or 1) - 1]
             if not (np.isfinite(value) and value > 0.0):
-                refuse("file", file, f"{here}; {name} = {value:g} must be finite and above zero")
-            row.append(value)
-        rows.append(row)
+                bad(
+                    f"{name} must be a number, finite and above zero, one a line, or a header first"
+                )
+            rows[-1].append(value)
     if not rows:
         refuse("file", file, "holds no numbers; write one value a line")
     return np.array(rows)
@@ -123,12 +116,9 @@ def _words(line: str) -> list[str]:
     return line.replace(",", " ").split()
 
 
-def _is_number(word: str) -> bool:
-    return _number(word) is not None
-
-
-def _number(word: str) -> float | None:
+def _number(word: str) -> float:
+    """nan for what is no number."""
     try:
         return float(word)
     except ValueError:
-        return None
+        return float("nan")
