@@ -189,7 +189,7 @@ def test_missed_tolerance_is_status_1_and_written(write: Writer) -> None:
 
 BAD = [
     (tables({"kind": "gaussian", "mean": 1.0, "std": -1.0}), "contacts.thresholds.std = -1.0: "),
-    (tables(NARROW) | {"colour": 1}, "colour = 1: unknown key"),
+    (tables(NARROW) | {"colour": 1}, "colour: unknown key"),
     ({"contacts": {"thresholds": NARROW}, "drive": {"to": 1.0, "points": 3}}, "scene: has neither [master] nor [eq]"),
 ]
 

@@ -305,44 +305,6 @@ def test_long_lists_are_told_apart_in_few_letters() -> None:
     assert max(map(len, names[0].values())) < 100
 
 
-def test_whatever_is_left_behind_no_contact_counts_twice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Rank 0 has written what was found before, another rank's old file is still there, and one file is spoiled."""
-    scene = toolkit.load_scene(SCENE | {"eq": SCENE["eq"] | {"contacts": 6 * BLOCK, "histograms": [2.0]}})
-    assert scene.eq is not None
-    ensemble = make_ensemble(scene, scene.eq, None)
-    states, own = [dataclasses.replace(ensemble.state, done=[], run_time=0.0)] * 3, (0, 1, 1, 2)
-    for one, block in zip(own, (0, 1, 2, 5), strict=True):
-        found = ensemble._engine.follow(ensemble.blocks, block)
-        states[one] = states[one].after(block, BLOCK, found, 0.0)
-    old = [Checkpoint(tmp_path, scene) for _ in range(2)]
-    old[1]._rank = 1
-    for kept, state in zip(old, states, strict=False):
-        kept.write(state)
-    new = Checkpoint(tmp_path, scene)
-    (before,) = new.earlier()
-    assert before.contacts == 3 * BLOCK
-    other = Checkpoint(tmp_path, scene)
-    other.earlier()
-    other._rank = 1
-    other.write(states[2])  # rank 1 of the new run is first: nothing of the old one may be lost
-    assert Checkpoint(tmp_path, scene).earlier()[0].done == [range(3), range(5, 6)]
-    spared = (tmp_path / "checkpoint/000-rank-00001.npz").read_bytes()
-    new.write(before)
-    assert sorted(os.listdir(tmp_path / "checkpoint")) == ["001-rank-00000.npz", "001-rank-00001.npz"]
-    (tmp_path / "checkpoint/000-rank-00001.npz").write_bytes(spared)
-    (found,) = Checkpoint(tmp_path, scene).earlier()
-    assert found.done == [range(3), range(5, 6)]
-    assert np.array_equal(found.sums, states[0].sums + states[1].sums + states[2].sums)
-    assert found.counts.sum() > 0 and np.array_equal(found.counts, sum(state.counts for state in states))
-    # cut short; and one bit of what the histograms counted
-    for spoiled in (spared[:1000], spared[:-3000] + bytes([spared[-3000] ^ 4]) + spared[-2999:]):
-        (tmp_path / "checkpoint/001-rank-00001.npz").write_bytes(spoiled)
-        assert Checkpoint(tmp_path, scene).earlier()[0].done == [range(3)]
-        assert "001-rank-00001.npz: is damaged; what it held is done again" in capsys.readouterr().err
-    new.remove()
-    assert os.listdir(tmp_path) == []
-
-
 def interrupting(done: int, expected: int) -> None:
     if done >= 2 * BLOCK:
         signal.raise_signal(signal.SIGINT)
@@ -361,36 +323,6 @@ def test_interrupted_in_a_notebook_the_finished_blocks_are_the_result(monkeypatc
     assert first is not None and np.array_equal(first.force, result.eq.force)
     # the handler is as before
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-@pytest.mark.usefixtures("whole_blocks")
-@pytest.mark.parametrize("place", ["progress", "block"])
-def test_raised_in_the_middle_an_interrupt_costs_the_block_alone(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    from eq_model.engine import Engine
-
-    tables, real, blocks = SCENE | {"eq": SCENE["eq"] | {"contacts": 5 * BLOCK}}, Engine.follow, []
-
-    def follow(self: Engine, all_of_them: Any, block: int) -> Any:
-        found = real(self, all_of_them, block)
-        blocks.append(block)
-        if place == "block" and len([one for one in blocks if one >= 0]) == 3:
-            raise KeyboardInterrupt
-        return found
-
-    def progress(done: int, expected: int) -> None:
-        if place == "progress" and done >= 2 * BLOCK:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(Engine, "follow", follow)
-    with pytest.raises(KeyboardInterrupt):
-        toolkit.run(tables, progress=progress)
-    blocks.clear()
-    monkeypatch.setattr("sys.ps1", ">>> ", raising=False)
-    result = toolkit.run(tables, progress=progress).eq
-    monkeypatch.setattr(Engine, "follow", real)
-    first = toolkit.run(SCENE | {"eq": SCENE["eq"] | {"contacts": 2 * BLOCK}}).eq
-    assert result is not None and first is not None and not result.success and result.contacts == 2 * BLOCK
-    assert result.message.startswith("interrupted: ") and np.array_equal(first.force, result.force)
 
 
 def test_interrupted_ranks_wait_for_the_others(mpirun: Callable[..., Any]) -> None:

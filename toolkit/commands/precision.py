@@ -22,6 +22,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     from toolkit.pictures.precision import save_precision
     from toolkit.results.files import write_json, write_lines
     from toolkit.results.folders import check_folder, write_folder
+    from toolkit.running.runner import until
     from toolkit.scene.scene import load_scene
 
     scene = load_scene(arguments.scene)
@@ -33,7 +34,8 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
         print("\n".join([*head, table_line(point)]), flush=True)
         head.clear()
 
-    measured = precision(scene, report=show)
+    with until(scene.deadline(), scene, "[precision]"):
+        measured = precision(scene, report=show)
     against = {"reference": measured.reference.source, "reference_error": measured.reference.error}
     numbers = {"name": measured.name, "title": measured.title, **against}
     numbers |= {"points": [asdict(one) for one in measured.points], "notes": measured.notes}

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError
-from toolkit.judge.describe import conditions
+from toolkit.judge.describe import PROPENSITY, Description, conditions, describe
 from toolkit.judge.deviation import why_not_compared, worst_deviation
 from toolkit.results.records import Result, SimulatedRecord
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, until
-from toolkit.scene.interfaces import HEIGHT_INTEGRALS, remarks, why_infinite, with_error
-from toolkit.scene.sampling import RESAMPLES, sampling_errors, unseen
+from toolkit.scene.interfaces import with_error
+from toolkit.scene.sampling import RESAMPLES
 from toolkit.scene.scene import Scene
 
 
@@ -107,56 +107,37 @@ def naming(scene: str) -> Iterator[None]:
 
 
 def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
-    import master
-
     contacts, speed, unit = scene.contacts, scene.sliding, scene.contacts.mean_threshold
 
-    def measures() -> tuple[Any, Any, dict[str, float]]:
+    def measure() -> Description:
         with until(scene.deadline(), scene, "K*"):
-            found = master.propensity(contacts, velocity=speed.value)
-            steady = master.steady_state(contacts, velocity=speed.value)
-            return found, steady, sampling_errors(contacts)
+            return describe(contacts, speed.value, speed.chosen)
 
-    found, steady, sampled = on_root(comm, measures)
-    own = {
-        "critical_spring": found.critical_spring_error,
-        "kinetic_force": steady.force_error * unit,
-    }
-    own["static_to_kinetic"] = found.static_to_kinetic_error
-    own["decoherence_length"] = found.decoherence_length_error
-    errors = {name: float(np.hypot(error, sampled.get(name, 0.0))) for name, error in own.items()}
+    found = on_root(comm, measure)
+    if "critical_spring" not in found.numbers:
+        raise InputError("; ".join(found.notes))
+    numbers: dict[str, Any] = {"friction_coefficient": None, "friction_coefficient_error": None}
+    for name in ("onset_power", "kinetic_force", *PROPENSITY, "friction_coefficient"):
+        if (number := found.numbers.get(name)) is not None:
+            scale = unit if number.unit else 1.0
+            numbers[name] = number.value / scale
+            numbers[f"{name}_error"] = (number.error or 0.0) / scale
+    held = tuple(conditions(contacts, speed.value, speed.chosen))
     apart = _not_drawn(scene)
-    drawn = replace(scene, master=None, eq=None) if apart else scene
-    result = solve(drawn, comm, told=told)[0]
-    friction = relative = None
-    if contacts.interface is not None:
-        friction = contacts.interface.friction_coefficient
-        relative = friction * (steady.force_error * unit / steady.force + HEIGHT_INTEGRALS)
-    infinite = [why_infinite(contacts)] if np.isinf(found.critical_spring) else []
-    cautions = [*apart, *infinite, *unseen(sampled, found.critical_spring)]
+    result = solve(replace(scene, master=None, eq=None) if apart else scene, comm, told=told)[0]
+    kinetic = numbers["kinetic_force"] * unit
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
-        onset_power=found.onset_power,
-        onset_power_error=found.onset_power_error,
-        critical_spring=found.critical_spring,
-        critical_spring_error=errors["critical_spring"],
-        static_to_kinetic=found.static_to_kinetic,
-        static_to_kinetic_error=errors["static_to_kinetic"],
-        decoherence_length=found.decoherence_length / unit,
-        decoherence_length_error=errors["decoherence_length"] / unit,
-        kinetic_force=steady.force / unit,
-        kinetic_force_error=errors["kinetic_force"] / unit,
-        friction_coefficient=friction,
-        friction_coefficient_error=relative,
+        **numbers,
         mean_threshold=unit,
         unit=result.thresholds.unit,
-        sampled=bool(sampled),
-        cautions=(*cautions, *remarks(contacts.thresholds)),
+        sampled=found.sampled,
+        cautions=(*apart, *(note for note in found.notes if note not in held)),
         velocity=speed.value,
-        conditions=tuple(conditions(contacts, speed.value, speed.chosen)),
+        conditions=held,
         run_time=found.run_time,
-        evidence=None if result.eq is None else _evidence(result, result.eq, steady.force),
+        evidence=None if result.eq is None else _evidence(result, result.eq, kinetic),
         result=result,
     )
 

@@ -19,9 +19,7 @@ from toolkit.pictures.abscissa import (
 from toolkit.pictures.axes import INK, name_lengths, plain
 from toolkit.pictures.sweep import plot_sweep, sweep_panels
 from toolkit.pictures.thresholds import (
-    final_law,
     plot_density,
-    plot_final,
     plot_hazard,
     plot_samples,
     plot_survival,
@@ -80,8 +78,6 @@ def plot(result: Result, axes: Any = None) -> Any:
         _, axes = pyplot.subplots(1, 2, layout="constrained", **size)
     (plot_force if curves(result) else plot_sweep)(axes[0], result)
     plot_density(axes[1], result.thresholds)
-    if (final := final_law(result)) is not None:
-        plot_final(axes[1], result.thresholds, final)
     if grows(result):
         age = result.asked.contacts.thresholds["age"]
         axes[1].set_title(f"thresholds at $X$ = 0, age {age:.3g}")

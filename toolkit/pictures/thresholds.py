@@ -8,13 +8,11 @@ import numpy as np
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
 from toolkit.pictures.axes import INK, heights, name_lengths, plain, spans_decades
-from toolkit.results.records import Result, ThresholdCurve, sample_curve
-from toolkit.scene import laws
+from toolkit.results.records import ThresholdCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_ELSEWHERE = ("from-topography", "from-samples", "domains", "mixture")  # files or work of their own
 _STEPS = 2000  # as many as a picture can show
 _STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
 
@@ -35,29 +33,6 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
         top = 1.05 * float(curve.atom_weights.max())
         own.set(ylabel="weight at one value", ylim=(0.0, top))
     return axes
-
-
-def final_law(result: Result) -> ThresholdCurve | None:
-    """The law of old contacts, where they age and the scene's text alone says what it is."""
-    ageing = result.asked.contacts.ageing
-    if ageing is None or ageing["final"].get("kind") in _ELSEWHERE or "file" in ageing["final"]:
-        return None
-    where = "contacts.ageing.final"
-    return sample_curve(laws.build(laws.THRESHOLDS, ageing["final"], where, Path()))
-
-
-def plot_final(axes: "Axes", new: ThresholdCurve, final: ThresholdCurve) -> None:
-    """What the thresholds of new contacts become, dashed beside them."""
-    shown = np.isfinite(final.density)
-    drawn = final.density[shown].any() and np.isfinite(new.density).all()
-    if not drawn or axes.get_yscale() == "log":
-        return
-    axes.get_lines()[0].set_label("new")
-    axes.plot(final.x[shown], final.density[shown], ls="--", label="final", **_STYLE)
-    first, last = zip(reach_of(new), reach_of(final), strict=True)
-    axes.set_xlim(min(first), max(last))
-    axes.set_ylim(top=max(axes.get_ylim()[1], heights(final, final.density).top))
-    axes.legend(fontsize="small")
 
 
 def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":

@@ -75,8 +75,8 @@ def load(folder: str | os.PathLike[str]) -> Result:
     """The Result that `save`, or the command `run`, wrote into `folder`.
 
     Its fields, where they were asked for: `master.path`, `.force`, `.force_error`, `.holding`, `.success`; `eq.path`,
-    `.force`, `.force_standard_error`, `.breaks`, `.histograms`, each read when it is asked for; `thresholds.x`,
-    `.density`, `.survival`, `.unit`; `mean_threshold`; `notes`; `interface["contact_density"].value` and more; `text`,
+    `.force`, `.force_standard_error`, `.breaks`, `.histograms`; `thresholds.x`, `.density`, `.survival`, `.unit`;
+    `mean_threshold`; `notes`; `interface["contact_density"].value` and more; `text`,
     the scene. Raises InputError where there is none.
     """
     file = Path(folder) / RESULT
@@ -98,7 +98,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
             mean_threshold=float(store.attrs["mean_threshold"]),
             thresholds=_read(store["thresholds"], ThresholdCurve),
             master=_read(store["master"], solved) if "master" in store else None,
-            eq=_read_simulated(store["eq"], file) if "eq" in store else None,
+            eq=_read_simulated(store["eq"]) if "eq" in store else None,
             notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
             interface=_read_interface(store["interface"]) if "interface" in store else None,
             sweep=_read(store["sweep"], SweepRecord) if "sweep" in store else None,
@@ -203,7 +203,7 @@ def _fill(result: Result, store: "h5py.File") -> None:
             _write(store.create_group(name), answer, kind, units)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
-        for index, histogram in enumerate(result.eq.histograms):  # each can be read by itself
+        for index, histogram in enumerate(result.eq.histograms):
             own = store.create_group(f"eq/{_HISTOGRAMS}/{index}")
             _write(own, histogram, type(histogram), units, compression="gzip", shuffle=True)
 
@@ -230,28 +230,13 @@ def _read_interface(group: "h5py.Group") -> dict[str, Number]:
     return numbers
 
 
-def _read_simulated(group: "h5py.Group", file: Path) -> SimulatedRecord:
-    """The ensemble's record; each histogram is read when it is asked for."""
-    from eq_model.histogram import Histogram, Made
+def _read_simulated(group: "h5py.Group") -> SimulatedRecord:
+    from eq_model.histogram import Histogram
 
     size = len(group[_HISTOGRAMS]) if _HISTOGRAMS in group else 0
-
-    def seen() -> tuple[int, ...]:
-        """What tells the file from one in its place."""
-        status = file.stat()
-        return status.st_ino, status.st_mtime_ns, status.st_size
-
-    own, before = group.name, seen()
-
-    def read(index: int) -> Histogram:
-        if not file.is_file() or seen() != before:
-            rule = f"its {RESULT} is another one since it was loaded; load it again"
-            refuse("folder", str(file.parent), rule)
-        with opened(file, checked=True) as store:
-            return _read(store[f"{own}/{_HISTOGRAMS}/{index}"], Histogram)
-
-    record = CoupledRecord if "positions" in group else SimulatedRecord
-    return _read(group, record, histograms=Made(size, read))
+    found = [_read(group[f"{_HISTOGRAMS}/{index}"], Histogram) for index in range(size)]
+    kind = CoupledRecord if "positions" in group else SimulatedRecord
+    return _read(group, kind, histograms=found)
 
 
 def _read(group: "h5py.Group", kind: type[Any], **given: Any) -> Any:

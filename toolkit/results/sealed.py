@@ -46,8 +46,8 @@ def flush_folder(path: Path) -> None:
 
 
 @contextmanager
-def opened(file: Path, checked: bool = False) -> Iterator["h5py.File"]:
-    """A sealed HDF5 file, open for reading; `checked` says that these bytes were read before.
+def opened(file: Path) -> Iterator["h5py.File"]:
+    """A sealed HDF5 file, open for reading.
 
     What is damaged is refused before HDF5 sees it, which would crash on some bytes; so are data that are elsewhere.
     Files of older versions begin as HDF5 does, and have no checksum. Raises InputError.
@@ -57,7 +57,7 @@ def opened(file: Path, checked: bool = False) -> Iterator["h5py.File"]:
     try:
         with file.open("rb") as stream:
             old = stream.read(len(_HDF5)) == _HDF5
-        if not old and not checked and read_sealed(file) is None:
+        if not old and read_sealed(file) is None:
             raise OSError("its checksum is wrong")
         with h5py.File(file, "r") as store:
             _check_links(store)

@@ -191,13 +191,18 @@ def write_state(file: Path, state: AnyState, told: dict[str, str]) -> None:
 
 
 def read_state(file: Path) -> tuple[AnyState, dict[str, str]] | None:
-    """State, and of which run it is; None for a file that a failing disk spoiled, or that is of an older version."""
+    """State, and of which run it is; None for a file that a failing disk spoiled.
+
+    Raises InputError for one of an older version, which is a bare zip file or divides contacts otherwise.
+    """
     from eq_model.coupled.result import CoupledState
     from eq_model.state import State
 
     try:
         contents = read_sealed(file)
         if contents is None:
+            if file.read_bytes().startswith(b"PK"):
+                raise KeyError
             return None
         arrays = dict(np.load(BytesIO(contents), allow_pickle=False))
         told = json.loads(str(arrays.pop("told_of")))
@@ -209,8 +214,13 @@ def read_state(file: Path) -> tuple[AnyState, dict[str, str]] | None:
         }
         values["done"] = [range(start, stop) for start, stop in arrays["done"].tolist()]
         return State(**values), told
-    except (OSError, KeyError, TypeError, ValueError):
+    except OSError:
         return None
+    except (KeyError, TypeError, ValueError) as error:  # its checksum was right
+        rule = (
+            f"is a checkpoint of an older version; remove {file.parent}, or choose another folder"
+        )
+        raise InputError(f"{file}: {rule}") from error
 
 
 def identity(scene: Scene) -> dict[str, str]:

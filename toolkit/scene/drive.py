@@ -112,9 +112,8 @@ def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
         return Speed(drive.velocity, "as all legs are holds")
     # less what times round
     speeds = [float(f"{abs(leg.travel) / leg.duration:.12g}") for leg in legs]
-    others = [f"{speed:.4g}" for speed in dict.fromkeys(speeds) if speed != speeds[0]]
-    told = ", ".join(others[:_LISTED]) + " and more" * (len(others) > _LISTED)
-    return Speed(speeds[0], f"the first leg's, others slide at {told}" if others else "")
+    others = ", ".join(f"{speed:.4g}" for speed in sorted(set(speeds) - {speeds[0]})[:_LISTED])
+    return Speed(speeds[0], f"the first leg's, others slide at {others}" if others else "")
 
 
 def _corners(table: "DriveTable") -> tuple[Array, Array | None]:

@@ -78,28 +78,13 @@ def build(
     function = getattr(import_module(module), name)
     arguments = {key: value for key, value in table.items() if key != "kind"}
     if "components" in arguments:
-        arguments["components"] = _components(
-            kinds, arguments["components"], f"{where}.components", folder, comm
-        )
+        parts, place = arguments["components"], f"{where}.components"
+        if not (isinstance(parts, list) and parts and all(isinstance(p, Mapping) for p in parts)):
+            rule = 'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
+            refuse(place, parts, rule)
+        built = (build(kinds, part, f"{place}[{k}]", folder, comm) for k, part in enumerate(parts))
+        arguments["components"] = list(built)
     return call(function, arguments, where, kind, folder=folder, comm=comm)
-
-
-def _components(
-    kinds: Mapping[str, str], value: object, where: str, folder: Path, comm: Any
-) -> list[Any]:
-    if (
-        not isinstance(value, list)
-        or not value
-        or not all(isinstance(item, Mapping) for item in value)
-    ):
-        refuse(
-            where,
-            value,
-            'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]',
-        )
-    return [
-        build(kinds, item, f"{where}[{index}]", folder, comm) for index, item in enumerate(value)
-    ]
 
 
 def call(

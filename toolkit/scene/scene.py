@@ -246,7 +246,11 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.build(kinds, own, f"contacts.{name}", folder)
-    calls: dict[str, Any] = {"thermal": origins.Thermal, "ageing": laws.ageing, "delay": origins.Delay}
+    calls: dict[str, Any] = {
+        "thermal": origins.Thermal,
+        "ageing": laws.ageing,
+        "delay": origins.Delay,
+    }
     for name, law in calls.items():
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
