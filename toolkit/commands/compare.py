@@ -6,14 +6,6 @@ from typing import Any
 ALL_RANKS = True
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """SCENE... and --out."""
-    scenes = "scene files, or names of shipped scenes"
-    parser.add_argument("scenes", metavar="SCENE", nargs="+", help=scenes)
-    told = "folder for table and picture (default: ./compare-output)"
-    parser.add_argument("--out", metavar="DIR", help=told, default="compare-output")
-
-
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print the table; write compare.png, compare.txt and compare.json; 1 where a solver missed its tolerance."""
     from origins.errors import refuse
@@ -25,14 +17,14 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
     from toolkit.scene.scene import load_scene
 
     scenes: dict[str, Any] = {}
-    for given in arguments.scenes:
+    for given in arguments.scene:
         with naming(given):
             scene = load_scene(given, comm=comm)
         if scene.name in scenes:
             rule = "two scenes of this name could not be told apart; rename one of the files"
             refuse("scenes", scene.name, rule)
         scenes[scene.name] = scene
-    folder = arguments.out
+    folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))
     verdicts = compare(list(scenes.values()), comm, told=comm is None or comm.Get_rank() == 0)
     lines = table(verdicts)

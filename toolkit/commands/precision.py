@@ -7,15 +7,6 @@ from typing import Any
 ALL_RANKS = False
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """SCENE and --out."""
-    parser.add_argument(
-        "scene", metavar="SCENE", help="a scene file, or the name of a shipped scene"
-    )
-    told = "folder for table and picture (default: ./NAME-output)"
-    parser.add_argument("--out", metavar="DIR", help=told)
-
-
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print each point once it is measured; write precision.png, precision.txt and precision.json."""
     from toolkit.judge.precision import Point, precision, table, table_head, table_line

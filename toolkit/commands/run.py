@@ -9,22 +9,6 @@ _FELT, _APART = 0.3, 6.0  # of a standard error, and so many of them
 ALL_RANKS = True
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """SCENE, --out, --checkpoint and --dry-run."""
-    parser.add_argument(
-        "scene", metavar="SCENE", help="a scene file, or the name of a shipped scene"
-    )
-    parser.add_argument(
-        "--out", metavar="DIR", help="folder for the results (default: ./NAME-output)"
-    )
-    kept = "how often a long ensemble writes what it has found into DIR, from which the same command goes on"
-    parser.add_argument(
-        "--checkpoint", metavar="SECONDS", type=float, default=60.0, help=f"{kept} (default: 60)"
-    )
-    told = "tell work, memory, time and error by small pilots; write nothing"
-    parser.add_argument("--dry-run", action="store_true", help=told)
-
-
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Run, report, write; 1 where a solver did not reach its tolerance (the results are written all the same)."""
     from toolkit.running.notes import foreseen

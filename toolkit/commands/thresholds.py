@@ -24,15 +24,6 @@ _SYMBOLS = {
 }
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """SCENE and --out."""
-    parser.add_argument(
-        "scene", metavar="SCENE", help="a scene file, or the name of a shipped scene"
-    )
-    told = "folder for picture and table (default: ./NAME-output)"
-    parser.add_argument("--out", metavar="DIR", help=told)
-
-
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print the table; write thresholds.png and thresholds.json."""
     from origins.errors import refuse
