@@ -11,7 +11,8 @@ import origins
 from toolkit.judge.compare import compare
 from toolkit.pictures.axes import heights, spans_decades
 from toolkit.pictures.compare import draw_comparison, plot_surface
-from toolkit.pictures.run import plot_density, plot_deviation, plot_force, plot_holding, plot_position, save_picture
+from toolkit.pictures.run import plot_deviation, plot_force, plot_holding, plot_position, save_picture
+from toolkit.pictures.thresholds import plot_density
 from toolkit.results.records import sample_curve
 from toolkit.running.runner import run
 from toolkit.scene.scene import load_scene

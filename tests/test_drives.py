@@ -98,14 +98,14 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
     asked = scene({"to": 6.0, "points": 61, "spring": 0.8, "slip": "reform-after"})
     result = toolkit.run(asked)
     soft = result.master
-    assert isinstance(soft, SoftRecord) and soft.slip_drive.size >= 2 and result.success
-    assert soft.period == pytest.approx(soft.slip_drive[-1] - soft.slip_drive[-2])
+    assert isinstance(soft, SoftRecord) and soft.slips.drive.size >= 2 and result.success
+    assert soft.period == pytest.approx(soft.slips.drive[-1] - soft.slips.drive[-2])
     np.testing.assert_allclose(soft.force, 0.8 * (soft.path - soft.position), atol=1e-12)
-    np.testing.assert_allclose(soft.slip_force_before, 0.8 * (soft.slip_drive - soft.slip_before), atol=1e-12)
+    np.testing.assert_allclose(soft.slips.force_before, 0.8 * (soft.slips.drive - soft.slips.before), atol=1e-12)
     toolkit.save(result, tmp_path / "out")
     again = toolkit.load(tmp_path / "out").master
     assert isinstance(again, SoftRecord)
-    np.testing.assert_array_equal(again.slip_after, soft.slip_after)
+    np.testing.assert_array_equal(again.slips.after, soft.slips.after)
     # what is read back has the names of what is solved
     checked = toolkit.load_scene(asked)
     solved = master.solve(checked.contacts, checked.path, 1e-7, spring=0.8, slip="reform-after")
@@ -116,7 +116,7 @@ def test_a_soft_slider_tells_its_slips(tmp_path: Path) -> None:
     assert np.abs(finer.slips.drive - solved.slips.drive).max() <= solved.slips.drive_error + finer.slips.drive_error
     told = json.loads((tmp_path / "out" / "summary.json").read_text())["master"]
     assert told["period_error"] == 2.0 * soft.slip_drive_error
-    assert told["slips"] == soft.slip_drive.size and told["verdict"] == soft.verdict == again.verdict
+    assert told["slips"] == soft.slips.drive.size and told["verdict"] == soft.regime.verdict == again.regime.verdict
 
 
 def test_times_that_print_as_the_turn_before_are_told_from_there() -> None:
@@ -140,7 +140,7 @@ def test_the_legend_lies_above_all_slips() -> None:
     result = toolkit.run(scene({"to": 20.0, "points": 201, "spring": 1.0}))
     toolkit.plot(result, axes)
     figure.canvas.draw()
-    assert isinstance(result.master, SoftRecord) and result.master.slip_drive.size > 9
+    assert isinstance(result.master, SoftRecord) and result.master.slips.drive.size > 9
     highest = axes[0].transData.transform((0.0, float(result.master.force.max())))[1]
     assert axes[0].get_legend().get_window_extent().y0 > highest
 

@@ -153,9 +153,9 @@ def test_slips_are_drawn_where_they_are() -> None:
     solved: Any = found.master
     line = plot_force(Figure().subplots(), found).get_lines()[0]
     x, y = line.get_data()
-    assert solved.slip_drive.size >= 1
+    assert solved.slips.drive.size >= 1
     for place, before, after in zip(
-        solved.slip_drive, solved.slip_force_before, solved.slip_force_after, strict=True
+        solved.slips.drive, solved.slips.force_before, solved.slips.force_after, strict=True
     ):
         assert y[x == place].tolist() == [before, after]
 

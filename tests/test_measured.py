@@ -7,7 +7,7 @@ import pytest
 
 import origins
 import toolkit
-from toolkit.pictures.run import plot_samples
+from toolkit.pictures.thresholds import plot_samples
 from toolkit.judge.describe import describe
 from toolkit.scene.measured import from_samples
 from toolkit.scene.sampling import NAMES, misfit, numerical_only, sampling_errors

@@ -18,7 +18,8 @@ import master
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
-from toolkit.pictures.run import plot_density, plot_force
+from toolkit.pictures.run import plot_force
+from toolkit.pictures.thresholds import plot_density
 from toolkit.results.files import summary
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.results.records import OWN_UNIT, sample_curve

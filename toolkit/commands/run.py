@@ -39,7 +39,7 @@ def execute(arguments: argparse.Namespace, comm: Any) -> int:
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
-    from toolkit.results.records import AgeingRecord, CoupledRecord, SoftRecord
+    from toolkit.results.records import AgeingRecord, SoftRecord, is_coupled
     from toolkit.results.slips import slip_lines
     from toolkit.scene.interfaces import in_a_line, with_error
 
@@ -52,10 +52,10 @@ def report(result: Any) -> list[str]:
             f"master  {error}  run time {solved.run_time:.4f} s  {solved.path.size} points"
         )
     if isinstance(solved, SoftRecord):
-        slips = f"{solved.slip_drive.size} slips"
-        if solved.slip_drive.size > 1:
-            slips += f", period {with_error(solved.period, 2.0 * solved.slip_drive_error, 9)}"
-        lines.append(f"regime  {solved.verdict}, {slips}: {solved.reason}")
+        slips = f"{solved.slips.drive.size} slips"
+        if solved.slips.drive.size > 1:
+            slips += f", period {with_error(solved.period, 2.0 * solved.slips.drive_error, 9)}"
+        lines.append(f"regime  {solved.regime.verdict}, {slips}: {solved.regime.reason}")
     if isinstance(solved, AgeingRecord):
         outrun = "contacts never outrun it"
         if solved.outrun < float("inf"):
@@ -78,7 +78,7 @@ def report(result: Any) -> list[str]:
             f"eq      error {error:.1e} of <x_s> (largest standard error{besides})  run time {eq.run_time:.4f} s, "
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
-    if isinstance(eq, CoupledRecord):
+    if is_coupled(eq):
         lines += slip_lines(result)
     elif solved is not None and eq is not None:
         lines.append(_agreement(result))

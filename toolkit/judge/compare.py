@@ -10,7 +10,7 @@ import numpy as np
 from origins.errors import InputError
 from toolkit.judge.describe import PROPENSITY, Description, conditions, describe
 from toolkit.judge.deviation import why_not_compared, worst_deviation
-from toolkit.results.records import Result, SimulatedRecord
+from toolkit.results.records import Result, Simulated
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, until
 from toolkit.scene.interfaces import with_error
@@ -152,7 +152,7 @@ def _not_drawn(scene: Scene) -> list[str]:
     return []
 
 
-def _evidence(result: Result, eq: SimulatedRecord, kinetic: float) -> Evidence:
+def _evidence(result: Result, eq: "Simulated", kinetic: float) -> Evidence:
     solved = result.master
     at = int(np.argmax((eq if solved is None else solved).force))
     return Evidence(

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from toolkit.results.records import CoupledRecord, Result, SimulatedRecord
+from toolkit.results.records import Result, Simulated, is_coupled
 
 Array = npt.NDArray[np.float64]
 
@@ -30,7 +30,7 @@ def deviation(result: Result) -> tuple[Array, Array]:
 def telling(result: Result) -> npt.NDArray[np.bool_]:
     """Which points of the path tell; none without an ensemble."""
     eq = result.eq
-    if eq is None or isinstance(eq, CoupledRecord):
+    if eq is None or is_coupled(eq):
         # a slip comes at another X_T in each replica: in between their mean force is that of none of them
         return np.zeros(0 if eq is None else eq.path.size, dtype=bool)
     enough = eq.force_standard_error > np.sqrt(_FEWEST) * _of_one_contact(result, eq)
@@ -40,7 +40,7 @@ def telling(result: Result) -> npt.NDArray[np.bool_]:
     return np.isfinite(eq.force_standard_error) & enough
 
 
-def _of_one_contact(result: Result, eq: SimulatedRecord) -> Array:
+def _of_one_contact(result: Result, eq: "Simulated") -> Array:
     """About what a single broken contact changes the force by, a length, at each point of the path."""
     return np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
 
@@ -58,7 +58,7 @@ def why_not_compared(result: Result) -> str | None:
         return None
     if eq.breaks == 0:
         return "no contact breaks on this path"
-    if isinstance(eq, CoupledRecord):
+    if is_coupled(eq):
         return "slips are compared one by one, not the force between them"
     if not np.isfinite(eq.force_standard_error).any():
         return "a single contact has no standard error"

@@ -47,9 +47,10 @@ def with_slips(places: Array, force: Array, solved: SoftRecord) -> tuple[Array, 
     """
     if not (np.diff(solved.path) > 0.0).all():
         return places, force
-    at = np.searchsorted(solved.path, solved.slip_drive)
-    there = np.interp(solved.slip_drive, solved.path, places)
-    ends = np.column_stack([solved.slip_force_before, solved.slip_force_after]).ravel()
+    slips = solved.slips
+    at = np.searchsorted(solved.path, slips.drive)
+    there = np.interp(slips.drive, solved.path, places)
+    ends = np.column_stack([slips.force_before, slips.force_after]).ravel()
     return np.insert(places, at.repeat(2), there.repeat(2)), np.insert(force, at.repeat(2), ends)
 
 

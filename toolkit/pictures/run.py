@@ -18,34 +18,12 @@ from toolkit.pictures.abscissa import (
 )
 from toolkit.pictures.axes import INK, name_lengths, plain
 from toolkit.pictures.sweep import plot_sweep, sweep_panels
-from toolkit.pictures.thresholds import (
-    plot_density,
-    plot_hazard,
-    plot_samples,
-    plot_survival,
-    save_thresholds_picture,
-)
-from toolkit.results.records import AgeingRecord, CoupledRecord, Result, SimulatedRecord, SoftRecord
+from toolkit.pictures.thresholds import plot_density
+from toolkit.results.records import AgeingRecord, Result, Simulated, SoftRecord, is_coupled
 from toolkit.results.slips import slips_beside
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-__all__ = [
-    "plot",
-    "plot_defects",
-    "plot_density",
-    "plot_deviation",
-    "plot_force",
-    "plot_hazard",
-    "plot_holding",
-    "plot_position",
-    "plot_samples",
-    "plot_slips",
-    "plot_survival",
-    "save_picture",
-    "save_thresholds_picture",
-]
 
 _NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
 _ALL = 1e-9  # of the contacts
@@ -104,7 +82,7 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
                 "label": "contacts outrun $P_c$ (Q15)",
             }
             axes.axvspan(solved.outrun, path[-1], **outrun)
-    if isinstance(eq, CoupledRecord):
+    if is_coupled(eq):
         number = min(_REPLICAS, len(eq.forces))
         each = f"{eq.contacts // len(eq.forces):,} contacts"
         style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
@@ -132,7 +110,7 @@ def plot_position(axes: "Axes", result: Result) -> "Axes":
     """Where the drive, or the rigid slider, and a soft slider are at each time."""
     curve, name = curves(result)[0], "slider\nposition $X$"
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
-    if isinstance(curve, SoftRecord | CoupledRecord):
+    if isinstance(curve, SoftRecord) or is_coupled(curve):
         axes.plot(along(result, curve), curve.position, color=INK["master"], lw=1.2, label="slider")
         axes.legend(fontsize="small")
         name = "position"
@@ -174,7 +152,7 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
 def plot_slips(axes: "Axes", result: Result) -> "Axes":
     """How late the slips of the replicas come, mean and standard error; N contacts slip late by some N^(-2/3)."""
     eq, beside = result.eq, slips_beside(result)
-    if isinstance(eq, CoupledRecord) and beside:
+    if is_coupled(eq) and beside:
         unit = result.mean_threshold
         late = np.array([slip.mean_drive - slip.drive for slip in beside]) / unit
         error = np.array([slip.drive_error for slip in beside]) / unit
@@ -202,7 +180,7 @@ def plot_defects(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
-def _some(eq: SimulatedRecord) -> Any:
+def _some(eq: "Simulated") -> Any:
     """Indices of the points that are drawn of an ensemble."""
     return np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
 

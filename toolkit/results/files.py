@@ -6,7 +6,7 @@ import math
 import os
 import tomllib
 from collections.abc import Callable
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +16,8 @@ from origins.errors import InputError, refuse
 from toolkit.results.folders import write_folder
 from toolkit.results.records import (
     AgeingRecord,
-    CoupledRecord,
     Result,
-    SimulatedRecord,
+    Simulated,
     SoftRecord,
     SolvedRecord,
     ThresholdCurve,
@@ -87,18 +86,13 @@ def load(folder: str | os.PathLike[str]) -> Result:
         refuse("folder", str(folder), rule)
     with opened(file) as store:
         told = {name: str(store.attrs[name]) for name in ("name", "title", "version")}
-        solved: type[SolvedRecord] = SolvedRecord
-        if "master" in store:
-            own = store["master"]
-            solved = AgeingRecord if "mass_defect" in own else solved
-            solved = SoftRecord if "position" in own else solved
         return Result(
             **told,
             text=str(store.attrs["scene"]),
             mean_threshold=float(store.attrs["mean_threshold"]),
             thresholds=_read(store["thresholds"], ThresholdCurve),
-            master=_read(store["master"], solved) if "master" in store else None,
-            eq=_read_simulated(store["eq"]) if "eq" in store else None,
+            master=_read_master(store["master"]) if "master" in store else None,
+            eq=_read_eq(store["eq"]) if "eq" in store else None,
             notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
             interface=_read_interface(store["interface"]) if "interface" in store else None,
             sweep=_read(store["sweep"], SweepRecord) if "sweep" in store else None,
@@ -194,12 +188,10 @@ def _fill(result: Result, store: "h5py.File") -> None:
         own.attrs["units"] = number.unit or "1"
         if number.error is not None:
             own.attrs["error"] = number.error
-    parts: list[tuple[str, Any, type[Any]]] = [("thresholds", result.thresholds, ThresholdCurve)]
-    parts += [("sweep", result.sweep, SweepRecord)]
-    parts += [("master", result.master, SolvedRecord), ("eq", result.eq, SimulatedRecord)]
-    for name, answer, plain in parts:
-        if answer is not None:
-            kind = type(answer) if isinstance(answer, plain) else plain  # whose fields it has
+    for name in ("thresholds", "sweep", "master", "eq"):
+        if (answer := getattr(result, name)) is not None:
+            own = name != "master" or isinstance(answer, SolvedRecord)  # else it has more fields
+            kind = type(answer) if own else SolvedRecord
             _write(store.create_group(name), answer, kind, units)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
@@ -209,11 +201,15 @@ def _fill(result: Result, store: "h5py.File") -> None:
 
 
 def _write(
-    group: "h5py.Group", answer: object, kind: type[Any], units: dict[str, str], **how: Any
+    group: "h5py.Group", answer: Any, kind: type[Any], units: dict[str, str], **how: Any
 ) -> None:
-    """The fields of `kind`, as found on `answer`: arrays as data sets, the rest as attributes."""
-    for field in fields(kind):
-        name, value = field.name, getattr(answer, field.name)
+    """The fields of `kind`, as found on `answer`: arrays as data sets, the rest as attributes, those of slips and
+    regimes too."""
+    values = {field.name: getattr(answer, field.name) for field in fields(kind)}
+    for name, prefix in (("slips", "slip_"), ("regime", "")):
+        if is_dataclass(part := values.pop(name, None)):
+            values |= {f"{prefix}{field.name}": getattr(part, field.name) for field in fields(part)}
+    for name, value in values.items():
         if isinstance(value, np.ndarray) or name == _PER_RANK:
             group.create_dataset(name, data=value, **how)
             group[name].attrs["units"] = units.get(name, "1")
@@ -230,23 +226,40 @@ def _read_interface(group: "h5py.Group") -> dict[str, Number]:
     return numbers
 
 
-def _read_simulated(group: "h5py.Group") -> SimulatedRecord:
+def _read_master(group: "h5py.Group") -> SolvedRecord:
+    if "position" not in group:
+        return _read(group, AgeingRecord if "mass_defect" in group else SolvedRecord)
+    from master.soft.regime import Regime
+    from master.soft.slips import Slips
+
+    slips = _read(group, Slips, "slip_")
+    regime = _read(group, Regime, slips=int(slips.drive.size), trend=None)
+    trend = float(group.attrs.get("trend", math.nan))
+    regime = replace(regime, trend=None if math.isnan(trend) else trend)
+    return _read(group, SoftRecord, slips=slips, regime=regime)
+
+
+def _read_eq(group: "h5py.Group") -> "Simulated":
+    from eq_model import CoupledResult, CoupledSlips, EnsembleResult
     from eq_model.histogram import Histogram
 
+    if "positions" in group:
+        return _read(group, CoupledResult, slips=_read(group, CoupledSlips, "slip_"))
     size = len(group[_HISTOGRAMS]) if _HISTOGRAMS in group else 0
     found = [_read(group[f"{_HISTOGRAMS}/{index}"], Histogram) for index in range(size)]
-    kind = CoupledRecord if "positions" in group else SimulatedRecord
-    return _read(group, kind, histograms=found)
+    return _read(group, EnsembleResult, histograms=found)
 
 
-def _read(group: "h5py.Group", kind: type[Any], **given: Any) -> Any:
-    """The record of this kind that the group holds, with the fields that are `given`."""
-    values: dict[str, Any] = {name: data[()] for name, data in group.items() if name not in given}
-    for name, value in group.attrs.items():
-        plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-        values[name] = tuple(plain) if isinstance(plain, list) else plain
+def _read(group: "h5py.Group", kind: type[Any], prefix: str = "", **given: Any) -> Any:
+    """A record of this kind with the fields that the group holds under their names, and those `given`."""
+    values = {field.name: field.default for field in fields(kind) if field.default is not MISSING}
+    for name in (field.name for field in fields(kind)):
+        if (stored := f"{prefix}{name}") in group.attrs:
+            value = group.attrs[stored]
+            plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+            values[name] = tuple(plain) if isinstance(plain, list) else plain
+        elif stored in group and name not in given:
+            values[name] = group[stored][()]
     if _PER_RANK in values:  # of thousands of ranks: too many for an attribute
-        values[_PER_RANK] = tuple(values[_PER_RANK].tolist())
-    own = {field.name: field.default for field in fields(kind) if field.default is not MISSING}
-    own |= values | given
-    return kind(**{field.name: own[field.name] for field in fields(kind)})
+        values[_PER_RANK] = values[_PER_RANK].tolist()
+    return kind(**values | given)

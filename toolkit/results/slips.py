@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.results.records import CoupledRecord, Result, SoftRecord
+from toolkit.results.records import Result, SoftRecord, is_coupled
 from toolkit.scene.interfaces import with_error
 
 _SHOWN = 10  # slips that are told one by one
@@ -32,10 +32,10 @@ class SlipBeside(NamedTuple):
 def slips_beside(result: Result) -> list[SlipBeside]:
     """Slips in turn, of a result that has both solvers' on a soft slider; none of others."""
     solved, eq = result.master, result.eq
-    if not isinstance(solved, SoftRecord) or not isinstance(eq, CoupledRecord):
+    if not isinstance(solved, SoftRecord) or not is_coupled(eq):
         return []
     slips, found = eq.slips, []
-    for number, (drive, drop) in enumerate(zip(solved.slip_drive, solved.slips.drop, strict=True)):
+    for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
         if have := int((slips.number == number).sum()):
             own = *slips.mean("drive", number), *slips.mean("drop", number)
             found.append(SlipBeside(number, float(drive), float(drop), *own, have))
@@ -45,9 +45,9 @@ def slips_beside(result: Result) -> list[SlipBeside]:
 def slip_lines(result: Result) -> list[str]:
     """The comparison slip by slip, as lines of text; none where it is not of soft sliders."""
     solved, eq = result.master, result.eq
-    if not isinstance(eq, CoupledRecord):
+    if not is_coupled(eq):
         return []
-    replicas, own = len(eq.forces), eq.slip_number.size
+    replicas, own = len(eq.forces), eq.slips.number.size
     least = f"avalanches of at least {eq.slip_fraction:g} of the contacts"
     sizes = f"in {replicas} replicas: {least}"
     if not isinstance(solved, SoftRecord):
@@ -58,7 +58,7 @@ def slip_lines(result: Result) -> list[str]:
         lines.append(f"slips   and {len(beside) - _SHOWN} more, in result.h5")
     scale = (eq.contacts / replicas) ** (-2.0 / 3.0)
     late = f"N contacts slip late by some N^(-2/3) = {scale:.1e} of <x_s>, more at each slip"
-    number = solved.slip_drive.size
+    number = solved.slips.drive.size
     lines.append(f"slips   {number} of the master equation, {own} of eq {sizes}; {late}")
     return lines
 

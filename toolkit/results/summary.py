@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.results.records import AgeingRecord, CoupledRecord, Result, SoftRecord
+from toolkit.results.records import AgeingRecord, Result, SoftRecord, is_coupled
 from toolkit.results.slips import slips_beside
 
 
@@ -18,9 +18,10 @@ def summary(result: Result) -> dict[str, Any]:
         own = _of(solved, "force_error run_time success message")
         own |= {"tolerance": asked.master.tolerance, "last_force": float(solved.force[-1])}
         if isinstance(solved, SoftRecord):
-            own |= _of(solved, "verdict reason slip_drive_error period")
-            own |= _of(solved, "critical_spring critical_spring_error")
-            own |= {"slips": solved.slip_drive.size, "period_error": 2.0 * solved.slip_drive_error}
+            error = float(solved.slips.drive_error)
+            own |= _of(solved.regime, "verdict reason critical_spring critical_spring_error slips")
+            own |= {"slip_drive_error": error, "period": float(solved.period)}
+            own["period_error"] = 2.0 * error
         if isinstance(solved, AgeingRecord):
             own["largest_mass_defect"] = float(np.abs(solved.mass_defect).max())
             own["largest_positivity_defect"] = float(solved.positivity_defect.max())
@@ -34,8 +35,8 @@ def summary(result: Result) -> dict[str, Any]:
         own["largest_step_error"] = float(np.max(eq.step_error))
         own["breaks_per_rank"] = [int(breaks) for breaks in eq.breaks_per_rank]
         own["last_force"] = float(eq.force[-1])
-        if isinstance(eq, CoupledRecord):
-            own["slip_fraction"], own["slips"] = float(eq.slip_fraction), eq.slip_number.size
+        if is_coupled(eq):
+            own["slip_fraction"], own["slips"] = float(eq.slip_fraction), eq.slips.number.size
             own["slips_beside"] = [slip._asdict() for slip in slips_beside(result)]
         content["eq"] = own
     if sweep is not None:

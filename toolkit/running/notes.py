@@ -3,7 +3,7 @@
 import numpy as np
 
 from origins.contacts import too_hot
-from toolkit.results.records import SimulatedRecord, SolvedRecord
+from toolkit.results.records import Simulated, SolvedRecord
 from toolkit.scene.scene import Scene
 
 _FAR = 1e6  # mean thresholds: a longer drive is hardly meant
@@ -48,7 +48,7 @@ def foreseen(scene: Scene) -> list[str]:
     return said
 
 
-def all_hold(scene: Scene, master: SolvedRecord | None, eq: SimulatedRecord | None) -> list[str]:
+def all_hold(scene: Scene, master: SolvedRecord | None, eq: "Simulated | None") -> list[str]:
     """A note where nothing breaks, which beside both solvers the comparison says."""
     mean, to_within = scene.contacts.mean_threshold, ""
     if (master is None) == (eq is None):

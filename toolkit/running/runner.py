@@ -133,8 +133,7 @@ def solve(
     if ensemble is not None:
         with laws.inside("eq", _EQ_KEYS), shown("eq") as bar:
             found = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
-        eq = record_of(found)
-        finished = not unfinished(ensemble, found)
+        eq, finished = found, not unfinished(ensemble, found)
     notes = [*remarks(law), *numerical_only(law), *foreseen(scene)]
     result = Result(
         name=scene.name,
