@@ -13,9 +13,8 @@ from conftest import HANGS, clean_environment
 import toolkit
 from origins.errors import InputError
 from toolkit.commands.run import report
-from toolkit.running.checkpoint import Checkpoint
 from toolkit.results.slips import slips_beside
-from toolkit.running.runner import make_ensemble, solve
+from toolkit.running.runner import make_ensemble
 from toolkit.scene.scene import load_scene
 from toolkit.scene.toml import to_toml
 
@@ -75,27 +74,6 @@ def test_a_result_comes_back_from_its_folder(result, tmp_path):
     told = json.loads((tmp_path / "summary.json").read_text())["eq"]
     assert told["slips"] == 36 and told["slip_fraction"] == 0.3 and len(told["slips_beside"]) == 3
     assert np.all(read.time == result.time) and read.time[-1] == 7.0
-
-
-def test_a_run_goes_on_from_the_replicas_that_are_finished(result, tmp_path):
-    scene = load_scene(SCENE)
-    kept = Checkpoint(tmp_path, scene, every=1e-9)
-    ensemble = make_ensemble(scene, scene.eq, None, earlier=kept.earlier())
-    for done, _ in ensemble:
-        kept.keep(ensemble.state)
-        if done >= 5 * 400:
-            break
-    again = Checkpoint(tmp_path, scene)
-    found, finished = solve(scene, None, kept=again)
-    assert finished and any(
-        "went on from a checkpoint of 2,000 contacts" in note for note in found.notes
-    )
-    for name in ("forces", "positions", "avalanches", "breaks"):
-        assert np.all(getattr(found.eq, name) == getattr(result.eq, name))
-    assert np.array_equal(found.eq.slips.drive, result.eq.slips.drive)
-    other = load_scene(SCENE | {"drive": SCENE["drive"] | {"spring": 0.8}})
-    with pytest.raises(InputError, match=r"drive.spring = 0.7 there and 0.8 here"):
-        Checkpoint(tmp_path, other).earlier()
 
 
 KILLED = """

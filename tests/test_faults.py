@@ -511,4 +511,4 @@ def test_what_is_no_table_is_not_shown(capsys: Any) -> None:
     law = {"kind": "from-samples", "file": "words.txt"}
     assert main(["run", write(contacts={"thresholds": law})]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "secret" not in line and "line 2 holds no number" in line
+    assert "secret" not in line and "line 2 must hold one number" in line

@@ -2,16 +2,13 @@
 
 import json
 import os
-import threading
 import tomllib
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import h5py
 import numpy as np
 import pytest
-from conftest import HANGS
 
 import eq_model
 import master
@@ -19,12 +16,10 @@ import toolkit
 from origins.errors import InputError
 from toolkit.command import main
 from toolkit.pictures.run import plot_force
-from toolkit.pictures.thresholds import plot_density
 from toolkit.results.files import summary
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.results.records import OWN_UNIT, sample_curve
 from toolkit.results.slips import slips_beside
-from toolkit.running.progress import Progress
 from toolkit.running.runner import solve_master
 from toolkit.scene.scene import SHIPPED, shipped_scenes
 from toolkit.scene.toml import to_toml
@@ -100,13 +95,6 @@ def test_what_the_ensemble_refuses_is_named_as_in_the_scene(key: str, value: int
     with pytest.raises(InputError) as caught:
         toolkit.run(tables)
     assert str(caught.value).startswith(message)
-
-
-def test_progress_counts_up_to_the_whole() -> None:
-    told: list[tuple[int, int]] = []
-    toolkit.run(small("gaussian", contacts=100_000), progress=lambda done, total: told.append((done, total)))
-    assert told[-1] == (400_000, 400_000) and len(told) > 2
-    assert [done for done, _ in told] == sorted({done for done, _ in told})
 
 
 def test_the_master_equation_tells_its_error() -> None:
@@ -190,16 +178,6 @@ def test_curve_of_a_picture_misses_no_peak(name: str) -> None:
     assert curve.survival[0] == 1.0 and (np.diff(curve.survival) <= 1e-12).all()
 
 
-def test_picture_shows_where_the_thresholds_lie() -> None:
-    from matplotlib.figure import Figure
-
-    for name, first, last in (("one-peak", 0.99, 1.01), ("gaussian", 0.7, 1.3), ("rectangular", 0.0, 2.0)):
-        axes = Figure().subplots()
-        plot_density(axes, sample_curve(toolkit.load_scene(name).contacts.thresholds))
-        low, high = axes.get_xlim()
-        assert first <= low < high <= last and axes.get_xlabel() == "threshold $x$"
-
-
 def test_saving_again_replaces_its_own_files_only(result: Any, tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "summary.json").write_text("old")
@@ -256,20 +234,6 @@ def test_nothing_of_another_scene_stays_beside_a_new_result(tmp_path: Path, monk
     assert sorted(os.listdir(out)) == sorted([*ours, *told, "checkpoint", "notes.txt", "sweep.csv"])
 
 
-def test_folders_on_the_way_are_made(tmp_path: Path) -> None:
-    write_folder(tmp_path / "deep/er/out", {"a": lambda path: path.touch()})
-    assert os.listdir(tmp_path) == ["deep"] and os.listdir(tmp_path / "deep/er/out") == ["a"]
-
-
-def test_full_disk_is_one_line(tmp_path: Path) -> None:
-    def full(path: Path) -> None:
-        raise OSError(28, "No space left on device")
-
-    with pytest.raises(InputError, match=r"^out = .*: cannot be written: No space left on device$"):
-        write_folder(tmp_path / "out", {"a": full})
-    assert os.listdir(tmp_path) == []
-
-
 def test_path_below_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     for folder in (tmp_path / "file", tmp_path / "file/below/it"):
@@ -302,17 +266,6 @@ def test_plot_draws_on_the_axes_given(result: Any) -> None:
     assert np.allclose(np.diff(heights, axis=1)[:, 0], 2.0 * result.eq.force_standard_error[shown])
 
 
-def test_a_temperature_at_which_contacts_hold_nothing_is_noted() -> None:
-    def notes(temperature: float) -> tuple[str, ...]:
-        law = {"kind": "gaussian", "mean": 1.0, "std": 0.1}
-        contacts = {"thresholds": law, "thermal": {"law": "soft", "temperature": temperature}}
-        return toolkit.run({"contacts": contacts, "drive": {"to": 0.1, "points": 3}, "master": {}}).notes
-
-    assert notes(90.0) == ()
-    (note,) = notes(505.0)
-    assert note.startswith("the temperature is 500 <x_s^2>: barriers are 0.001 k_BT")
-
-
 @pytest.mark.parametrize(
     ("drive", "solver", "told"),
     [
@@ -331,18 +284,6 @@ def test_a_path_on_which_nothing_breaks_is_noted(drive: dict, solver: dict, told
     assert list(notes) == ([] if told is None else [f"no contact breaks on this {told}, and sliding takes several"])
 
 
-def test_births_beyond_nearly_all_thresholds_are_noted() -> None:
-    def notes(mean: float) -> tuple[str, ...]:
-        again = {"kind": "gaussian", "mean": mean, "std": 0.05}
-        contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}, "reforming": again}
-        drive = {"to": 1.0, "points": 3}
-        return toolkit.run({"contacts": contacts, "drive": drive, "master": {"tolerance": 1e-4}}).notes
-
-    assert notes(0.5) == ()
-    (note,) = notes(2.0)
-    assert note.startswith("contacts form again about x = 2, and only 8e-24 of all thresholds are beyond that")
-
-
 def test_pictures_name_ages_rates_and_units() -> None:
     from matplotlib.figure import Figure
 
@@ -357,17 +298,6 @@ def test_pictures_name_ages_rates_and_units() -> None:
     result = toolkit.run(late | {"drive": {"to": 1e-7, "times": [0.1], "points": 3}})
     toolkit.plot(result, axes)
     assert axes[0].get_xlabel() == "time $t$ (s)" and axes[0].get_title().endswith("delay: time = 0.01")
-
-
-@pytest.mark.parametrize(
-    "law",
-    [{"kind": "identical", "value": 1.0}, {"kind": "rectangular", "lower": 0.5, "upper": 1.5}],
-    ids=["identical", "rectangular"],
-)
-def test_picture_of_every_sort_of_law_is_drawn(law: dict[str, Any], tmp_path: Path) -> None:
-    scene = {"contacts": {"thresholds": law}, "drive": {"to": 2.0, "points": 21}, "master": {}}
-    toolkit.save(toolkit.run(scene), tmp_path)
-    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_what_a_hold_leaves_is_in_the_result() -> None:

@@ -14,7 +14,7 @@ import pytest
 
 import toolkit
 from origins.errors import InputError
-from toolkit.running.checkpoint import Checkpoint, identity
+from toolkit.running.checkpoint import Checkpoint, identity, write_state
 from toolkit.running.runner import make_ensemble
 
 SCENE: dict[str, Any] = {
@@ -24,19 +24,7 @@ SCENE: dict[str, Any] = {
     "eq": {"contacts": 29 << 14, "replicas": 1, "seed": 5, "histograms": [2.0]},
 }
 BLOCK = 1 << 14
-GAUSSIAN = SCENE["contacts"]["thresholds"]
-SOFT = {"law": "soft", "temperature": 0.05}
-GRAINS = {"kind": "growing-grains", "alpha": 1.0, "B": 1.0, "age": 4.0}
-AGEING = {"rate": 1e-3, "final": {"kind": "gaussian", "mean": 1.2, "std": 0.05}}
-LOOP = {"turns": [1.4, -0.6, 0.4], "points": 12}
 # contacts, drive, number
-LAWS: dict[str, tuple[Any, Any, int]] = {
-    "delay": (SCENE["contacts"], {"to": 2.0, "points": 11}, 600_000),
-    "soft": ({"thresholds": GAUSSIAN, "thermal": SOFT}, LOOP, 200_000),
-    "ageing": ({"thresholds": GAUSSIAN, "ageing": AGEING}, {"to": 2.0, "points": 11}, 30_000),
-    "grains": ({"thresholds": GRAINS, "thermal": SOFT}, LOOP, 15_000),
-}
-
 # The command in this process, which may end after so many blocks, before or after their checkpoint, or some time after
 # that of a share of the contacts, whatever it does by then; no picture, which takes longer than all else.
 PROGRAM = """
@@ -147,32 +135,6 @@ print(json.dumps(told), file=stdout)
     kept = np.cumsum([0] + [3 if late else 2 for late, *_ in told[:-1]])
     assert [followed(error) for *_, error in told] == [BLOCK * int(blocks) for blocks in kept]
     same(tmp_path / "whole", tmp_path / "out")
-
-
-def test_killed_at_10_to_90_percent_of_its_contacts(python: Callable[..., Any], tmp_path: Path) -> None:
-    """Twenty times, of contacts that wait, that break by themselves, that age and that grow stronger; in the middle of
-    whatever it does some milliseconds later."""
-    for name, (contacts, drive, number) in LAWS.items():
-        last = drive.get("to", 0.4)
-        asked = SCENE["eq"] | {"contacts": number, "histograms": [last]}
-        scene_file(tmp_path, name, contacts=contacts, drive=drive, eq=asked)
-    program = """
-for name in sys.argv[1:]:
-    assert run(words(name + "/whole", "60", name)) == 0
-    for share in (0.1, 0.3, 0.5, 0.7, 0.9):
-        out, delay = f"{name}/{share}", 1e-3 * (1 + 0.4 * len(told))
-        status, _ = child(words(out, scene=name), "error", share=share, delay=delay)
-        told.append([name, out, share, status, *child(words(out, "60", name), "error")])
-print(json.dumps(told), file=stdout)
-"""
-    done = python(CHILDREN + program, *LAWS)
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert len(told) == 20
-    for name, folder, share, killed, status, error in told:
-        assert killed == -signal.SIGALRM and status == 0
-        assert followed(error) >= share * LAWS[name][2]
-        same(tmp_path / name / "whole", tmp_path / folder)
 
 
 def test_ranks_killed_one_or_all_and_another_number_goes_on(
@@ -295,16 +257,6 @@ def test_thresholds_from_a_file_that_changed_are_another_run(tmp_path: Path) -> 
     assert [key for key in names[0] if names[0][key] != names[1][key]] == ["contacts.thresholds as drawn"]
 
 
-def test_long_lists_are_told_apart_in_few_letters() -> None:
-    names = []
-    for last in (1.5, 1.6):
-        law = {"kind": "from-samples", "x_s": [*np.linspace(1.0, 1.4, 500), last]}
-        names.append(identity(toolkit.load_scene(SCENE | {"contacts": {"thresholds": law}})))
-    apart = [key for key in names[0] if names[0][key] != names[1][key]]
-    assert apart == ["contacts.thresholds.x_s", "contacts.thresholds as drawn"]
-    assert max(map(len, names[0].values())) < 100
-
-
 def interrupting(done: int, expected: int) -> None:
     if done >= 2 * BLOCK:
         signal.raise_signal(signal.SIGINT)
@@ -325,47 +277,26 @@ def test_interrupted_in_a_notebook_the_finished_blocks_are_the_result(monkeypatc
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-def test_interrupted_ranks_wait_for_the_others(mpirun: Callable[..., Any]) -> None:
-    """In an interactive session: one of two, and both."""
-    program = """
-import json, signal, sys
-import eq_model, toolkit
-from mpi4py import MPI
-sys.ps1, comm = ">>> ", MPI.COMM_WORLD
-tables, told = json.loads(sys.argv[1]), []
-for victims in ((1,), (0, 1)):
-    def progress(done, expected):
-        if comm.Get_rank() in victims and done == 4 * (1 << 14):
-            signal.raise_signal(signal.SIGINT)
-    found = toolkit.run(tables, comm=comm, progress=progress).eq
-    told.append([found.contacts, found.message.split(":")[0], found.success])
-every = comm.gather(told)
-if comm.Get_rank() == 0:
-    print(json.dumps(every))
-"""
-    done = mpirun(2, program, json.dumps(SCENE | {"eq": SCENE["eq"] | {"contacts": 10 * BLOCK}}))
-    assert done.returncode == 0, done.stderr
-    one, other = json.loads(done.stdout)
-    assert [row[0] for row in one] == [row[0] for row in other] == [7 * BLOCK, 4 * BLOCK]
-    assert [row[1] for row in other] == ["interrupted"] * 2 and one[1][1] == "interrupted"
-    assert not any(row[2] for row in one + other)
 
 
-def test_without_a_folder_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert toolkit.run(SMALL).eq is not None
-    assert os.listdir(tmp_path) == []
-
-
-def test_histograms_are_read_back_each_when_asked_for(tmp_path: Path) -> None:
-    tables = SCENE | {"eq": {"contacts": 1000, "replicas": 1, "histograms": [1.0, 2.0]}}
-    result = toolkit.run(tables, folder=tmp_path)
-    back = toolkit.load(tmp_path)
-    assert result.eq is not None and back.eq is not None and len(back.eq.histograms) == 2
-    for one, other in zip(result.eq.histograms, back.eq.histograms, strict=True):
-        for field in dataclasses.fields(one):
-            assert np.array_equal(getattr(one, field.name), getattr(other, field.name)), field.name
-    assert [one.position for one in back.eq.histograms] == [1.0, 2.0]
-    toolkit.run(tables, folder=tmp_path)
-    with pytest.raises(InputError, match="another one since it was loaded; load it again"):
-        back.eq.histograms[0]
+def test_no_contact_counts_twice_and_what_is_damaged_is_done_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Rank 0's file holds what another, which was not yet taken away, holds too; a third is spoiled."""
+    scene = toolkit.load_scene(SCENE | {"eq": SCENE["eq"] | {"contacts": 6 * BLOCK}})
+    whole = toolkit.run(scene, folder=tmp_path / "whole").eq
+    home, told, states = tmp_path / "out/checkpoint", identity(scene), list[Any]()
+    home.mkdir(parents=True)
+    for _ in range(2):
+        ensemble = make_ensemble(scene, scene.eq, None, earlier=states[-1:])  # type: ignore[arg-type]
+        next(iter(ensemble))
+        states.append(ensemble.state)
+    for rank, state in enumerate(reversed(states)):
+        write_state(home / f"000-rank-{rank:05d}.npz", state, told)
+    spared = (home / "000-rank-00001.npz").read_bytes()
+    (home / "000-rank-00002.npz").write_bytes(spared[:-3000] + bytes([spared[-3000] ^ 4]) + spared[-2999:])
+    (found,) = Checkpoint(tmp_path / "out", scene).earlier(only_look=True)
+    assert found.contacts == 2 * BLOCK and len(os.listdir(home)) == 3
+    assert toolkit.run(scene, folder=tmp_path / "out").eq is not None and whole is not None
+    assert "000-rank-00002.npz: is damaged; what it held is done again" in capsys.readouterr().err
+    same(tmp_path / "whole", tmp_path / "out")

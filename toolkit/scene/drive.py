@@ -1,5 +1,6 @@
 """A scene's [drive]: where the slider goes, and when, as points of a path."""
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _MOST_POINTS = 10_000_000
 _LISTED = 4  # other speeds that are told
 _LEAST_SCALE = 1e-14  # of times, whose rounding it would be
@@ -44,16 +46,11 @@ def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
             f'which each has N_c<k> = {each:.3g} N/m, or spring = "{given:g} N_c<k>" for so many times that',
         )
     number, _, unit = given.partition(" ")
-    try:
-        value = float(number)
-    except ValueError:
-        rule = 'must be a number and a unit, such as "50 N/m" or "0.5 N_c<k>"'
-        refuse("drive.spring", given, rule)
-    positive("drive.spring", value, "such as 0.5")
+    if not _NUMBER.fullmatch(number) or unit not in ("N/m", "N_c<k>"):
+        refuse("drive.spring", given, 'must be a number and a unit, "50 N/m" or "0.5 N_c<k>"')
+    value = positive("drive.spring", float(number), "such as 0.5")
     if unit == "N_c<k>":
         return value
-    if unit != "N/m":
-        refuse("drive.spring", given, 'must be in "N/m" or "N_c<k>"')
     if interface is None:
         rule = "needs <k> in N/m, which thresholds from a rough surface know; give a number"
         refuse("drive.spring", given, rule)
@@ -136,12 +133,10 @@ def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
             rule = "is of holds, and without drive.times there is none"
             refuse("drive.hold_scale", table.hold_scale, rule)
         same = np.flatnonzero(np.diff(places) == 0.0)
-        if same.size and given and not same[0]:
-            rule = "is where the path ends or turns first; leave it out, or put it elsewhere"
-            refuse("drive.from", begin, rule)
         if same.size:
+            key = "drive.from" if given and not same[0] else f"drive.turns[{same[0]}]"
             rule = "is where the path already stands; leave it out, or give drive.times for a hold"
-            refuse(f"drive.turns[{same[0]}]", ends[same[0]], rule)
+            refuse(key, places[same[0] + 1], rule)
         return places, None
     if len(table.times) != len(ends) + given:
         own = "drive.from and each of drive.turns" if given else "each of drive.turns"

@@ -3,12 +3,12 @@
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
 import origins
-from origins.errors import refuse, shown, whole
+from origins.errors import refuse, whole
 from toolkit.scene.given_files import read_text
 
 QUANTITIES = ("x_s", "f_s")
@@ -67,40 +67,30 @@ def from_samples(
 
 def _read(file: str, lines: list[str], columns: dict[str, int | None]) -> np.ndarray:
     """The values of these columns, counted from 1 (None: of the only one), a row for each line."""
-    rows: list[list[float]] = []
-    width = 0
-    for number, line in enumerate(lines, start=1):
-        words = _words(line.partition("#")[0])
-        values = [_number(word) for word in words]
-        # a file of words alone may be no table, and not meant to be shown
-        told = shown(line.strip()) if rows or not all(map(np.isnan, values)) else "no number"
-
-        def bad(rule: str, here: str = f"line {number} holds {told}") -> NoReturn:
-            refuse("file", file, f"{here}; {rule}")
-
-        if not words:
-            continue
-        if not width:
-            width = len(words)
-            if all(np.isnan(value) for value in values) and "nan" not in words:
-                continue  # a header
-        if len(words) != width:
-            bad(f"all lines must have as many columns as the first, {width}")
-        rows.append([])
-        for name, place in columns.items():
-            if place is None and width > 1:
-                bad(f"say which of the {width} columns holds {name}, such as column = {width}")
-            if (place or 1) > width:
-                bad(f"there is no column {place}")
-            value = values[(place or 1) - 1]
-            if not (np.isfinite(value) and value > 0.0):
-                bad(
-                    f"{name} must be a number, finite and above zero, one a line, or a header first"
-                )
-            rows[-1].append(value)
-    if not rows:
+    words = {number: _words(line.partition("#")[0]) for number, line in enumerate(lines, start=1)}
+    rows = {number: [_number(word) for word in line] for number, line in words.items() if line}
+    if rows and all(value is None for value in next(iter(rows.values()))):
+        del rows[next(iter(rows))]  # a header
+    width = len(next(iter(rows.values()), []))
+    if not width:
         refuse("file", file, "holds no numbers; write one value a line")
-    return np.array(rows)
+    table = []
+    for name, place in columns.items():
+        if place is None and width > 1:
+            rule = f"say which of the {width} columns holds {name}, such as column = {width}"
+            refuse("file", file, f"holds several columns; {rule}")
+        if (place or 1) > width:
+            refuse("file", file, f"there is no column {place}")
+        for number, row in rows.items():
+            value = row[(place or 1) - 1] if len(row) == width else None
+            if value is None or not (np.isfinite(value) and value > 0.0):
+                # not the line itself: what is no table may not be meant to be shown
+                many = f"{width} columns, as many as the first" if width > 1 else "one number"
+                refuse(
+                    "file", file, f"line {number} must hold {many}, {name} finite and above zero"
+                )
+            table.append(value)
+    return np.reshape(table, (len(columns), -1)).T
 
 
 def _words(line: str) -> list[str]:
@@ -116,9 +106,8 @@ def _words(line: str) -> list[str]:
     return line.replace(",", " ").split()
 
 
-def _number(word: str) -> float:
-    """nan for what is no number."""
+def _number(word: str) -> float | None:
     try:
         return float(word)
     except ValueError:
-        return float("nan")
+        return None
