@@ -56,15 +56,6 @@ def test_a_density_that_diverges_is_cut_and_a_narrow_peak_is_not() -> None:
     assert spans_decades(wide) and axes.get_xscale() == axes.get_yscale() == "log"
 
 
-def test_exact_values_beside_a_density_have_their_own_axis() -> None:
-    law = origins.mixture([origins.rectangular(1e-7, 4e-7), origins.identical(2e-7)], [0.6, 0.4])
-    plot_density(axes := Figure().subplots(), sample_curve(law))
-    _, own = axes.figure.axes
-    assert own.get_ylabel() == "weight at one value" and 0.4 < own.get_ylim()[1] < 0.5
-    plot_density(alone := Figure().subplots(), sample_curve(origins.identical(2e-7)))
-    assert len(alone.figure.axes) == 1 and alone.get_ylabel() == "weight at one value"
-
-
 def test_comparison_of_scenes_that_are_decades_apart() -> None:
     kinds = [({"kind": "identical", "value": 1.0}, 3.0), ({"kind": "gw-elastic", "B": 1.0}, 100.0)]
     kinds.append(({"kind": "gaussian", "mean": 7e-9, "std": 7e-12}, 1.4e-8))

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import master
@@ -90,18 +89,6 @@ def test_numbers_are_the_solvers_own_in_mean_thresholds(write: Writer) -> None:
     assert abs(evidence["static_to_kinetic"] - evidence["expected"]) < 5.0 * evidence["static_to_kinetic_error"]
 
 
-def test_table_says_what_each_number_is_worth() -> None:
-    verdicts = compare([toolkit.load_scene(tables(thresholds)) for thresholds in (WIDE, NARROW)])
-    head, rule, first, second, *notes = table(verdicts)
-    assert any(line.startswith("max |z|") for line in notes)
-    assert len(rule) == len(head) and set(rule) == {"-"}
-    assert len(first) == len(second) == len(head)
-    assert first.count("±") == second.count("±") == 5
-    spring = f"{verdicts[0].critical_spring:.6g} ± {verdicts[0].critical_spring_error:.1g}"
-    # the column's right end is where its title ends
-    assert first.index(spring) + len(spring) == head.index("K*/(N<k>)") + len("K*/(N<k>)")
-
-
 def test_ensemble_alone_and_master_alone() -> None:
     alone = toolkit.load_scene(tables(NARROW, eq=EQ))
     exact = toolkit.load_scene(tables(NARROW, master={}))
@@ -149,19 +136,6 @@ def test_why_a_spring_is_infinite(start: float) -> None:
     at = 1.0 - start
     _, before, after = master.solve(scene.contacts, [0.0, at * (1.0 - 1e-9), at * (1.0 + 1e-9)]).force
     assert before - after == pytest.approx(0.25, abs=1e-6)
-
-
-def test_a_note_for_several_scenes_is_one_line_and_samples_have_an_onset_error() -> None:
-    x = np.random.default_rng(5).gamma(6.0, 1.0 / 6.0, size=200).tolist()
-    scenes = [tables({"kind": "from-samples", "x_s": x}, master={}), tables(EXACT), tables(EXACT)]
-    verdicts = compare([toolkit.load_scene(one) for one in scenes])
-    assert all(verdict.onset_power_error > 0.0 for verdict in verdicts if verdict.sampled)
-    lines = table(verdicts)
-    (line,) = (line for line, verdict in zip(lines[2:], verdicts, strict=False) if verdict.sampled)
-    (own,) = (verdict for verdict in verdicts if verdict.sampled)
-    assert 1.0 <= own.onset_power_error < 10.0  # so that there are no digits behind the point
-    assert line.split()[2:5:2] == [f"{own.onset_power:.0f}", f"{own.onset_power_error:.0f}"]
-    assert sum("all contacts break at one value" in one for one in lines) == 1
 
 
 BAD = [

@@ -14,8 +14,6 @@ import toolkit
 from origins.errors import InputError
 from toolkit.commands.run import report
 from toolkit.results.slips import slips_beside
-from toolkit.running.runner import make_ensemble
-from toolkit.scene.scene import load_scene
 from toolkit.scene.toml import to_toml
 
 SCENE = {
@@ -111,21 +109,6 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bits(result, tmp_path):
     for name in ("forces", "positions", "avalanches", "breaks"):
         assert np.all(getattr(read.eq, name) == getattr(result.eq, name))
     assert np.array_equal(read.eq.slips.drive, result.eq.slips.drive)
-
-
-def test_a_wall_time_ends_it_with_whole_replicas():
-    scene = load_scene(SCENE | {"eq": SCENE["eq"] | {"wall_time": 1.0}})
-    ensemble = make_ensemble(scene, scene.eq, None)
-    seconds = iter(0.4 * n for n in range(1000))
-    ensemble.clock = lambda: next(seconds)
-    for _ in ensemble:
-        pass
-    found = ensemble.result()
-    assert (
-        not found.success
-        and 0 < len(found.forces) < 12
-        and "stopped before all 12" in found.message
-    )
 
 
 def test_an_ensemble_alone_and_what_a_dry_run_tells(capsys):

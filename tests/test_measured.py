@@ -84,13 +84,6 @@ def test_errors_of_samples_are_sampling_errors(monkeypatch: pytest.MonkeyPatch) 
     assert sampling_errors(origins.Contacts(origins.gaussian(1.0, 0.1))) == {}
 
 
-def test_a_smooth_law_that_misses_its_samples_says_so() -> None:
-    coarse = np.round(np.random.default_rng(0).weibull(2.0, 3000) + 0.05, 1)
-    (note,) = misfit(origins.from_samples(coarse))
-    assert "from that of the samples, sampling allows 0.025" in note
-    assert misfit(origins.from_samples(SAMPLES)) == misfit(origins.gaussian(1.0, 0.1)) == []
-
-
 def test_few_samples_and_values_that_repeat_too_rarely_to_be_exact_are_told() -> None:
     (note,) = misfit(origins.from_samples([1.0, 1.0, 2.0, 2.0]))
     assert note == (
@@ -113,12 +106,6 @@ def test_a_run_with_samples_says_whose_errors_it_tells() -> None:
     (note,) = notes({"kind": "from-samples", "x_s": SAMPLES.tolist()})
     assert note.startswith("errors are numerical only, not those of the samples: ") and "bootstrap" in note
     assert [note] == numerical_only(origins.from_samples(SAMPLES))
-
-
-def test_a_mixture_states_its_sampling_errors(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toolkit.scene.sampling.RESAMPLES", 4)
-    law = origins.mixture([origins.from_samples(SAMPLES), origins.gaussian(3.0, 0.2)], [0.5, 0.5])
-    assert describe(origins.Contacts(law)).numbers["mean"].error > 1e-3
 
 
 def test_the_picture_shows_the_samples() -> None:

@@ -11,12 +11,10 @@ import mpmath
 import numpy as np
 import pytest
 
-import master
 import origins
 from toolkit.command import main
 from toolkit.judge.precision import Ladders, Point, Precision, precision
-from toolkit.judge.references import closed_form, reference
-from toolkit.pictures.precision import save_precision
+from toolkit.judge.references import closed_form
 from toolkit.scene.scene import load_scene
 from toolkit.scene.toml import to_toml
 
@@ -79,13 +77,6 @@ def test_master_errs_less_than_it_claims(measured: Precision) -> None:
     assert points[-1].error < 1e-2 * points[0].error
 
 
-def test_explicit_is_of_first_order(measured: Precision) -> None:
-    points = of(measured, "explicit")
-    order = -np.polyfit(np.log([point.setting for point in points]), np.log([point.error for point in points]), 1)[0]
-    assert abs(order - 1.0) < 0.2
-    assert all(point.claimed_error is None for point in points)
-
-
 def test_ensemble_errs_by_some_standard_errors(measured: Precision) -> None:
     # the worst of many positions: 1 to 4.4 largest standard errors in each of 400 trials
     points = of(measured, "ensemble")
@@ -141,26 +132,6 @@ def test_closed_form_against_many_digits() -> None:
                 assert abs(float(exact - mpmath.mpf(float(force)))) <= found.error * mean
 
 
-@pytest.mark.parametrize(
-    ("thresholds", "start"),
-    [
-        (origins.gaussian(1.0, 0.2), None),  # cut at 0
-        (origins.gaussian(-1.0, 0.5), None),
-        (origins.gaussian(1.0, 0.05), origins.gaussian_start(0.9, 0.05)),  # thresholds below the start
-        (origins.gaussian(1.0, 0.05), origins.gaussian_start(-0.9, 0.05)),
-        (origins.gaussian(1.0, 0.05, form="paper", upper=2.0), None),
-        (origins.rectangular(0.5, 1.5), None),
-    ],
-)
-def test_closed_form_only_where_it_holds(thresholds: Any, start: Any) -> None:
-    contacts, path = origins.Contacts(thresholds, start), np.linspace(0.0, 3.0, 31)
-    assert closed_form(contacts, path) is None
-    found = reference(contacts, path)
-    assert "master equation" in found.source and found.error < 1e-10
-    loose = master.solve(contacts, path, tolerance=1e-5)
-    assert np.abs(found.force - loose.force).max() / contacts.mean_threshold <= loose.force_error + found.error
-
-
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty folder, made the current one, in which the command climbs no further than SHORT."""
@@ -186,10 +157,3 @@ def test_command_prints_and_writes(folder: Path, capsys: pytest.CaptureFixture[s
     assert f"{point['error']:.1e}" in printed[3] and f"{point['claimed_error']:.1e}" in printed[3]
 
 
-def test_picture_of_errors_of_zero(tmp_path: Path) -> None:
-    # one threshold, one stretch: no contact differs from another, and neither solver errs
-    tables = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}
-    exact = precision(load_scene(tables), Ladders((1e-6,), (32,), (100,), (100,)))
-    assert of(exact, "master")[0].error == 0.0 and of(exact, "ensemble")[0].claimed_error == 0.0
-    save_precision(exact, tmp_path / "exact.png")
-    assert (tmp_path / "exact.png").read_bytes().startswith(b"\x89PNG")

@@ -15,7 +15,6 @@ import master
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
-from toolkit.pictures.run import plot_force
 from toolkit.results.files import summary
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.results.records import OWN_UNIT, sample_curve
@@ -23,8 +22,6 @@ from toolkit.results.slips import slips_beside
 from toolkit.running.runner import solve_master
 from toolkit.scene.scene import SHIPPED, shipped_scenes
 from toolkit.scene.toml import to_toml
-
-SURFACE = {"kind": "self-affine", "shape": [64, 64], "pixel_size": 1e-8, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
 
 
 def small(name: str, contacts: int = 400, replicas: int = 4) -> dict[str, Any]:
@@ -81,22 +78,6 @@ def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     assert done.eq.breaks > 1600 and np.ptp(done.master.force) > 0.1 * done.mean_threshold
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "message"),
-    [
-        ("contacts", 2**40, "eq.contacts = 1099511627776: times n_replicas must be at most"),
-        ("replicas", 2**40, "eq.replicas = 1099511627776: must be below"),
-        ("seed", 2**64, "eq.seed = 18446744073709551616: "),
-    ],
-)
-def test_what_the_ensemble_refuses_is_named_as_in_the_scene(key: str, value: int, message: str) -> None:
-    tables = small("gaussian")
-    tables["eq"][key] = value
-    with pytest.raises(InputError) as caught:
-        toolkit.run(tables)
-    assert str(caught.value).startswith(message)
-
-
 def test_the_master_equation_tells_its_error() -> None:
     errors: list[float] = []
     scene = toolkit.load_scene("friction-loop")
@@ -146,29 +127,6 @@ def test_arrays_have_units_and_the_scene_goes_with_them(result: Any, tmp_path: P
         arrays: list[Any] = []
         store.visititems(lambda _, item: arrays.append(item) if isinstance(item, h5py.Dataset) else None)
         assert len(arrays) == 16 and all("units" in array.attrs for array in arrays)
-
-
-def test_lengths_of_a_surface_are_metres(tmp_path: Path) -> None:
-    law = {
-        "kind": "from-topography",
-        "model": "gw",
-        "law": "amontons",
-        "pressure": 1e6,
-        "surface": SURFACE,
-        "material": {"contact_modulus": 1e11, "local_friction": 0.1, "shear_modulus": 4e10},
-    }
-    mean = toolkit.load_scene({"contacts": {"thresholds": law}, "drive": {"to": 1e-8, "points": 2}, "master": {}})
-    scene = {
-        "contacts": {"thresholds": law},
-        "drive": {"to": 5.0 * mean.contacts.mean_threshold, "points": 51},
-        "master": {},
-    }
-    done = toolkit.run(scene)
-    assert done.success and done.mean_threshold < 1e-6
-    toolkit.save(done, tmp_path)
-    with h5py.File(tmp_path / "result.h5") as store:
-        assert store["master/force"].attrs["units"] == "m"
-        assert store["thresholds/density"].attrs["units"] == "1 / m"
 
 
 @pytest.mark.parametrize("name", shipped_scenes())
@@ -251,73 +209,3 @@ def test_no_result_to_load_is_refused(tmp_path: Path) -> None:
         toolkit.load(tmp_path)
 
 
-def test_plot_draws_on_the_axes_given(result: Any) -> None:
-    from matplotlib.figure import Figure
-
-    axes = Figure().subplots(1, 2)
-    assert toolkit.plot(result, axes) is axes
-    line = axes[0].get_lines()[0]
-    assert np.array_equal(line.get_ydata(), result.master.force)
-    (bars,) = axes[0].containers
-    shown = np.isin(result.eq.path, bars.lines[0].get_xdata())
-    assert shown.sum() > 20
-    assert np.array_equal(bars.lines[0].get_ydata(), result.eq.force[shown])
-    heights = np.array([segment[:, 1] for segment in bars.lines[2][0].get_segments()])
-    assert np.allclose(np.diff(heights, axis=1)[:, 0], 2.0 * result.eq.force_standard_error[shown])
-
-
-@pytest.mark.parametrize(
-    ("drive", "solver", "told"),
-    [
-        ({"to": 1e-12}, {"master": {}}, "path, as far as the error tells: it reaches 1e-12 <x_s>"),
-        ({"turns": [0.3, -0.3]}, {"master": {}}, "path, as far as the error tells: it reaches 0.3 <x_s>"),
-        ({"to": 0.3, "spring": 0.5}, {"master": {}}, "path, as far as the error tells: it reaches 0.3 <x_s>"),
-        ({"to": 0.3}, {"eq": {"contacts": 100, "replicas": 2}}, "path: it reaches 0.3 <x_s>"),
-        ({"to": 0.3}, {"eq": {"contacts": 100, "replicas": 2}, "master": {}}, None),  # whose comparison says it
-        ({"to": 0.8}, {"master": {}}, None),
-        ({"to": 1.0}, {"eq": {"contacts": 100, "replicas": 2}}, None),
-    ],
-)
-def test_a_path_on_which_nothing_breaks_is_noted(drive: dict, solver: dict, told: str | None) -> None:
-    law = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
-    notes = toolkit.run({"contacts": {"thresholds": law}, "drive": {"points": 4} | drive} | solver).notes
-    assert list(notes) == ([] if told is None else [f"no contact breaks on this {told}, and sliding takes several"])
-
-
-def test_pictures_name_ages_rates_and_units() -> None:
-    from matplotlib.figure import Figure
-
-    law = {"kind": "growing-grains", "alpha": 1.0, "B": 4.0, "age": 4.0}
-    drive = {"to": 0.5, "points": 3, "velocity": 0.5}
-    axes = Figure().subplots(1, 2)
-    toolkit.plot(toolkit.run({"contacts": {"thresholds": law}, "drive": drive, "master": {"tolerance": 1e-2}}), axes)
-    assert axes[0].get_title().endswith("alpha = 1; v = 0.5")
-    assert axes[1].get_title() == "thresholds at $X$ = 0, age 4"
-    rough = tomllib.loads((SHIPPED / "rough-gw-amontons.toml").read_text())
-    late = {"contacts": rough["contacts"] | {"delay": {"time": 0.01}}, "master": {"tolerance": 1e-2}}
-    result = toolkit.run(late | {"drive": {"to": 1e-7, "times": [0.1], "points": 3}})
-    toolkit.plot(result, axes)
-    assert axes[0].get_xlabel() == "time $t$ (s)" and axes[0].get_title().endswith("delay: time = 0.01")
-
-
-def test_what_a_hold_leaves_is_in_the_result() -> None:
-    from matplotlib.figure import Figure
-
-    scene = {
-        "contacts": {
-            "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2},
-            "thermal": {"law": "soft", "temperature": 0.1},
-        },
-        "drive": {"turns": [1.0, 1.0, 2.0], "times": [1.0, 51.0, 52.0], "points": 31},
-        "master": {"tolerance": 1e-4},
-    }
-    found = toolkit.run(scene).master
-    assert found is not None and found.success
-    # ten points to each piece; the hold lets go of most of the force
-    before, after = found.force[10], found.force[20]
-    assert found.path[10] == found.path[20] == 1.0 and before > 0.4 and after < 0.25 * before
-    spring = scene | {"drive": {**scene["drive"], "spring": 2.0}, "master": {"tolerance": 1e-2}}  # type: ignore[dict-item]
-    pulled = toolkit.run(spring)
-    soft = pulled.master
-    assert soft is not None and soft.force[20] < 0.5 * soft.force[10]
-    assert plot_force(Figure().subplots(), pulled).get_title().endswith("spring 2 N_c<k>, slip: reset")

@@ -184,30 +184,6 @@ print(json.dumps(told), file=stdout)
     assert sorted(os.listdir(tmp_path / "many/checkpoint")) == ["000-rank-00000.npz", "000-rank-00001.npz"]
 
 
-def test_full_disk(python: Callable[..., Any], tmp_path: Path) -> None:
-    """No checkpoint: one warning, and a result if there is room by then. No result: one line. Nothing half written, and
-    the checkpoint still there."""
-    scene_file(tmp_path, eq=SCENE["eq"] | {"contacts": 5 * BLOCK})
-    program = """
-told = [child(words("none"), "error", limit=1000)]
-told.append(child(words("some"), "error", limit=1000, roomy=True))
-child(words("all"), "error", kills=signal.SIGKILL, after=2)
-told.append(child(words("all"), "error", limit=1000))
-print(json.dumps(told), file=stdout)
-"""
-    done = python(FORKS + program)
-    assert done.returncode == 0, done.stderr
-    none, some, rest = json.loads(done.stdout)
-    warned = "mesofriction: {0}/checkpoint: no checkpoint: File too large; the run goes on\n"
-    refused = "mesofriction: out = '{0}': cannot be written: File too large\n"
-    assert none == [2, (warned + refused).format("none")]
-    assert some == [0, warned.format("some")]
-    same(tmp_path / "whole", tmp_path / "some")
-    assert rest[0] == 2 and followed(rest[1]) == 2 * BLOCK and rest[1].endswith((warned + refused).format("all"))
-    assert [str(p.relative_to(tmp_path)) for p in sorted((tmp_path / "none").rglob("*"))] == ["none/checkpoint"]
-    assert os.listdir(tmp_path / "all") == ["checkpoint"] and len(os.listdir(tmp_path / "all/checkpoint")) == 1
-
-
 # -- in one process -----------------------------------------------------------------------------------------
 
 SMALL = SCENE | {"eq": SCENE["eq"] | {"contacts": 3 * BLOCK, "wall_time": 1e-9}}
@@ -300,3 +276,16 @@ def test_no_contact_counts_twice_and_what_is_damaged_is_done_again(
     assert toolkit.run(scene, folder=tmp_path / "out").eq is not None and whole is not None
     assert "000-rank-00002.npz: is damaged; what it held is done again" in capsys.readouterr().err
     same(tmp_path / "whole", tmp_path / "out")
+
+
+def test_a_disk_that_refuses_checkpoints_is_told_once_and_the_run_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("toolkit.running.checkpoint.write_state", refused)
+    found = toolkit.run(SCENE | {"eq": SCENE["eq"] | {"contacts": 5 * BLOCK}}, folder=tmp_path, checkpoint=1e-9).eq
+    assert found is not None and found.success
+    told = f"mesofriction: {tmp_path}/checkpoint: no checkpoint: No space left on device; the run goes on\n"
+    assert capsys.readouterr().err == told

@@ -12,7 +12,7 @@ import toolkit
 from origins import InputError
 from origins.roughness.interface import BOLTZMANN
 from toolkit.command import main
-from toolkit.pictures.sweep import plot_critical_spring, plot_sweep, sweep_panels
+from toolkit.pictures.sweep import plot_sweep, sweep_panels
 
 THRESHOLDS = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
 WARM = {"thresholds": THRESHOLDS, "thermal": {"law": "soft", "temperature": 0.3}}
@@ -114,9 +114,3 @@ def test_sweeps_that_cannot_be_are_refused(sweep: dict[str, Any], says: str) -> 
     assert says in str(refusal.value) and "\n" not in str(refusal.value)
 
 
-def test_a_scene_without_a_drive_says_so_where_one_is_needed() -> None:
-    asked = toolkit.load_scene(scene({"velocity": SPEEDS}))
-    with pytest.raises(InputError, match=r"^drive: is missing; say where the slider goes"):
-        asked.only_forward("precision")
-    with pytest.raises(InputError, match=r"^drive: is missing"):
-        toolkit.load_scene(scene({"velocity": SPEEDS}) | {"master": {}})

@@ -6,9 +6,10 @@ import math
 import os
 import tomllib
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -62,9 +63,8 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
     if (sweep := result.sweep) is not None:
         units = _units(result, short=True) | {"force_error": "<x_s>"}
         writers[TABLE] = lambda path: _write_csv(sweep, units, path)
-    gone, before = list[str](), _earlier(folder)
-    if before is not None and before.sweep is not None and result.sweep is None:
-        gone.append(TABLE)
+    before = _earlier(folder)
+    gone = [TABLE] if before is not None and before.swept and result.sweep is None else []
     if another(folder, result.name, result.text) is not None:
         gone += _THRESHOLDS
     write_folder(folder, writers, gone)
@@ -99,6 +99,26 @@ def load(folder: str | os.PathLike[str]) -> Result:
         )
 
 
+class Earlier(NamedTuple):
+    """Of which scene a result is, by its name and TOML text, and whether it has a sweep."""
+
+    name: str
+    text: str
+    swept: bool
+
+
+def _earlier(folder: str | os.PathLike[str]) -> Earlier | None:
+    """What a folder holds; None where that is no result, or none that can be read."""
+    file = Path(folder) / RESULT
+    with suppress(InputError):
+        if file.is_file():
+            with opened(file) as store:
+                return Earlier(
+                    str(store.attrs["name"]), str(store.attrs["scene"]), "sweep" in store
+                )
+    return None
+
+
 def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
     """In words, whose result `folder` holds; None where that is of this scene, by name and contacts, or none is."""
     before = _earlier(folder)
@@ -106,20 +126,11 @@ def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
         return None
     if before.name != name:
         return f"another scene, {before.name}"
-    try:
-        if before.asked.contacts == read_table(tomllib.loads(text)).contacts:
+    with suppress(ValueError):  # the scene of an older package
+        one, other = (read_table(tomllib.loads(own)).contacts for own in (before.text, text))
+        if one == other:
             return None
-    except InputError:  # the scene of an older package
-        pass
     return "this scene with other contacts"
-
-
-def _earlier(folder: str | os.PathLike[str]) -> Result | None:
-    """The result in a folder; None where there is none, or none that can be read."""
-    try:
-        return load(folder)
-    except InputError:
-        return None
 
 
 def write_json(content: dict[str, Any], path: Path) -> None:

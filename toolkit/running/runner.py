@@ -20,8 +20,9 @@ from toolkit.running.signals import TimeIsUp, no_longer_than
 from toolkit.scene import laws
 from toolkit.scene.interfaces import of_interface, remarks
 from toolkit.scene.sampling import numerical_only
-from toolkit.scene.scene import EqTable, Scene, load_scene
+from toolkit.scene.scene import Scene, load_scene
 from toolkit.scene.sweep import solve_sweep
+from toolkit.scene.tables import EqTable
 from toolkit.version import __version__
 
 if TYPE_CHECKING:

@@ -14,17 +14,9 @@ from typing import Any
 import origins
 from origins.errors import InputError, finite, refuse
 
-THRESHOLDS = {
-    "identical": "origins:identical",
-    "gaussian": "origins:gaussian",
-    "rectangular": "origins:rectangular",
-    "mixture": "origins:mixture",
-    "gw-elastic": "origins:gw_elastic",
-    "gw-plastic": "origins:gw_plastic",
-    "gw-gaussian": "origins:gw_gaussian",
-    "persson": "origins:persson",
-    "lubricated": "origins:lubricated",
-    "grains": "origins:grains",
+_PLAIN = "identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussian persson lubricated grains"
+THRESHOLDS = {kind: f"origins:{kind.replace('-', '_')}" for kind in _PLAIN.split()}
+THRESHOLDS |= {
     "growing-grains": "origins:growing_grains",
     "domains": "toolkit.scene.islands:domains",
     "from-samples": "toolkit.scene.measured:from_samples",

@@ -18,19 +18,11 @@ from origins.contacts import Contacts, TooHot, too_cold
 from origins.drive import Drive
 from origins.errors import InputError, check_tolerance, positive, refuse, shown, whole
 from toolkit.running.ranks import on_root
-from toolkit.scene import laws
+from toolkit.scene import laws, tables
 from toolkit.scene.drive import Speed, make_drive, sliding_speed, spring_number
 from toolkit.scene.given_files import read_text
 from toolkit.scene.histogram_points import histogram_points
 from toolkit.scene.sweep import Sweep, make_sweep
-from toolkit.scene.tables import (
-    ContactsTable,
-    DriveTable,
-    EqTable,
-    MasterTable,
-    SceneTable,
-    read_table,
-)
 from toolkit.scene.toml import to_toml
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
@@ -54,8 +46,8 @@ class Scene:
     folder: Path
     contacts: Contacts
     given_drive: Drive | None
-    master: MasterTable | None
-    eq: EqTable | None
+    master: tables.MasterTable | None
+    eq: tables.EqTable | None
     sweep: Sweep | None
     wall_time: float | None = None
     tolerance_given: bool = True
@@ -155,10 +147,10 @@ def _find(scene: object) -> Path:
 
 
 def _checked(
-    name: str, text: str, tables: Mapping[str, Any], folder: Path, solved: bool, comm: Any
+    name: str, text: str, given: Mapping[str, Any], folder: Path, solved: bool, comm: Any
 ) -> Scene:
     """The scene of these tables, with all that they say checked."""
-    table = read_table(tables)
+    table = tables.read_table(given)
     _check_numbers(name, table, solved)
     contacts = _contacts(table.contacts, folder, comm)
     drive = sweep = None
@@ -169,7 +161,7 @@ def _checked(
     scene = Scene(
         *(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep),
         wall_time=table.wall_time,
-        tolerance_given="tolerance" in tables.get("master", {}),
+        tolerance_given="tolerance" in given.get("master", {}),
     )
     if solved and table.master is not None:
         _ = scene.drive  # which it needs
@@ -181,7 +173,7 @@ def _checked(
     return scene
 
 
-def _check_numbers(name: str, table: SceneTable, solved: bool) -> None:
+def _check_numbers(name: str, table: tables.SceneTable, solved: bool) -> None:
     """Raise InputError for a name or a title that no result file could hold, and for numbers that mean nothing."""
     bad = [letter for letter in table.title if not letter.isprintable() and letter not in "\t\n"]
     if bad:
@@ -205,7 +197,7 @@ def _check_numbers(name: str, table: SceneTable, solved: bool) -> None:
                 positive(f"eq.{key}", value, such)
 
 
-def _check_coupled(scene: Scene, table: EqTable) -> None:
+def _check_coupled(scene: Scene, table: tables.EqTable) -> None:
     """Raise InputError for what the ensemble of a soft slider does not take, and for what it alone takes."""
     from eq_model.coupled.ensemble import check_coupled
 
@@ -225,7 +217,7 @@ def _check_coupled(scene: Scene, table: EqTable) -> None:
         check_coupled(scene.contacts, scene.drive)
 
 
-def _check_reach(scene: Scene, table: DriveTable | None) -> None:
+def _check_reach(scene: Scene, table: tables.DriveTable | None) -> None:
     """Raise InputError where the ensemble's contacts would break millions of times each, which takes too long."""
     reach, mean = float(np.abs(scene.path).max()), scene.contacts.mean_threshold
     if table is None or reach <= _FURTHEST * mean:
@@ -238,7 +230,7 @@ def _check_reach(scene: Scene, table: DriveTable | None) -> None:
     refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most, or leave [eq] out")
 
 
-def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
+def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:
     """The contacts with the laws that the table names, and no other."""
     thresholds = laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm)
     made: dict[str, Any] = {"thresholds": thresholds, "stiffness": table.stiffness}
