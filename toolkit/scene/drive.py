@@ -102,15 +102,14 @@ def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
         return Speed(float(swept.flat[0]), "the sweep's first" if np.ptp(swept) > 0.0 else "")
     if drive.time is None:
         return Speed(drive.velocity)
-    from master.soft.in_time.track import pieces
-
-    legs = [piece for piece in pieces(drive, float(drive.path[0])) if piece.travel != 0.0]
-    if not legs:
+    moved = np.diff(drive.path)
+    speeds = np.abs(moved / np.diff(drive.time))[moved != 0.0]
+    if not speeds.size:
         return Speed(drive.velocity, "as all legs are holds")
-    # less what times round
-    speeds = [float(f"{abs(leg.travel) / leg.duration:.12g}") for leg in legs]
-    others = ", ".join(f"{speed:.4g}" for speed in sorted(set(speeds) - {speeds[0]})[:_LISTED])
-    return Speed(speeds[0], f"the first leg's, others slide at {others}" if others else "")
+    told = [f"{speed:.4g}" for speed in np.unique(speeds.astype(np.float32))]  # without rounding
+    others = [one for one in dict.fromkeys(told) if one != f"{speeds[0]:.4g}"][:_LISTED]
+    chosen = f"the first leg's, others slide at {', '.join(others)}" if others else ""
+    return Speed(float(f"{speeds[0]:.12g}"), chosen)  # less what times round
 
 
 def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
