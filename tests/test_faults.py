@@ -28,6 +28,7 @@ from toolkit.running.ranks import communicator
 from toolkit.running.signals import Terminated, terminable
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.measured import from_samples
+from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.toml import to_toml
 
 GAUSSIAN = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
@@ -451,6 +452,13 @@ def test_work_that_knows_no_pace_is_shown_too(capsys: Any, monkeypatch: pytest.M
     first, second = capsys.readouterr().err.splitlines()
     assert first.startswith("mesofriction: sweep: at work (kernels are compiled on first use), after 0:00:0")
     assert second.startswith("mesofriction: sweep: error 1.0e-05 of <x_s> so far, after 0:00:0")
+
+
+def test_how_long_springs_of_a_sweep_will_take_is_told_before_them() -> None:
+    sweep = {"velocity": [1.0, 2.0, 3.0], "critical_spring": True}
+    scene, told = toolkit.load_scene(SCENE | {"master": None, "sweep": sweep}), list[float]()
+    assert scene.sweep is not None and solve_sweep(scene.contacts, scene.sweep, told.append).success
+    assert len(told) == 1 and told[0] > 0.0
 
 
 # -- no tracebacks --------------------------------------------------------------------------------------------

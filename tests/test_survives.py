@@ -1,4 +1,4 @@
-"""What clusters do to jobs: killed, told to stop, a full disk; the run that goes on from the checkpoint has the same
+"""What clusters do to jobs: killed, told to stop; the run that goes on from the checkpoint has the same
 bits as one that nothing happened to."""
 
 import dataclasses
@@ -16,6 +16,7 @@ import toolkit
 from origins.errors import InputError
 from toolkit.running.checkpoint import Checkpoint, identity, write_state
 from toolkit.running.runner import make_ensemble
+from toolkit.scene.toml import to_toml
 
 SCENE: dict[str, Any] = {
     "title": "survivor",
@@ -24,81 +25,57 @@ SCENE: dict[str, Any] = {
     "eq": {"contacts": 29 << 14, "replicas": 1, "seed": 5, "histograms": [2.0]},
 }
 BLOCK = 1 << 14
-# contacts, drive, number
-# The command in this process, which may end after so many blocks, before or after their checkpoint, or some time after
-# that of a share of the contacts, whatever it does by then; no picture, which takes longer than all else.
+# The command in this process, which some ranks' blocks may end, before or after their checkpoint; no picture, which
+# takes longer than all else.
 PROGRAM = """
-import json, os, resource, signal, sys
-import eq_model
+import json, os, signal, sys
+import eq_model, toolkit.pictures.run
 from toolkit.command import main
 from toolkit.running.launch import read_environment
-import toolkit.pictures.run
 
 toolkit.pictures.run.save_picture = lambda result, path: path.touch()
 
-def room(most=resource.RLIM_INFINITY):
-    resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.RLIM_INFINITY))
-
-def run(words, kills=None, after=0, late=True, victims=(0,), share=None, delay=0.0, roomy=False):
+def run(words, kills=None, after=0, late=True, victims=(0,)):
     real = eq_model.Ensemble.__iter__
     def mortal(self):
-        mine, doomed, self.clock = read_environment().rank in victims, False, lambda: 0.0
+        mine, self.clock = kills and read_environment().rank in victims, lambda: 0.0
         for number, found in enumerate(real(self), 1):
-            if mine and kills and number == after and not late:
+            if mine and number == after and not late:
                 os.kill(os.getpid(), kills)
             yield found
-            if mine and kills and number == after and late:
+            if mine and number == after and late:
                 os.kill(os.getpid(), kills)
-            if share is not None and not doomed and found[0] >= share * self.total:
-                doomed = True
-                signal.setitimer(signal.ITIMER_REAL, delay)  # the alarm kills, as nothing handles it
-        while doomed:
-            signal.pause()
-        if roomy:
-            room()
     eq_model.Ensemble.__iter__ = mortal
     try:
         return main(words)
     finally:
         eq_model.Ensemble.__iter__ = real
 """
-RANK = f"""{PROGRAM}
-sys.exit(run(sys.argv[2:], **json.loads(sys.argv[1])))
-"""
+RANK = f"{PROGRAM}\nsys.exit(run(sys.argv[2:], **json.loads(sys.argv[1])))\n"
 
 # Children of one process that has imported and compiled everything: a kill costs no more than the work it undoes.
-CHILDREN = (
-    PROGRAM
-    + """
-def child(words, error, limit=None, **fate):
+FORKS = f"""{PROGRAM}
+def child(every="1e-9", **fate):
     pid = os.fork()
     if pid == 0:
-        os.dup2(os.open(error, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        if limit is not None:
-            room(limit)
+        os.dup2(os.open("error", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
         status = 1
         try:
-            status = run(words, **fate)
+            status = run(["run", "scene.toml", "--out", "out", "--checkpoint", every], **fate)
         finally:
             sys.stderr.flush()
             os._exit(status)
     _, status = os.waitpid(pid, 0)
-    return os.waitstatus_to_exitcode(status), open(error).read()
+    return os.waitstatus_to_exitcode(status), open("error").read()
 
-signals = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
-words = lambda out, every="1e-9", scene="scene": ["run", scene + ".toml", "--out", out, "--checkpoint", every]
 sys.stdout, stdout = open(os.devnull, "w"), sys.stdout
+assert run(["run", "scene.toml", "--out", "whole"]) == 0
 told = []
 """
-)
-FORKS = CHILDREN + 'assert run(words("whole")) == 0\n'
 
 
-def scene_file(folder: Path, name: str = "scene", **tables: Any) -> None:
-    from toolkit.scene.toml import to_toml
-
-    (folder / f"{name}.toml").write_text(to_toml(SCENE | tables))
+def scene_file(folder: Path) -> None:
+    (folder / "scene.toml").write_text(to_toml(SCENE))
 
 
 def same(folder: Path, other: Path) -> None:
@@ -123,8 +100,8 @@ def test_killed_eight_times_in_turn_it_loses_no_block(python: Callable[..., Any]
     program = """
 for turn in range(8):
     late = turn % 2 == 0
-    told.append([late, *child(words("out"), "error", kills=signal.SIGKILL, after=3, late=late)])
-told.append([True, *child(words("out"), "error")])
+    told.append([late, *child(kills=signal.SIGKILL, after=3, late=late)])
+told.append([True, *child()])
 print(json.dumps(told), file=stdout)
 """
     done = python(FORKS + program)
@@ -150,7 +127,7 @@ def test_ranks_killed_one_or_all_and_another_number_goes_on(
         now = followed(done.stderr)
         assert now > before or victims == [1]
         before = now
-    done = python(FORKS + 'print(*child(words("out"), "error"), file=stdout)')
+    done = python(FORKS + 'print(*child(), file=stdout)')
     assert done.returncode == 0 and done.stdout.startswith("0 "), done.stderr
     assert followed(done.stdout) > before
     same(tmp_path / "whole", tmp_path / "out")
@@ -162,9 +139,9 @@ def test_told_to_stop_it_keeps_its_finished_blocks(
     """Even where no checkpoint was due."""
     scene_file(tmp_path)
     program = """
-for number in signals[:2]:
-    told.append(child(words("out", "60"), "error", kills=number, after=3, late=False))
-told.append(child(words("out", "60"), "error"))
+for number in (signal.SIGINT, signal.SIGTERM):
+    told.append(child("60", kills=number, after=3, late=False))
+told.append(child("60"))
 print(json.dumps(told), file=stdout)
 """
     done = python(FORKS + program)
@@ -228,7 +205,7 @@ def test_thresholds_from_a_file_that_changed_are_another_run(tmp_path: Path) -> 
     names = []
     for samples in ("1.0 1.1 1.2 1.4 1.6", "1.0 1.1 1.2 1.4 1.7"):
         (tmp_path / "x.txt").write_text("\n".join(samples.split()))
-        (tmp_path / "s.toml").write_text(toolkit.scene.toml.to_toml(tables))  # type: ignore[attr-defined]
+        (tmp_path / "s.toml").write_text(to_toml(tables))
         names.append(identity(toolkit.load_scene(tmp_path / "s.toml")))
     assert [key for key in names[0] if names[0][key] != names[1][key]] == ["contacts.thresholds as drawn"]
 

@@ -129,8 +129,8 @@ def solve(
             solved = solve_master(scene, scene.master.tolerance, bar and bar.refine)
             master = _as_good_as_asked(solved, scene)
     if scene.sweep is not None:
-        with shown("sweep"), until(deadline, scene, "[sweep]"):
-            sweep = solve_sweep(scene.contacts, scene.sweep)
+        with shown("sweep") as bar, until(deadline, scene, "[sweep]"):
+            sweep = solve_sweep(scene.contacts, scene.sweep, bar and bar.expect)
     if ensemble is not None:
         with laws.inside("eq", _EQ_KEYS), shown("eq") as bar:
             found = follow(ensemble, bar.count if bar else progress, kept, before, deadline)

@@ -1,6 +1,7 @@
 """A scene's [sweep]: F_k, what holds, and K* along speeds, temperatures, rates of ageing or delays, in one call."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -136,8 +137,11 @@ def _values(name: str, value: "float | list[float] | RangeTable") -> Array:
     return np.geomspace(begin, end, points)
 
 
-def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
-    """F_k and what holds at all points in one call, and K* in another where it is asked for."""
+def solve_sweep(
+    contacts: Contacts, asked: Sweep, expect: Callable[[float], None] | None = None
+) -> SweepRecord:
+    """F_k and what holds at all points in one call, and K* in another where it is asked for, of which `expect` is told
+    about how many seconds it will take."""
     import master
 
     began = time.perf_counter()
@@ -147,6 +151,11 @@ def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
         success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
         springs: dict[str, Any] = {"success": success, "message": curve.message}
         if asked.critical_spring:
+            if expect is not None:
+                one = {name: own.flat[:1] for name, own in laws_at.items() if own is not None}
+                alone = time.perf_counter()
+                master.phase_line(contacts, asked.velocity.flat[:1], **one)
+                expect((time.perf_counter() - alone) * asked.velocity.size)
             line = master.phase_line(contacts, asked.velocity, **laws_at)
             spring, error = line.critical_spring, line.critical_spring_error
             springs = {"critical_spring": spring, "critical_spring_error": error}
