@@ -454,6 +454,21 @@ def test_work_that_knows_no_pace_is_shown_too(capsys: Any, monkeypatch: pytest.M
     assert second.startswith("mesofriction: sweep: error 1.0e-05 of <x_s> so far, after 0:00:0")
 
 
+@pytest.mark.parametrize("command", ["compare", "thresholds", "precision"])
+def test_the_wall_time_ends_other_commands_too(
+    command: str, capsys: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def for_ever(*arguments: Any, **named: Any) -> None:
+        while True:
+            pass
+
+    monkeypatch.setattr(master, "propensity", for_ever)
+    monkeypatch.setattr(master, "solve", for_ever)
+    assert main([command, write(wall_time=0.01)]) == 2 and os.listdir() == ["mine.toml"]
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "wall_time = 0.01: is over before " in line
+
+
 def test_how_long_springs_of_a_sweep_will_take_is_told_before_them() -> None:
     sweep = {"velocity": [1.0, 2.0, 3.0], "critical_spring": True}
     scene, told = toolkit.load_scene(SCENE | {"master": None, "sweep": sweep}), list[float]()
