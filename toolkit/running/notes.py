@@ -3,12 +3,10 @@
 import numpy as np
 
 from origins.contacts import too_hot
-from toolkit.results.records import Simulated, SolvedRecord
 from toolkit.scene.scene import Scene
 
 _FAR = 1e6  # mean thresholds: a longer drive is hardly meant
 _FEW = 1e-6  # of the thresholds
-_EPSILON = 8.0 * float(np.finfo(float).eps)
 
 
 def foreseen(scene: Scene) -> list[str]:
@@ -46,29 +44,6 @@ def foreseen(scene: Scene) -> list[str]:
             f"F_k/load and the stress of the surface are those of its thresholds alone, without {there}"
         )
     return said
-
-
-def all_hold(scene: Scene, master: SolvedRecord | None, eq: "Simulated | None") -> list[str]:
-    """A note where nothing breaks, which beside both solvers the comparison says."""
-    mean, to_within = scene.contacts.mean_threshold, ""
-    if (master is None) == (eq is None):
-        return []
-    if eq is not None:
-        broken = eq.breaks > 0
-    elif master is not None:
-        moved = getattr(master, "position", master.path)
-        if not moved.size:  # the path is cut at its first point
-            return []
-        lost = np.abs(moved - moved[0] - (master.force - master.force[0])).max()
-        allowed = master.force_error * mean + _EPSILON * np.abs(moved).max()
-        broken = not master.success or bool(lost > allowed)
-        to_within = ", as far as the error tells"
-    if broken:
-        return []
-    reach = float(np.abs(scene.path).max()) / mean
-    return [
-        f"no contact breaks on this path{to_within}: it reaches {reach:.2g} <x_s>, and sliding takes several"
-    ]
 
 
 def went_on(before: int) -> list[str]:

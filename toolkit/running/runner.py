@@ -13,7 +13,7 @@ from toolkit.results.folders import check_folder, only_writer
 from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
 from toolkit.running.blocks import follow, unfinished
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
-from toolkit.running.notes import all_hold, foreseen, went_on
+from toolkit.running.notes import foreseen, went_on
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
 from toolkit.running.signals import TimeIsUp, no_longer_than
@@ -145,7 +145,7 @@ def solve(
         thresholds=sample_curve(law),
         master=master,
         eq=eq,
-        notes=(*notes, *all_hold(scene, master, eq), *went_on(before)),
+        notes=(*notes, *went_on(before)),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
     )

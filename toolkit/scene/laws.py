@@ -29,13 +29,9 @@ START = {
 }
 REFORMING = {**START, "boltzmann": "origins:boltzmann_reforming"}
 
-_PYTHON = re.compile(r"^([\w.\[\]]+)( = None: (?:is missing; )?| = True: | = False: )")
-_TOML = {
-    " = None: ": ": is missing; ",
-    " = None: is missing; ": ": is missing; ",
-    " = True: ": " = true: ",
-    " = False: ": " = false: ",
-}
+# how Python's values in a message are written in TOML
+_TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
+_TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
 
 
 def identical_start(value: float) -> float:
@@ -136,7 +132,9 @@ def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        told = _PYTHON.sub(lambda found: found[1] + _TOML[found[2]], str(error), count=1)
+        told = str(error)
+        for python, toml in _TOML.items():
+            told = told.replace(python, toml, 1)
         found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", told)
         if found and found[1] in keys:
             raise InputError(f"{where}.{keys[found[1]]}{found[2]}") from error
