@@ -11,7 +11,13 @@ import origins
 from toolkit.judge.compare import compare
 from toolkit.pictures.axes import heights, spans_decades
 from toolkit.pictures.compare import draw_comparison, plot_surface
-from toolkit.pictures.run import plot_deviation, plot_force, plot_holding, plot_position, save_picture
+from toolkit.pictures.run import (
+    plot_deviation,
+    plot_force,
+    plot_holding,
+    plot_position,
+    save_picture,
+)
 from toolkit.pictures.thresholds import plot_density
 from toolkit.results.records import sample_curve
 from toolkit.running.runner import run
@@ -26,7 +32,9 @@ def rough() -> dict[str, Any]:
 
 
 def scene(law: dict[str, Any], to: float) -> Any:
-    return load_scene({"contacts": {"thresholds": law}, "drive": {"to": to, "points": 41}, "master": {}})
+    return load_scene(
+        {"contacts": {"thresholds": law}, "drive": {"to": to, "points": 41}, "master": {}}
+    )
 
 
 def labels(axis: Any) -> list[str]:
@@ -37,19 +45,29 @@ def labels(axis: Any) -> list[str]:
 def test_lengths_of_a_surface_have_a_prefix_and_data_stay_in_metres() -> None:
     result = run(rough() | {"eq": {"contacts": 2, "replicas": 2}})
     plot_force(axes := Figure().subplots(), result)
-    assert "20 nm" in labels(axes.xaxis) and all(one.endswith(("m", "nm")) for one in labels(axes.yaxis))
+    assert "20 nm" in labels(axes.xaxis) and all(
+        one.endswith(("m", "nm")) for one in labels(axes.yaxis)
+    )
     assert axes.get_lines()[0].get_xdata().max() == 5e-8
     plot_deviation(axes := Figure().subplots(), result)
     assert axes.texts[0].get_text().startswith("not compared: too few contacts")
-    plot_surface(axes := Figure().subplots(), 1e-6 * np.random.default_rng(1).standard_normal((8, 8)), (2e-3, 1e-3))
-    assert "2 mm" in labels(axes.xaxis) and any(one.endswith("m") for one in labels(axes.figure.axes[1].yaxis))
+    plot_surface(
+        axes := Figure().subplots(),
+        1e-6 * np.random.default_rng(1).standard_normal((8, 8)),
+        (2e-3, 1e-3),
+    )
+    assert "2 mm" in labels(axes.xaxis) and any(
+        one.endswith("m") for one in labels(axes.figure.axes[1].yaxis)
+    )
 
 
 def test_a_density_that_diverges_is_cut_and_a_narrow_peak_is_not() -> None:
     curve = sample_curve(origins.lubricated(1.0, power=-0.5))
     found = heights(curve, curve.density)
     assert found.top < 100.0 < curve.density.max() and not found.logarithmic
-    peak = sample_curve(origins.mixture([origins.rectangular(0.0, 2.0), origins.gaussian(1.0, 1e-4)], [0.99, 0.01]))
+    peak = sample_curve(
+        origins.mixture([origins.rectangular(0.0, 2.0), origins.gaussian(1.0, 1e-4)], [0.99, 0.01])
+    )
     assert heights(peak, peak.density).top > peak.density.max()
     wide = sample_curve(origins.lubricated(1.0, power=-0.95))
     plot_density(axes := Figure().subplots(), wide)
@@ -62,14 +80,21 @@ def test_comparison_of_scenes_that_are_decades_apart() -> None:
     figure = draw_comparison(compare([scene(law, to) for law, to in kinds]))
     density, springs, force, _, weights = figure.axes
     assert density.get_yscale() == springs.get_xscale() == force.get_xscale() == "log"
-    assert weights.get_ylabel() == "weight at one value (diamonds)" and weights.get_yscale() == "linear"
+    assert (
+        weights.get_ylabel() == "weight at one value (diamonds)"
+        and weights.get_yscale() == "linear"
+    )
     assert springs.texts[0].get_text() == "infinite"
 
 
 def test_a_drive_in_time_is_drawn_against_time(tmp_path: Path) -> None:
     law = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
     drive = {"turns": [1.5, 1.5, 2.0], "times": [1.5, 3.5, 4.0], "points": 10}
-    tables = {"contacts": {"thresholds": law, "delay": {"time": 0.25}}, "drive": drive, "master": {"tolerance": 1e-3}}
+    tables = {
+        "contacts": {"thresholds": law, "delay": {"time": 0.25}},
+        "drive": drive,
+        "master": {"tolerance": 1e-3},
+    }
     result = run(tables | {"eq": {"contacts": 200, "replicas": 2}})
     times = [0.0, 0.5, 1.0, 1.5, 13.0 / 6.0, 17.0 / 6.0, 3.5, 11.0 / 3.0, 23.0 / 6.0, 4.0]
     for draw, values in (
