@@ -39,7 +39,7 @@ class Ride:
         start = matter.start.mean()
         self.balance, self._rest = start / spring, matter.again.mean()
         self.position, self.force = np.zeros(path.size), np.full(path.size, start)
-        self.slips, self._pulls = list[Array](), set[Pull]()
+        self.slips, self._solved = list[Array](), 0
         self.error = self.drive_error = 0.0
         # what happened since the slider was at X = base, and how far off that may be
         self._base, self._shift = 0.0, 0.0
@@ -69,7 +69,7 @@ class Ride:
     @property
     def nodes(self) -> int:
         """Moments at which number conservation was solved."""
-        return sum(pull.nodes for pull in self._pulls)
+        return self._solved + sum(pull.nodes for pull in self._fresh.values())
 
     def _move(self, direction: int, points: npt.NDArray[np.intp]) -> None:
         """The drive goes straight on over points of its path, through all slips on the way."""
@@ -79,7 +79,6 @@ class Ride:
         if past.march is None and matter.start.span == matter.again.span == (0.0, 0.0):
             self._fresh[direction] = pull
         while True:
-            self._pulls.add(pull)
             begin = direction * (self._base + pull.at(0.0))
             target, y = self.spring * (end - begin), 0.0
             go = letting_go(pull, self.spring, y, target)
@@ -90,6 +89,7 @@ class Ride:
                 points = points[count:]
                 if not go.slips:
                     y = float(go.curve.carries(np.array([target]), y, go.curve.end)[0])
+                    self._leave(pull)
                     self._last = pull.matter, pull.after(y, self._turn_error(go.curve, y))
                     return
                 if self.rule != "instant":
@@ -99,7 +99,13 @@ class Ride:
                 y = caught.travel
                 go = letting_go(pull, self.spring, y, target)
             jump = self._reset if self.rule == "reset" else self._reform_after
+            self._leave(pull)
             pull = jump(pull, go, begin)
+
+    def _leave(self, pull: Pull) -> None:
+        """A move is over: what was solved on it is counted, once for moves that come back."""
+        if pull is not self._fresh.get(pull.direction):
+            self._solved += pull.nodes
 
     def _answer(
         self, pull: Pull, go: LettingGo, points: npt.NDArray[np.intp], loads: Array, low: float
