@@ -121,7 +121,8 @@ class Contacts:
                 "a steady state"
             )
         # a family that is no law is refused here, by its name, and not in the middle of a solution
-        self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
+        x = self.mean_threshold * np.linspace(0.05, 3.0, 60)
+        self.thresholds.check_survival(x, self.thresholds.sf(x))
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
         self._take(thermal, ageing, delay, reforming, stiffness)
 
