@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from rate_laws import Careless, Endless, Even, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
+from rate_laws import Careless, Endless, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
 from scipy import stats
 
 import origins
@@ -153,7 +153,6 @@ def test_rate_laws_conform(name: str) -> None:
         (Rounded(), "log_passed from"),
         (Careless(), "reached from"),
         (Endless(), "reached is not the threshold"),
-        (Even(), "rate_and_passed: not odd in x"),
         (Rooted(), "vanishes_at_threshold"),
         (Weak(), "a rate exceeds scale"),
         (Half(), "is no RateLaw"),

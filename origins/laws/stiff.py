@@ -14,7 +14,7 @@ from scipy.special import exprel
 
 from origins.errors import TEMPERATURE, positive
 from origins.laws.compiled import CompiledRates
-from origins.laws.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
+from origins.laws.rate_law import Numbers, RateLaw
 
 Array = npt.NDArray[np.float64]
 
@@ -58,20 +58,6 @@ class StiffRates(RateLaw):
         barrier = self._spring(stiffness) * threshold * threshold * (s * np.sqrt(s))
         with np.errstate(divide="ignore", over="ignore"):
             return np.log(self.attempt_frequency) + (0.5 * np.log(s) - barrier)
-
-    def rate_and_passed(
-        self, x: Numbers, threshold: Numbers, stiffness: Numbers, velocity: Numbers
-    ) -> tuple[Array, Array]:
-        """h/v, and its integral from 0 to x of either sign; both underflow to 0."""
-        threshold = np.asarray(threshold)
-        log_scale = np.log(self.attempt_frequency) - np.log(velocity)
-        far = np.abs(x)
-        share, s = far / threshold, np.maximum(threshold - far, 0.0) / threshold
-        root, c = np.sqrt(s), self._spring(stiffness) * threshold * threshold
-        whole = np.exp(np.minimum(log_scale - c * (s * root), LARGEST_EXPONENT))
-        # 1 - s^(3/2), without cancellation
-        fall = share * (1.0 + root + s) / (1.0 + root)
-        return root * whole, np.sign(x) * (threshold / (-1.5 * c) * np.expm1(-c * fall) * whole)
 
     def log_passed(
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
