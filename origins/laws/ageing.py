@@ -3,16 +3,19 @@
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
-from origins.errors import InputError, non_negative, refuse
-from origins.laws.ornstein_uhlenbeck import OrnsteinUhlenbeck
+from origins.errors import InputError, finite, non_negative, positive, refuse
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
 _FASTEST = 1e100  # D, whose powers must stay numbers
 _ROUND_OFF = 1e-15
-_NEAR, _JUMP = 1e4, 1e-6  # roundings of x beside a point, and what the logarithm of a density may change there
+_NEAR, _JUMP = (
+    1e4,
+    1e-6,
+)  # roundings of x beside a point, and what the logarithm of a density may change there
 
 
 class Ageing:
@@ -36,14 +39,17 @@ class Ageing:
         and where it comes down to that the contact breaks: so the exact closure never sees what lies below 0. Only a
         histogram of thresholds that is not depleted there does, such as the paper's; it takes the cut law and a wall
         at 0, and differs by the weight below 0, ndtr(-mean/std) in the end.
-        None for any other law: origins.diffusion.Diffusion(final, edges) moves the weights of its thresholds.
+        None for any other law: origins.laws.diffusion.Diffusion(final, edges) tells how the weights of its
+        thresholds move.
 
     Raises InputError for a rate that is negative or not finite, and for a P_cf that holds single values or has gaps:
     its Ũ would be infinite; for closure "exact" also for one that jumps inside its support. Where P_cf ends at a
     positive density, thresholds are reflected.
     """
 
-    def __init__(self, final: object, rate: float, closure: Literal["exact", "paper"] = "exact") -> None:
+    def __init__(
+        self, final: object, rate: float, closure: Literal["exact", "paper"] = "exact"
+    ) -> None:
         self.final: Thresholds = as_thresholds(final, "final")
         self.rate = non_negative("rate", rate)
         if self.rate > _FASTEST:
@@ -99,3 +105,45 @@ class Ageing:
                 f"final: the density jumps at {corners[jump][0]:g}: there the drift of a threshold is infinite for an "
                 'instant, which no solver follows yet; use a law without jumps inside, or closure = "paper"'
             )
+
+
+class OrnsteinUhlenbeck:
+    """dx = λ (mean - x) dt + std (2λ)^(1/2) dW: from x(0) = x0 the normal law of mean_after and std_after.
+
+    Parameters
+    ----------
+    mean, std : float
+        Of the normal law that is reached in the end, lengths.
+    rate : float
+        λ, per time.
+
+    Raises InputError unless mean is finite, std finite and above zero, rate finite and not negative. Methods take
+    arrays that broadcast: values x and x0 (lengths) and times >= 0.
+    """
+
+    def __init__(self, mean: float, std: float, rate: float) -> None:
+        self.mean, self.std, self.rate = (
+            finite("mean", mean),
+            positive("std", std),
+            non_negative("rate", rate),
+        )
+
+    def mean_after(self, x0: npt.ArrayLike, time: npt.ArrayLike) -> Array:
+        """mean + (x0 - mean) e^(-λt), a length."""
+        x0 = np.asarray(x0, dtype=float)
+        return x0 - (self.mean - x0) * np.expm1(-self.rate * _checked(time))
+
+    def std_after(self, time: npt.ArrayLike) -> Array:
+        """std (1 - e^(-2λt))^(1/2), a length."""
+        return self.std * np.sqrt(-np.expm1(-2.0 * self.rate * _checked(time)))
+
+    def draw(self, x0: npt.ArrayLike, time: npt.ArrayLike, normal: npt.ArrayLike) -> Array:
+        """Value after `time`, from standard normal draws; exact over any time."""
+        return self.mean_after(x0, time) + self.std_after(time) * np.asarray(normal, dtype=float)
+
+
+def _checked(time: npt.ArrayLike) -> Array:
+    times = np.asarray(time, dtype=float)
+    if not (times >= 0.0).all():
+        refuse("time", times[~(times >= 0.0)].flat[0], "must be zero or above")
+    return times

@@ -31,4 +31,6 @@ def inverse_log_growth(level: npt.ArrayLike) -> Array:
     for _ in range(_STEPS):
         growth = dawsn(y)
         y = y * np.exp(-(y * y + np.log(growth) - goal) * growth / y)
-    return np.where(level == goal, y, np.where(level < 0.0, np.exp(np.minimum(level, 0.0)), np.inf))[()]
+    return np.where(
+        level == goal, y, np.where(level < 0.0, np.exp(np.minimum(level, 0.0)), np.inf)
+    )[()]
