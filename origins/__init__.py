@@ -41,14 +41,13 @@ from origins.samples.from_samples import from_samples
 from origins.start import Start, gaussian_start
 from origins.thresholds.continuous_mixture import continuous_mixture
 from origins.thresholds.gaussian import gaussian
+from origins.thresholds.generalised_gamma import gw_elastic, gw_plastic, lubricated
 from origins.thresholds.identical import identical
 from origins.thresholds.law import Thresholds
-from origins.thresholds.lubricated import lubricated
 from origins.thresholds.mixture import mixture
 from origins.thresholds.persson import persson
 from origins.thresholds.protocol import ThresholdLaw
 from origins.thresholds.rectangular import rectangular
-from origins.thresholds.weibull import gw_elastic, gw_plastic
 
 __all__ = [
     "Ageing",

@@ -21,8 +21,8 @@ from origins.roughness.material import Material
 from origins.roughness.power_law import Bend, PowerLaw
 from origins.roughness.spectral_moments import SpectralMoments
 from origins.roughness.summit_thresholds import SummitThresholds, log_sum
+from origins.thresholds.generalised_gamma import Weibull
 from origins.thresholds.law import Thresholds
-from origins.thresholds.weibull import Weibull
 
 _DEEPEST = 1e8  # of sigma_h: summits cover the surface long before
 REGIMES = ("elastic", "plastic", "mixed")

@@ -6,7 +6,7 @@ from origins.roughness.height_integrals import log_touching_integral
 from origins.roughness.power_law import Bend
 from origins.thresholds.bent import Bent
 from origins.thresholds.gaussian import gaussian
-from origins.thresholds.weibull import Weibull
+from origins.thresholds.generalised_gamma import Weibull
 
 
 def log_sum(quantity: Bend, std: float, z: float, heights: str) -> float:

@@ -35,12 +35,16 @@ class Bent(Powered):
         out, beyond = super()._back(x), x > self._mark
         if beyond.any():
             with np.errstate(over="ignore"):
-                out = np.where(beyond, (x / self._above.coefficient) ** (1.0 / self._above.exponent), out)
+                out = np.where(
+                    beyond, (x / self._above.coefficient) ** (1.0 / self._above.exponent), out
+                )
         return out
 
     def _log_slope(self, x: Array) -> Array:
         out, beyond = super()._log_slope(x), x > self._mark
         if beyond.any():
             scale, exponent = self._above.coefficient, self._above.exponent
-            out = np.where(beyond, (1.0 / exponent - 1.0) * np.log(x / scale) - np.log(exponent * scale), out)
+            out = np.where(
+                beyond, (1.0 / exponent - 1.0) * np.log(x / scale) - np.log(exponent * scale), out
+            )
         return out

@@ -54,11 +54,19 @@ def continuous_mixture(
     exact values or jumps that move with phi: the average has none, while any finite mixture keeps one for each law,
     and a K* of its own with it.
     """
-    lower, upper, accuracy = finite("lower", lower), finite("upper", upper), positive("accuracy", accuracy)
+    lower, upper, accuracy = (
+        finite("lower", lower),
+        finite("upper", upper),
+        positive("accuracy", accuracy),
+    )
     if not upper > lower:
         refuse("upper", upper, f"must be above lower = {lower:g}")
     if not callable(law):
-        refuse("law", law, "must be a function of phi, such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))")
+        refuse(
+            "law",
+            law,
+            "must be a function of phi, such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))",
+        )
     if density is not None and not callable(density):
         refuse("density", density, "must be a function of phi")
     # never at an end of an interval, where sums would agree however rough the law is in between
@@ -67,11 +75,18 @@ def continuous_mixture(
     missed = {(lower, upper): nodes.missed(lower, upper)}
     while (error := sum(missed.values()) / nodes.whole(missed)) > accuracy:
         if NODES * (len(missed) + 1) > _MOST:
-            refuse("accuracy", accuracy, f"{_MOST} laws reach {error:.2g} only; ask for less, or smooth the law")
+            refuse(
+                "accuracy",
+                accuracy,
+                f"{_MOST} laws reach {error:.2g} only; ask for less, or smooth the law",
+            )
         low, high = max(missed, key=lambda interval: missed[interval])
         del missed[low, high]
         middle = 0.5 * (low + high)
-        missed[low, middle], missed[middle, high] = nodes.missed(low, middle), nodes.missed(middle, high)
+        missed[low, middle], missed[middle, high] = (
+            nodes.missed(low, middle),
+            nodes.missed(middle, high),
+        )
     chosen = [nodes.at(*interval) for interval in sorted(missed)]
     shares = np.concatenate([weights for _, weights, _ in chosen])
     laws = [one for some, _, _ in chosen for one in some]
@@ -102,7 +117,10 @@ def _hard_points(law: Thresholds) -> Array:
     points = law.breakpoints[law.breakpoints > 0.0]
     if points.size:
         beside = law.pdf(points[:, None] * (1.0 + np.array([-_BESIDE, _BESIDE])))
-        size = np.abs(np.diff(np.where(np.isfinite(beside), beside, np.inf), axis=1)[:, 0]) * law.mean()
+        size = (
+            np.abs(np.diff(np.where(np.isfinite(beside), beside, np.inf), axis=1)[:, 0])
+            * law.mean()
+        )
         points = points[~(size <= _JUMP)]
     return np.concatenate([points, law.atoms[0]])
 
@@ -110,7 +128,9 @@ def _hard_points(law: Thresholds) -> Array:
 class ContinuousMixture(Mixture):
     """The mixture at the nodes; quadrature_error as in continuous_mixture."""
 
-    def __init__(self, components: Sequence[Thresholds], weights: Array, quadrature_error: float) -> None:
+    def __init__(
+        self, components: Sequence[Thresholds], weights: Array, quadrature_error: float
+    ) -> None:
         super().__init__(components, weights)
         self.quadrature_error = quadrature_error
 
@@ -119,7 +139,10 @@ class _Nodes:
     """Laws at the nodes of intervals of phi, and the sums by which intervals are compared: weight, <x_s>, survivals."""
 
     def __init__(
-        self, law: Callable[[float], object], density: Callable[[float], float] | None, pilots: Array
+        self,
+        law: Callable[[float], object],
+        density: Callable[[float], float] | None,
+        pilots: Array,
     ) -> None:
         self._law, self._density = law, density
         few = [as_thresholds(law(float(phi))) for phi in pilots]

@@ -33,7 +33,13 @@ def invert_hazard(thresholds: Any, hazard: Array, left: Array, right: Array, gue
         if not inside.all():
             # nothing lies between the two ends any more: the upper one is the first that reaches the goal
             out[place[~inside]] = high[~inside]
-            place, goal, low, high, x = place[inside], goal[inside], low[inside], high[inside], x[inside]
+            place, goal, low, high, x = (
+                place[inside],
+                goal[inside],
+                low[inside],
+                high[inside],
+                x[inside],
+            )
         if not place.size:
             break
         log_survival = thresholds._logsf(x)
@@ -46,7 +52,9 @@ def invert_hazard(thresholds: Any, hazard: Array, left: Array, right: Array, gue
         distance, gap = np.abs(newton - x), np.abs(miss)
         # the slope on one side of a bend tells nothing of the other
         across = np.searchsorted(bends, x) != np.searchsorted(bends, newton)
-        settled = (gap < _MISS) & (distance < _STEP * x) & ~across | (gap < 1e-3) & (distance <= _LAST_BIT * x)
+        settled = (gap < _MISS) & (distance < _STEP * x) & ~across | (gap < 1e-3) & (
+            distance <= _LAST_BIT * x
+        )
         out[place[settled]] = np.clip(newton, low, high)[settled]
         bad = ~((newton > low) & (newton < high)) | (step % 4 == 3) & (step > 8)
         x = np.where(bad, between(low, high), newton)

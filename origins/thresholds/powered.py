@@ -15,7 +15,11 @@ class Powered(Thresholds):
         self.base = base
         self.scale = scale
         self.exponent = exponent
-        self.onset_power = (base.onset_power + 1.0) / exponent - 1.0 if base.support()[0] == 0.0 else base.onset_power
+        self.onset_power = (
+            (base.onset_power + 1.0) / exponent - 1.0
+            if base.support()[0] == 0.0
+            else base.onset_power
+        )
 
     def _forward(self, y: Array) -> Array:
         return self.scale * np.asarray(y, dtype=float) ** self.exponent
@@ -44,11 +48,17 @@ class Powered(Thresholds):
 
     def _logpdf(self, x: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(x == 0.0, np.log(self._at_zero()), self.base.logpdf(self._back(x)) + self._log_slope(x))
+            return np.where(
+                x == 0.0,
+                np.log(self._at_zero()),
+                self.base.logpdf(self._back(x)) + self._log_slope(x),
+            )
 
     def _log_slope(self, x: Array) -> Array:
         """log dy/dx."""
-        return (1.0 / self.exponent - 1.0) * np.log(x / self.scale) - np.log(self.exponent * self.scale)
+        return (1.0 / self.exponent - 1.0) * np.log(x / self.scale) - np.log(
+            self.exponent * self.scale
+        )
 
     def _at_zero(self) -> float:
         if self.support()[0] > 0.0 or self.onset_power > 0.0:

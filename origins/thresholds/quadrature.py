@@ -44,7 +44,12 @@ def panel_edges(
     # a quantile that a law cannot give is no seed
     low, high = low[np.isfinite(low)], high[np.isfinite(high)]
     seeds = [low, high[:-1], thresholds.breakpoints]
-    top = min(upper, end if np.isfinite(end) else _reach(thresholds, float(high.max()) if high.size else 1.0, tail))
+    top = min(
+        upper,
+        end
+        if np.isfinite(end)
+        else _reach(thresholds, float(high.max()) if high.size else 1.0, tail),
+    )
     if not top > lower:
         return np.empty(0)
     edges = np.unique(np.concatenate([[lower, top], *seeds]))
@@ -53,7 +58,9 @@ def panel_edges(
     scale = float(low[-1] if low.size else top) or 1.0
     middle = _middle(left, right)
     # asked for all three at once: many a law takes longer to be asked than to answer
-    whole, first, second = _mass(thresholds, np.stack([left, left, middle]), np.stack([right, middle, right]), scale)
+    whole, first, second = _mass(
+        thresholds, np.stack([left, left, middle]), np.stack([right, middle, right]), scale
+    )
     weight = _cdf_mass(thresholds, left, right)
     finished_left, finished_right = [], []
     done = np.zeros(2)
@@ -85,7 +92,9 @@ def panel_edges(
         if again.any():
             weight[again] = _cdf_mass(thresholds, left[again], right[again])
         middle = _middle(left, right)
-        first, second = _mass(thresholds, np.stack([left, middle]), np.stack([middle, right]), scale)
+        first, second = _mass(
+            thresholds, np.stack([left, middle]), np.stack([middle, right]), scale
+        )
     else:
         finished_left.append(left)
         finished_right.append(right)
@@ -94,7 +103,9 @@ def panel_edges(
 
 def _middle(left: Array, right: Array) -> Array:
     """Arithmetic, but geometric over several decades, so that a spike far down is reached."""
-    return np.where((left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right))
+    return np.where(
+        (left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right)
+    )
 
 
 def _reach(thresholds: Any, x: float, tail: float) -> float:

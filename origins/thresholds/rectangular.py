@@ -10,7 +10,11 @@ def rectangular(lower: float, upper: float) -> Thresholds:
     """P_c constant on (lower, upper), lengths with 0 <= lower < upper, else InputError (paper, Eq. Q22a)."""
     lower, upper = non_negative("lower", lower), positive("upper", upper)
     if not upper > lower:
-        refuse("upper", upper, f"must lie above lower = {lower:g}; for one value take identical, value = {lower:g}")
+        refuse(
+            "upper",
+            upper,
+            f"must lie above lower = {lower:g}; for one value take identical, value = {lower:g}",
+        )
     return Rectangular(lower, upper)
 
 
