@@ -14,7 +14,12 @@ from origins.domains.islands import (
 from origins.domains.relaxed_barrier import RelaxedBarrier, relaxed_barrier
 from origins.domains.rotated import DomainSamples, domains
 from origins.domains.structure_factors import structure_factors, triangular_structure_factors
-from origins.domains.substrates import Substrate, fourier_substrate, hexagonal_substrate, square_substrate
+from origins.domains.substrates import (
+    Substrate,
+    fourier_substrate,
+    hexagonal_substrate,
+    square_substrate,
+)
 from origins.drive import Drive
 from origins.errors import InputError
 from origins.grains.contact import GrainContact, growing_grains

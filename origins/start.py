@@ -12,7 +12,8 @@ from origins.errors import InputError, finite, non_negative, refuse
 from origins.thresholds.law import Array
 from origins.thresholds.scipy_laws import as_frozen, single_mean
 
-_REACH = 8.3  # standard deviations of a Gaussian with weight 1e-16 beyond
+_BEYOND = 1e-16  # weight that lies beyond either end of a span
+_REACH = 8.3  # standard deviations of a Gaussian with that weight beyond
 
 
 class Start:
@@ -74,15 +75,17 @@ class GaussianStart(Start):
         self.span = (mean - _REACH * std, mean + _REACH * std)
         self.breakpoints = np.empty(0)
 
+    def _z(self, x: npt.ArrayLike) -> Array:
+        return (np.asarray(x, dtype=float) - self._mean) / self._std
+
     def pdf(self, x: npt.ArrayLike) -> Array:
-        z = (np.asarray(x, dtype=float) - self._mean) / self._std
-        return np.exp(-0.5 * z * z) / (self._std * np.sqrt(2.0 * np.pi))
+        return np.exp(-0.5 * self._z(x) ** 2) / (self._std * np.sqrt(2.0 * np.pi))
 
     def cdf(self, x: npt.ArrayLike) -> Array:
-        return ndtr((np.asarray(x, dtype=float) - self._mean) / self._std)
+        return ndtr(self._z(x))
 
     def sf(self, x: npt.ArrayLike) -> Array:
-        return ndtr((self._mean - np.asarray(x, dtype=float)) / self._std)
+        return ndtr(-self._z(x))
 
     def ppf(self, q: npt.ArrayLike) -> Array:
         return self._mean + self._std * ndtri(np.asarray(q, dtype=float))
@@ -98,15 +101,13 @@ class FrozenStart(Start):
         self._law = frozen
         self._mean = single_mean(name, frozen)
         if not np.isfinite(self._mean):
-            raise InputError(
-                f"{name}: the mean of the distribution is {self._mean}; stretches need a finite mean"
-            )
-        lower, upper = (float(end) for end in frozen.support())
-        self.breakpoints = np.array([end for end in (lower, upper) if np.isfinite(end)])
-        self.span = (
-            lower if np.isfinite(lower) else float(frozen.ppf(1e-16)),
-            upper if np.isfinite(upper) else float(frozen.isf(1e-16)),
-        )
+            rule = "stretches need a finite mean"
+            raise InputError(f"{name}: the mean of the distribution is {self._mean}; {rule}")
+        ends = np.array([float(end) for end in frozen.support()])
+        self.breakpoints = ends[np.isfinite(ends)]
+        reach = float(frozen.ppf(_BEYOND)), float(frozen.isf(_BEYOND))
+        lower, upper = np.where(np.isfinite(ends), ends, reach)
+        self.span = float(lower), float(upper)
 
 
 def gaussian_start(mean: float, std: float) -> Start:
@@ -129,8 +130,5 @@ def as_start(start: object, name: str = "start") -> Start:
         return SingleStart(finite(name, start))
     if (frozen := as_frozen(start)) is not None:
         return FrozenStart(frozen, name)
-    refuse(
-        name,
-        start,
-        "must be None, a stretch, origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution",
-    )
+    such = "origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution"
+    refuse(name, start, f"must be None, a stretch, {such}")
