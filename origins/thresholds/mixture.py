@@ -23,41 +23,27 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
     weights : one number above zero per component, together 1 to within 1e-12.
     Raises InputError otherwise.
     """
-    if (
-        isinstance(components, Thresholds)
-        or not isinstance(components, Sequence)
-        or len(components) == 0
-    ):
-        refuse(
-            "components",
-            components,
-            "must be a list of thresholds, such as [identical(0.9), identical(1.1)]",
-        )
+    if isinstance(components, Thresholds) or not isinstance(components, Sequence) or not components:
+        such = "such as [identical(0.9), identical(1.1)]"
+        refuse("components", components, f"must be a list of thresholds, {such}")
     shares = finite_array("weights", weights)
     if shares.size != len(components):
-        refuse(
-            "weights", weights, f"must hold one weight for each of the {len(components)} components"
-        )
+        rule = f"must hold one weight for each of the {len(components)} components"
+        refuse("weights", weights, rule)
     for i, share in enumerate(shares):
         positive(f"weights[{i}]", share)
-    if abs(float(shares.sum()) - 1.0) > 1e-12:
-        refuse(
-            "weights",
-            weights,
-            f"must add up to 1, not {float(shares.sum()):.15g}; divide each by their sum",
-        )
+    if abs((whole := float(shares.sum())) - 1.0) > 1e-12:
+        refuse("weights", weights, f"must add up to 1, not {whole:.15g}; divide each by their sum")
+    # mixtures are taken apart, so that none lies within another
     laws: list[Thresholds] = []
     inner: list[float] = []
     parts: list[tuple[float, Thresholds]] = []
-    for component, share in zip(components, shares / shares.sum(), strict=True):
+    for component, share in zip(components, shares / whole, strict=True):
         law = as_thresholds(component)
-        laws += law.components if isinstance(law, Mixture) else [law]
-        inner += list(share * law.weights) if isinstance(law, Mixture) else [share]
-        parts += (
-            [(share * one, part) for one, part in law.parts]
-            if isinstance(law, Mixture)
-            else [(share, law)]
-        )
+        flat = law if isinstance(law, Mixture) else Mixture([law], np.ones(1))
+        laws += flat.components
+        inner += list(share * flat.weights)
+        parts += [(share * one, part) for one, part in flat.parts]
     found = Mixture(laws, np.array(inner))
     found.parts = tuple(parts)
     return found
