@@ -68,43 +68,33 @@ class Ageing:
         low, high = self.final.support()
         beyond = float(fresh.cdf(low)) + float(fresh.sf(high))
         if beyond > _ROUND_OFF:
-            raise InputError(
-                f"ageing: a weight of {beyond:.3g} of the fresh thresholds lies outside the final law, {low:g} to "
-                f"{high:g}, where its potential is infinite; use a final law that covers them"
-            )
+            where = f"{low:g} to {high:g}, where its potential is infinite"
+            told = f"a weight of {beyond:.3g} of the fresh thresholds lies outside the final law"
+            raise InputError(f"ageing: {told}, {where}; use a final law that covers them")
 
     def _check_potential(self) -> None:
-        atoms = self.final.atoms[0]
+        """InputError where Ũ = -ln P_cf is infinite inside the support, or for the exact closure jumps."""
+        atoms, corners = self.final.atoms[0], self.final.breakpoints
         if atoms.size:
-            raise InputError(
-                f"final: holds the single value {atoms[0]:g}: thresholds cannot diffuse to it; use a law with a "
-                f"density, such as gaussian with mean = {atoms[0]:g}, std = {0.01 * atoms[0]:g}"
-            )
-        corners = self.final.breakpoints
-        low, high = self.final.support()
+            such = f"gaussian with mean = {atoms[0]:g}, std = {0.01 * atoms[0]:g}"
+            rule = f"thresholds cannot diffuse to it; use a law with a density, such as {such}"
+            raise InputError(f"final: holds the single value {atoms[0]:g}: {rule}")
         middle = 0.5 * (corners[:-1] + corners[1:])
-        gap = np.flatnonzero(self.final.logpdf(middle) == -np.inf) if middle.size else middle
-        if gap.size:
-            low, high = corners[int(gap[0])], corners[int(gap[0]) + 1]
-            raise InputError(
-                f"final: has no weight between {low:g} and {high:g}: thresholds cannot diffuse across; use a law "
-                "without gaps"
-            )
-        self._check_jumps(corners[(corners > low) & (corners < high)])
-
-    def _check_jumps(self, corners: Array) -> None:
-        if self.closure != "exact" or not corners.size:
+        for i in np.flatnonzero(self.final.logpdf(middle) == -np.inf):
+            rule = "thresholds cannot diffuse across; use a law without gaps"
+            told = f"has no weight between {corners[i]:g} and {corners[i + 1]:g}"
+            raise InputError(f"final: {told}: {rule}")
+        if self.closure != "exact":
             return
-        near = _NEAR * np.spacing(corners)
-        around = corners + near * np.array([[-2.0], [-1.0], [1.0], [2.0]])
+        low, high = self.final.support()
+        corners = corners[(corners > low) & (corners < high)]
+        around = corners + _NEAR * np.spacing(corners) * np.array([[-2.0], [-1.0], [1.0], [2.0]])
         far_below, below, above, far_above = self.final.logpdf(around)
         beside = np.maximum(np.abs(below - far_below), np.abs(far_above - above))
-        jump = np.abs(above - below) > _JUMP + 10.0 * beside
-        if jump.any():
-            raise InputError(
-                f"final: the density jumps at {corners[jump][0]:g}: there the drift of a threshold is infinite for an "
-                'instant, which no solver follows yet; use a law without jumps inside, or closure = "paper"'
-            )
+        for corner in corners[np.abs(above - below) > _JUMP + 10.0 * beside]:
+            rule = "there the drift of a threshold is infinite for an instant, which no solver follows yet"
+            use = 'use a law without jumps inside, or closure = "paper"'
+            raise InputError(f"final: the density jumps at {corner:g}: {rule}; {use}")
 
 
 class OrnsteinUhlenbeck:

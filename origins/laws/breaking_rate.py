@@ -12,6 +12,7 @@ from origins.laws.rate_law import Array, RateLaw
 
 # ln(h/ω): above it no contact holds, and its exponential times ω is still a number
 _LARGEST = 50.0
+_POSITIVE = "must be finite and above zero"
 _HALVINGS = 60  # of the way from -x_s to x_s: down to the last bit of x_s
 
 
@@ -142,19 +143,16 @@ def _prepare(
         told = f"{', '.join(named)}: must be numbers or arrays whose shapes fit: {error}"
         raise InputError(told) from error
     flat = dict(zip(named, (array.ravel() for array in arrays), strict=True))
-    for name in ("threshold", "stiffness"):
-        good = (flat[name] > 0.0) & np.isfinite(flat[name])
-        _check(name, flat[name], good, "must be finite and above zero")
+    rules = {
+        "threshold": ((flat["threshold"] > 0.0) & np.isfinite(flat["threshold"]), _POSITIVE),
+        "stiffness": ((flat["stiffness"] > 0.0) & np.isfinite(flat["stiffness"]), _POSITIVE),
+    }
     for name in more:
+        rule = f"a contact holds only where |{name}| is at most its threshold"
+        rules[name] = np.abs(flat[name]) <= flat["threshold"], rule
         if name == "amount":
-            _check(name, flat[name], flat[name] >= 0.0, "must be zero or above")
-        else:
-            rule = f"a contact holds only where |{name}| is at most its threshold"
-            _check(name, flat[name], np.abs(flat[name]) <= flat["threshold"], rule)
+            rules[name] = flat[name] >= 0.0, "must be zero or above"
+    for name, (good, rule) in rules.items():
+        if not good.all():
+            refuse(name, flat[name][~good][0], rule)
     return arrays[0].shape, list(flat.values())
-
-
-def _check(name: str, values: Array, good: npt.NDArray[np.bool_], rule: str) -> None:
-    """Raise InputError with the first value that is not good."""
-    if not good.all():
-        refuse(name, values[~good][0], rule)

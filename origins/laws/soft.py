@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -39,7 +39,7 @@ class SoftRates(RateLaw):
 
     temperature: float
     attempt_frequency: float = 1.0
-    name: ClassVar[str] = "soft"
+    name: ClassVar[Literal["soft"]] = "soft"
     vanishes_at_threshold: ClassVar[bool] = False
     separable: ClassVar[bool] = True
 

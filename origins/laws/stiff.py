@@ -6,7 +6,7 @@ Paper, Eqs. temper9 and temper10.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -40,7 +40,7 @@ class StiffRates(RateLaw):
 
     temperature: float
     attempt_frequency: float = 1.0
-    name: ClassVar[str] = "stiff"
+    name: ClassVar[Literal["stiff"]] = "stiff"
     vanishes_at_threshold: ClassVar[bool] = True
     separable: ClassVar[bool] = False
 

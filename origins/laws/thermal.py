@@ -79,9 +79,8 @@ class GivenRates(BreakingRate):
 
     def __post_init__(self) -> None:
         if not isinstance(self.rates.name, str) or not self.rates.name:
-            refuse(
-                "thermal.name", self.rates.name, 'must be what the law is called, such as "linear"'
-            )
+            rule = 'must be what the law is called, such as "linear"'
+            refuse("thermal.name", self.rates.name, rule)
         positive("thermal.scale", self.rates.scale, "the attempt frequency, per time")
 
     @property
@@ -110,14 +109,9 @@ def as_thermal(law: object) -> Thermal | GivenRates | None:
     """
     if law is None or isinstance(law, Thermal | GivenRates):
         return law
-    if isinstance(law, SoftRates | StiffRates):
-        for name, known in RATE_LAWS.items():
-            if type(law) is known:
-                return Thermal(name, law.temperature, law.attempt_frequency)
+    if isinstance(law, SoftRates | StiffRates) and type(law) in RATE_LAWS.values():
+        return Thermal(law.name, law.temperature, law.attempt_frequency)
     if isinstance(law, RateLaw) and not isinstance(law, type):
         return GivenRates(law)
-    refuse(
-        "thermal",
-        law,
-        'must be an origins.Thermal, such as Thermal("soft", temperature=0.1), or a RateLaw',
-    )
+    such = 'Thermal("soft", temperature=0.1), or a RateLaw'
+    refuse("thermal", law, f"must be an origins.Thermal, such as {such}")

@@ -33,17 +33,11 @@ def gaussian(
     if abs(mean) > _LARGEST:
         refuse("mean", mean, f"must be at most {_LARGEST:g}; {_UNIT}")
     if std < _NARROWEST * mean:
-        refuse(
-            "std",
-            std,
-            f"is below 1e-15 of the mean: one value to round-off; take identical, value = {mean:g}",
-        )
+        rule = f"one value to round-off; take identical, value = {mean:g}"
+        refuse("std", std, f"is below 1e-15 of the mean: {rule}")
     if std < -_NARROWEST * mean:
-        refuse(
-            "mean",
-            mean,
-            f"lies more than 1e15 widths below 0, where nothing is left of the law; std = {std:g}",
-        )
+        rule = f"where nothing is left of the law; std = {std:g}"
+        refuse("mean", mean, f"lies more than 1e15 widths below 0, {rule}")
     if form == "cut":
         if upper is not None:
             refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')
@@ -53,11 +47,8 @@ def gaussian(
     if not mean > 0.0:
         refuse("mean", mean, 'form = "paper" needs 0 < mean < upper')
     if upper is None:
-        refuse(
-            "upper",
-            upper,
-            f'form = "paper" needs the end of its interval, such as upper = {3.0 * mean:g}',
-        )
+        such = f"such as upper = {3.0 * mean:g}"
+        refuse("upper", upper, f'form = "paper" needs the end of its interval, {such}')
     upper = positive("upper", upper)
     if not mean < upper:
         refuse("mean", mean, f'form = "paper" needs 0 < mean < upper = {upper:g}')
@@ -79,9 +70,8 @@ class CutGaussian(Thresholds):
         if self._z0 > 0.0:
             self._at_zero = 2.0 / float(erfcx(self._z0 / _ROOT_TWO)) / (_ROOT_TWO_PI * parent_std)
         else:
-            self._at_zero = np.exp(-0.5 * self._z0**2 - self._log_kept) / (
-                _ROOT_TWO_PI * parent_std
-            )
+            at_zero = np.exp(-0.5 * self._z0**2 - self._log_kept)
+            self._at_zero = at_zero / (_ROOT_TWO_PI * parent_std)
 
     def support(self) -> tuple[float, float]:
         return 0.0, np.inf
