@@ -4,9 +4,9 @@ import numpy as np
 
 from origins.roughness.height_integrals import log_touching_integral
 from origins.roughness.power_law import Bend
-from origins.thresholds.bent import Bent
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.generalised_gamma import Weibull
+from origins.thresholds.powered import Bent
 
 
 def log_sum(quantity: Bend, std: float, z: float, heights: str) -> float:
