@@ -46,7 +46,10 @@ def invert_hazard(thresholds: Any, hazard: Array, left: Array, right: Array, gue
         out[place[settled]] = np.clip(newton, low, high)[settled]
         bad = ~((newton > low) & (newton < high)) | (step % 4 == 3) & (step > 8)
         x = np.where(bad, between(low, high), newton)
-        place, (goal, low, high, x) = place[~settled], (part[~settled] for part in (goal, low, high, x))
+        place, (goal, low, high, x) = (
+            place[~settled],
+            (part[~settled] for part in (goal, low, high, x)),
+        )
     out[place] = x
     return out
 
