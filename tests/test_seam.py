@@ -101,23 +101,31 @@ def test_threshold_laws_conform(name: str) -> None:
     x = law.isf(q)
     assert (law.sf(x * (1.0 + 1e-12)) <= q * (1.0 + 1e-9)).all()
     assert (law.sf(x * (1.0 - 1e-12)) >= q * (1.0 - 1e-9)).all()
-    # what takes logarithms is what does not; and the limits outside
+    # what takes logarithms is what does not; the complement; and quantiles at their ends
     np.testing.assert_allclose(np.exp(law.logsf(x)), law.sf(x), rtol=1e-12)
     np.testing.assert_allclose(np.exp(law.logpdf(x)), law.pdf(x), rtol=1e-12)
-    assert (law.sf(-1.0), law.logsf(-1.0), law.pdf(-1.0), law.logpdf(-1.0)) == (
-        1.0,
-        0.0,
-        0.0,
-        -np.inf,
-    )
-    if np.isfinite(upper):
-        assert (law.sf(2.0 * upper), law.logsf(2.0 * upper), law.pdf(2.0 * upper)) == (
-            0.0,
-            -np.inf,
-            0.0,
-        )
-    for method in (law.sf, law.logsf, law.pdf, law.logpdf):
-        assert np.ndim(method(1.0)) == 0 and method(np.ones((2, 3))).shape == (2, 3)
+    np.testing.assert_allclose(law.cdf(x) + law.sf(x), 1.0, atol=4e-15)
+    assert law.ppf(0.0) == lower == law.isf(1.0) and law.ppf(1.0) == upper == law.isf(0.0)
+    assert lower <= law.ppf(1e-300) <= law.ppf(0.5) <= law.isf(1e-300) < np.inf
+    for quantile in (law.ppf, law.isf):
+        with pytest.raises(InputError, match="q = "):
+            quantile([0.5, 1.1])
+    # outside the support, for NaN, and in any shape
+    limits = {"pdf": (0.0, 0.0), "logpdf": (-np.inf, -np.inf), "logsf": (0.0, -np.inf)}
+    limits |= {"cdf": (0.0, 1.0), "sf": (1.0, 0.0)}
+    for name_of, (below, above) in limits.items():
+        method = getattr(law, name_of)
+        assert method([-np.inf, -1.0, np.nextafter(lower, -1.0)]).tolist() == [below] * 3
+        assert method(np.inf) == above and np.isnan(method([0.5, np.nan])).tolist() == [False, True]
+        assert isinstance(method(0.5), float) and method(np.ones((2, 3))).shape == (2, 3)
+        assert method(np.empty((0, 2))).shape == (0, 2)
+    assert law.moment(0) == 1.0 and law.moment(1) == law.mean()
+    assert law.moment(2) == pytest.approx(law.mean() ** 2 + law.std() ** 2, rel=1e-12)
+    with pytest.raises(InputError, match="n = "):
+        law.moment(1.0)  # type: ignore[arg-type]
+    assert law.rvs((2, 3)).shape == (2, 3) and np.ndim(law.rvs()) == 0
+    drawn, error = law.rvs(2000, random_state=1), law.std() / np.sqrt(2000) + 1e-12
+    assert abs(drawn.mean() - law.mean()) < 5.0 * error
     # the density and the atoms make up the survival, and both the mean
     edges = panel_edges(law)
     nodes, node_weights = gauss(edges[:-1], edges[1:])
