@@ -76,13 +76,6 @@ class Careless(Tilted):
         return Tilted.reached(self, log_amount, 0.0 * near, threshold, stiffness)
 
 
-class Endless(Tilted):
-    """No contact stops at its threshold."""
-
-    def reached(self, log_amount, near, threshold, stiffness):
-        return Tilted.reached(self, log_amount, near, 1e3 * threshold, stiffness)
-
-
 class Rooted(Tilted):
     """Claims a root at the threshold."""
 
