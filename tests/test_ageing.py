@@ -58,7 +58,9 @@ def test_transitions_chain_and_draws_follow_them() -> None:
     assert stats.kstest(drawn, law.cdf).pvalue > 1e-4
     # no time, or no ageing: nothing moves
     still = Ageing(origins.gaussian(MEAN, STD), rate=0.0).normal
-    assert still is not None and still.draw(0.3, 5.0, 1.7) == 0.3 and normal.draw(0.3, 0.0, 1.7) == 0.3
+    assert (
+        still is not None and still.draw(0.3, 5.0, 1.7) == 0.3 and normal.draw(0.3, 0.0, 1.7) == 0.3
+    )
 
 
 def test_general_target_has_no_closed_transition() -> None:
@@ -74,7 +76,11 @@ def towards_gaussian(edges):
     t = 0.3 * STD**2
     kept = np.exp(-t / STD**2)
     mean, std = MEAN - 0.3 * kept, np.sqrt(STD**2 * (1.0 - kept**2) + (0.08 * kept) ** 2)
-    return np.diff(special.ndtr((edges - 0.7) / 0.08)), np.diff(special.ndtr((edges - mean) / std)), t
+    return (
+        np.diff(special.ndtr((edges - 0.7) / 0.08)),
+        np.diff(special.ndtr((edges - mean) / std)),
+        t,
+    )
 
 
 def towards_rayleigh(edges):
@@ -89,17 +95,27 @@ def towards_exponential(edges):
 
     def below(x, t):
         width = np.sqrt(2.0 * t)
-        return special.ndtr((x - 0.5 + t) / width) - np.exp(-x) * special.ndtr((-x - 0.5 + t) / width)
+        return special.ndtr((x - 0.5 + t) / width) - np.exp(-x) * special.ndtr(
+            (-x - 0.5 + t) / width
+        )
 
     return np.diff(below(edges, 0.2)), np.diff(below(edges, 0.8)), 0.6
 
 
 EXPONENTIAL = as_thresholds(stats.expon())
 TARGETS = {
-    "gaussian": (origins.gaussian(MEAN, STD), lambda n: np.linspace(0.0, 2.0, n + 1), towards_gaussian),
+    "gaussian": (
+        origins.gaussian(MEAN, STD),
+        lambda n: np.linspace(0.0, 2.0, n + 1),
+        towards_gaussian,
+    ),
     "rayleigh": (origins.gw_plastic(0.5), lambda n: np.linspace(0.0, 8.0, n + 1), towards_rayleigh),
     "exponential": (EXPONENTIAL, lambda n: np.linspace(0.0, 35.0, n + 1), towards_exponential),
-    "graded": (EXPONENTIAL, lambda n: 2.0 * np.sinh(np.linspace(0.0, 3.55, n + 1)), towards_exponential),
+    "graded": (
+        EXPONENTIAL,
+        lambda n: 2.0 * np.sinh(np.linspace(0.0, 3.55, n + 1)),
+        towards_exponential,
+    ),
 }
 
 
@@ -123,7 +139,9 @@ LAWS = {
     "persson": origins.persson(1.0, 0.5),
     "lubricated": origins.lubricated(0.7),
     "rectangular": origins.rectangular(0.5, 1.5),
-    "two peaks": origins.mixture([origins.gaussian(0.5, 0.1), origins.gaussian(1.5, 0.2)], [0.3, 0.7]),
+    "two peaks": origins.mixture(
+        [origins.gaussian(0.5, 0.1), origins.gaussian(1.5, 0.2)], [0.3, 0.7]
+    ),
     "foreign": as_thresholds(stats.gamma(3.0, scale=0.3)),
     "exponential": EXPONENTIAL,
 }
@@ -154,7 +172,9 @@ def test_narrow_target_far_away() -> None:
         after = evolved(diffusion, start, relaxed * 1e-4)
         assert (after >= -1e-16).all() and after.sum() == pytest.approx(1.0, abs=1e-13)
         mean = float(after @ middle)
-        assert mean == pytest.approx(float(normal.mean_after(fresh.mean(), relaxed * 1e-4)), abs=1e-3)
+        assert mean == pytest.approx(
+            float(normal.mean_after(fresh.mean(), relaxed * 1e-4)), abs=1e-3
+        )
 
 
 def test_cut_at_zero_is_a_wall() -> None:
@@ -179,18 +199,35 @@ NARROW = origins.gaussian(1.0, 0.1)
         (lambda: Ageing(NARROW, -1.0), "rate = -1.0: must be zero or above"),
         (lambda: Ageing(NARROW, 1.0, "mean"), "closure = 'mean': "),
         (lambda: Ageing("gaussian", 1.0), "final = 'gaussian': "),
-        (lambda: Ageing(stats.norm(0.0, 1.0), 1.0), "final: the distribution has weight 0.5 at or below x = 0"),
+        (
+            lambda: Ageing(stats.norm(0.0, 1.0), 1.0),
+            "final: the distribution has weight 0.5 at or below x = 0",
+        ),
         (lambda: Ageing(origins.identical(1.5), 1.0), "final: holds the single value 1.5: "),
         (
-            lambda: Ageing(origins.mixture([origins.rectangular(0.1, 0.5), origins.rectangular(1, 2)], [0.5, 0.5]), 1),
+            lambda: Ageing(
+                origins.mixture(
+                    [origins.rectangular(0.1, 0.5), origins.rectangular(1, 2)], [0.5, 0.5]
+                ),
+                1,
+            ),
             "final: has no weight between 0.5 and 1: ",
         ),
         (lambda: OrnsteinUhlenbeck(1.0, 0.0, 1.0), "std = 0.0: "),
-        (lambda: OrnsteinUhlenbeck(1.0, 0.1, 1.0).draw(0.5, -1.0, 0.0), "time = -1.0: must be zero or above"),
+        (
+            lambda: OrnsteinUhlenbeck(1.0, 0.1, 1.0).draw(0.5, -1.0, 0.0),
+            "time = -1.0: must be zero or above",
+        ),
         (lambda: Diffusion(NARROW, [0.0, 2.0]), "edges = array of shape (2,): "),
         (lambda: Diffusion(NARROW, [0.0, 1.0, 1.0, 2.0]), "edges = array of shape (4,): "),
-        (lambda: Diffusion(origins.gaussian(1.0, 0.5), GRID), "final: has a weight of 0.0233 beyond the outermost"),
-        (lambda: Diffusion(origins.rectangular(0.5, 1.5), GRID), "final: has no weight, or one that is no number"),
+        (
+            lambda: Diffusion(origins.gaussian(1.0, 0.5), GRID),
+            "final: has a weight of 0.0233 beyond the outermost",
+        ),
+        (
+            lambda: Diffusion(origins.rectangular(0.5, 1.5), GRID),
+            "final: has no weight, or one that is no number",
+        ),
         (
             lambda: Diffusion(NARROW, GRID).weights(origins.gaussian(1.5, 0.2)),
             "law: has a weight of 0.00621 beyond the outermost edges, 0 and 2; widen them",
@@ -200,4 +237,6 @@ NARROW = origins.gaussian(1.0, 0.1)
 def test_refusals(call, begins: str) -> None:
     with pytest.raises(InputError) as refusal:
         call()
-    assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(refusal.value)
+    assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(
+        refusal.value
+    )
