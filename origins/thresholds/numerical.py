@@ -97,7 +97,7 @@ class NumericalLaw:
         whole = float(masses.sum())
         self.log_whole = top + float(np.log(whole))
         self._masses, values = masses / whole, values / whole
-        self._means = values @ _TO_MEAN.T
+        self._means = _TO_MEAN @ values.T
         self._nodes = self._edges[:-1, None] + self._widths[:, None] * _PLACES
         self._node_weights = self._widths[:, None] * values * _WEIGHTS
         self._below = np.concatenate([[0.0], np.cumsum(self._masses)])
@@ -220,10 +220,10 @@ class NumericalLaw:
         away = y - self._edges[panel]
         place = 2.0 * (away / self._widths[panel]) - 1.0
         # Clenshaw's sum of the Chebyshev series
-        later, last = np.zeros(y.shape), np.zeros(y.shape)
-        for row in self._means.T[:0:-1]:
-            later, last = row[panel] + 2.0 * place * later - last, later
-        weight = away * (self._means[panel, 0] + place * later - last)
+        later, last, twice = np.zeros(y.shape), np.zeros(y.shape), 2.0 * place
+        for row in self._means[:0:-1]:
+            later, last = row.take(panel) + twice * later - last, later
+        weight = away * (self._means[0].take(panel) + place * later - last)
         first = panel == 0
         if first.any() and np.isfinite(self._power):
             share = away[first] / self._widths[0]
