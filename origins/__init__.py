@@ -30,7 +30,6 @@ from origins.laws import SoftRates, StiffRates
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.rate_law import RateLaw
-from origins.laws.reforming import boltzmann_reforming
 from origins.laws.thermal import Thermal
 from origins.roughness.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.roughness.from_surface import from_moments, from_topography, resolution_study
@@ -44,7 +43,7 @@ from origins.roughness.spectral_moments import SpectralMoments, moments_of_summi
 from origins.roughness.spectrum import moments_of_spectrum
 from origins.samples.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
 from origins.samples.from_samples import from_samples
-from origins.start import Start, gaussian_start
+from origins.start import Start, boltzmann_reforming, gaussian_start
 from origins.thresholds.continuous_mixture import continuous_mixture
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.generalised_gamma import gw_elastic, gw_plastic, lubricated

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr, ndtri
 
-from origins.errors import InputError, finite, non_negative, refuse
+from origins.errors import TEMPERATURE, InputError, finite, non_negative, positive, refuse
 from origins.thresholds.law import Array
 from origins.thresholds.scipy_laws import as_frozen, single_mean
 
@@ -117,6 +117,16 @@ def gaussian_start(mean: float, std: float) -> Start:
     """
     mean, std = finite("mean", mean), non_negative("std", std)
     return GaussianStart(mean, std) if std > 0.0 else SingleStart(mean)
+
+
+def boltzmann_reforming(temperature: float) -> Start:
+    """R(x) ~ exp(-x²/2T), the normal law of width T^(1/2) = (k_BT/<k>)^(1/2) about x = 0 (paper, Sec. IV).
+
+    temperature : k_BT/<k>, a length squared. With linked stiffness too the width is that of <k>: a contact's stretch
+    is drawn before its threshold, on which its own k_i depends.
+    Raises InputError unless it is finite and above zero.
+    """
+    return gaussian_start(0.0, float(np.sqrt(positive("temperature", temperature, TEMPERATURE))))
 
 
 def as_start(start: object, name: str = "start") -> Start:
