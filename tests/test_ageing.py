@@ -58,29 +58,11 @@ def test_transitions_chain_and_draws_follow_them() -> None:
     assert stats.kstest(drawn, law.cdf).pvalue > 1e-4
     # no time, or no ageing: nothing moves
     still = Ageing(origins.gaussian(MEAN, STD), rate=0.0).normal
-    assert (
-        still is not None and still.draw(0.3, 5.0, 1.7) == 0.3 and normal.draw(0.3, 0.0, 1.7) == 0.3
-    )
-
-
-def test_general_target_has_no_closed_transition() -> None:
+    assert still.draw(0.3, 5.0, 1.7) == 0.3 == normal.draw(0.3, 0.0, 1.7)
     assert Ageing(origins.gw_plastic(1.0), rate=D).normal is None
-    assert Ageing(origins.gaussian(1.0, 0.1, form="paper", upper=3.0), rate=D).normal is None
-    assert Ageing(stats.gamma(3.0), rate=D).final.mean() == pytest.approx(3.0)
 
 
-# -- finite volumes: each case is (target, edges of n cells, weights between edges at 0 and after D t, D t) ----------
-
-
-def towards_gaussian(edges):
-    t = 0.3 * STD**2
-    kept = np.exp(-t / STD**2)
-    mean, std = MEAN - 0.3 * kept, np.sqrt(STD**2 * (1.0 - kept**2) + (0.08 * kept) ** 2)
-    return (
-        np.diff(special.ndtr((edges - 0.7) / 0.08)),
-        np.diff(special.ndtr((edges - mean) / std)),
-        t,
-    )
+# -- finite volumes: weights between edges at 0 and after D t, and D t --------------------------------
 
 
 def towards_rayleigh(edges):
@@ -104,16 +86,10 @@ def towards_exponential(edges):
 
 EXPONENTIAL = as_thresholds(stats.expon())
 TARGETS = {
-    "gaussian": (
-        origins.gaussian(MEAN, STD),
-        lambda n: np.linspace(0.0, 2.0, n + 1),
-        towards_gaussian,
-    ),
-    "rayleigh": (origins.gw_plastic(0.5), lambda n: np.linspace(0.0, 8.0, n + 1), towards_rayleigh),
-    "exponential": (EXPONENTIAL, lambda n: np.linspace(0.0, 35.0, n + 1), towards_exponential),
-    "graded": (
-        EXPONENTIAL,
-        lambda n: 2.0 * np.sinh(np.linspace(0.0, 3.55, n + 1)),
+    "rayleigh": (origins.gw_plastic(0.5), 8.0 * np.linspace(0.0, 1.0, 801), towards_rayleigh),
+    "exponential": (
+        as_thresholds(stats.expon()),
+        2.0 * np.sinh(np.linspace(0.0, 3.55, 801)),
         towards_exponential,
     ),
 }
@@ -121,60 +97,46 @@ TARGETS = {
 
 @pytest.mark.parametrize("name", TARGETS)
 def test_order_of_convergence_is_two(name: str) -> None:
-    target, edges_of, solution = TARGETS[name]
-    sizes = np.array([100, 200, 400, 800])
-    errors = []
-    for n in sizes:
-        edges = edges_of(n)
-        before, after, amount = solution(edges)
-        errors.append(np.abs(evolved(Diffusion(target, edges), before, amount) - after).sum())
-    order = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    target, edges, solution = TARGETS[name]
+    every, errors = np.array([8, 4, 2, 1]), []
+    for step in every:
+        before, after, amount = solution(edges[::step])
+        found = evolved(Diffusion(target, edges[::step]), before, amount)
+        errors.append(np.abs(found - after).sum())
+    order = np.polyfit(np.log(every), np.log(errors), 1)[0]
     assert abs(order - 2.0) < 0.2 and errors[-1] < 5e-4, (order, errors)
 
 
+PEAKS = [origins.gaussian(0.5, 0.1), origins.gaussian(1.5, 0.2)]
 LAWS = {
     "gaussian": origins.gaussian(1.0, 0.1),
     "gw-elastic": origins.gw_elastic(1.6),
-    "rayleigh": origins.gw_plastic(1.0),
-    "persson": origins.persson(1.0, 0.5),
-    "lubricated": origins.lubricated(0.7),
     "rectangular": origins.rectangular(0.5, 1.5),
-    "two peaks": origins.mixture(
-        [origins.gaussian(0.5, 0.1), origins.gaussian(1.5, 0.2)], [0.3, 0.7]
-    ),
-    "foreign": as_thresholds(stats.gamma(3.0, scale=0.3)),
-    "exponential": EXPONENTIAL,
+    "two peaks": origins.mixture(PEAKS, [0.3, 0.7]),
 }
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_target_is_at_rest(name: str) -> None:
+    """No flow between any two cells."""
     law = LAWS[name]
     lower, upper = law.support()
     edges = np.linspace(lower, upper if np.isfinite(upper) else float(law.isf(1e-13)), 301)
-    diffusion = Diffusion(law, edges)
-    np.testing.assert_allclose(diffusion.weights(law), diffusion.stationary, rtol=1e-9, atol=1e-12)
-    # no flow between any two cells
-    flow = diffusion.up * diffusion.stationary[:-1] / (diffusion.down * diffusion.stationary[1:])
-    np.testing.assert_allclose(flow, 1.0, rtol=1e-13)
+    hops = Diffusion(law, edges)
+    np.testing.assert_allclose(hops.weights(law), hops.stationary, rtol=1e-9, atol=1e-12)
+    there, back = hops.up * hops.stationary[:-1], hops.down * hops.stationary[1:]
+    np.testing.assert_allclose(there, back, rtol=1e-13)
 
 
 def test_narrow_target_far_away() -> None:
-    """Fig. A05: where the fresh thresholds are, the final density is exp(-1250); its logarithm is all that counts."""
+    """Fig. A05: the final density is exp(-1250) where fresh thresholds are; its logarithm is all that counts."""
     final, fresh = origins.gaussian(1.0, 0.01), origins.gaussian(0.5, 0.1)
     edges = np.linspace(0.0, 1.3, 1301)
-    diffusion = Diffusion(final, edges)
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    normal = Ageing(final, rate=1.0).normal
-    assert normal is not None
-    start = diffusion.weights(fresh)
-    for relaxed in (0.5, 1.0, 5.0):
-        after = evolved(diffusion, start, relaxed * 1e-4)
-        assert (after >= -1e-16).all() and after.sum() == pytest.approx(1.0, abs=1e-13)
-        mean = float(after @ middle)
-        assert mean == pytest.approx(
-            float(normal.mean_after(fresh.mean(), relaxed * 1e-4)), abs=1e-3
-        )
+    hops, normal = Diffusion(final, edges), Ageing(final, rate=1.0).normal
+    after = evolved(hops, hops.weights(fresh), 1e-4)
+    assert (after >= -1e-16).all() and after.sum() == pytest.approx(1.0, abs=1e-13)
+    known = float(normal.mean_after(fresh.mean(), 1e-4))
+    assert float(after @ (0.5 * (edges[1:] + edges[:-1]))) == pytest.approx(known, abs=1e-3)
 
 
 def test_cut_at_zero_is_a_wall() -> None:
@@ -191,6 +153,7 @@ def test_cut_at_zero_is_a_wall() -> None:
 
 GRID = np.linspace(0.0, 2.0, 101)
 NARROW = origins.gaussian(1.0, 0.1)
+GAP = origins.mixture([origins.rectangular(0.1, 0.5), origins.rectangular(1, 2)], [0.5, 0.5])
 
 
 @pytest.mark.parametrize(
@@ -199,44 +162,15 @@ NARROW = origins.gaussian(1.0, 0.1)
         (lambda: Ageing(NARROW, -1.0), "rate = -1.0: must be zero or above"),
         (lambda: Ageing(NARROW, 1.0, "mean"), "closure = 'mean': "),
         (lambda: Ageing("gaussian", 1.0), "final = 'gaussian': "),
-        (
-            lambda: Ageing(stats.norm(0.0, 1.0), 1.0),
-            "final: the distribution has weight 0.5 at or below x = 0",
-        ),
         (lambda: Ageing(origins.identical(1.5), 1.0), "final: holds the single value 1.5: "),
-        (
-            lambda: Ageing(
-                origins.mixture(
-                    [origins.rectangular(0.1, 0.5), origins.rectangular(1, 2)], [0.5, 0.5]
-                ),
-                1,
-            ),
-            "final: has no weight between 0.5 and 1: ",
-        ),
-        (lambda: OrnsteinUhlenbeck(1.0, 0.0, 1.0), "std = 0.0: "),
-        (
-            lambda: OrnsteinUhlenbeck(1.0, 0.1, 1.0).draw(0.5, -1.0, 0.0),
-            "time = -1.0: must be zero or above",
-        ),
-        (lambda: Diffusion(NARROW, [0.0, 2.0]), "edges = array of shape (2,): "),
+        (lambda: Ageing(GAP, 1), "final: has no weight between 0.5 and 1: "),
+        (lambda: OrnsteinUhlenbeck(1.0, 0.1, 1.0).draw(0.5, -1.0, 0.0), "time = -1.0: must be"),
         (lambda: Diffusion(NARROW, [0.0, 1.0, 1.0, 2.0]), "edges = array of shape (4,): "),
-        (
-            lambda: Diffusion(origins.gaussian(1.0, 0.5), GRID),
-            "final: has a weight of 0.0233 beyond the outermost",
-        ),
-        (
-            lambda: Diffusion(origins.rectangular(0.5, 1.5), GRID),
-            "final: has no weight, or one that is no number",
-        ),
-        (
-            lambda: Diffusion(NARROW, GRID).weights(origins.gaussian(1.5, 0.2)),
-            "law: has a weight of 0.00621 beyond the outermost edges, 0 and 2; widen them",
-        ),
+        (lambda: Diffusion(origins.gaussian(1.0, 0.5), GRID), "final: has a weight of 0.0233 bey"),
+        (lambda: Diffusion(origins.rectangular(0.5, 1.5), GRID), "final: has no weight, or one"),
     ],
 )
 def test_refusals(call, begins: str) -> None:
     with pytest.raises(InputError) as refusal:
         call()
-    assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(
-        refusal.value
-    )
+    assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value)
