@@ -45,14 +45,12 @@ from origins.samples.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
 from origins.samples.from_samples import from_samples
 from origins.start import Start, boltzmann_reforming, gaussian_start
 from origins.thresholds.continuous_mixture import continuous_mixture
+from origins.thresholds.families import gw_elastic, gw_plastic, lubricated, persson, rectangular
 from origins.thresholds.gaussian import gaussian
-from origins.thresholds.generalised_gamma import gw_elastic, gw_plastic, lubricated
 from origins.thresholds.identical import identical
 from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import mixture
-from origins.thresholds.persson import persson
 from origins.thresholds.protocol import ThresholdLaw
-from origins.thresholds.rectangular import rectangular
 
 # the face is all that is imported above
 __all__ = [name for name, found in globals().items() if hasattr(found, "__qualname__")]

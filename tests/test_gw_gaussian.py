@@ -6,7 +6,7 @@ import pytest
 
 import origins
 from origins.roughness.gw_gaussian import EXPONENTS
-from origins.thresholds.generalised_gamma import Weibull
+from origins.thresholds.families import Weibull
 from origins.thresholds.law import Thresholds
 from origins.thresholds.quadrature import gauss, panel_edges
 

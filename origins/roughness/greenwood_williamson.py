@@ -21,7 +21,7 @@ from origins.roughness.material import Material
 from origins.roughness.power_law import Bend, PowerLaw
 from origins.roughness.spectral_moments import SpectralMoments
 from origins.roughness.summit_thresholds import SummitThresholds, log_sum
-from origins.thresholds.generalised_gamma import Weibull
+from origins.thresholds.families import Weibull
 from origins.thresholds.law import Thresholds
 
 _DEEPEST = 1e8  # of sigma_h: summits cover the surface long before

@@ -4,8 +4,8 @@ import numpy as np
 
 from origins.roughness.height_integrals import log_touching_integral
 from origins.roughness.power_law import Bend
+from origins.thresholds.families import Weibull
 from origins.thresholds.gaussian import gaussian
-from origins.thresholds.generalised_gamma import Weibull
 from origins.thresholds.powered import Bent
 
 
