@@ -176,25 +176,21 @@ class NumericalLaw:
     def _first_edges(self, points: Array) -> tuple[Array, float]:
         """Edges that halve towards the ends and where most weight is, and the log of the density there."""
         ends = np.array([self._lower, self._upper])
-        seen = self._around(np.concatenate([points, ends]), _STEPS)
-        density = self._log_at(seen)
-        most = -np.inf
-        for _ in range(60):  # a peak may be far narrower than the steps
+        seen, most = self._around(np.concatenate([points, ends]), _STEPS), -np.inf
+        while True:  # a peak may be far narrower than the steps
+            density = self._log_at(seen)
             weight = density + np.log(seen - self._lower)
             at = int(weight.argmax())
-            if weight[at] < most + 0.1:
+            top, highest = density[at], seen[at]
+            if not weight[at] > most + 0.1:
                 break
             most = weight[at]
-            finer = np.linspace(seen[max(at - 1, 0)], seen[min(at + 1, seen.size - 1)], 17)
-            finer = finer[(finer > self._lower) & (finer < self._upper)]
-            seen, density = np.append(seen, finer), np.append(density, self._log_at(finer))
-            order = np.argsort(seen)
-            seen, density = seen[order], density[order]
-        top, highest = density[at], seen[at]
-        beside = self._around(np.array([highest]), _STEPS)
-        seen, density = np.append(seen, beside), np.append(density, self._log_at(beside))
-        weight = density - top + np.log((seen - self._lower) / (highest - self._lower))
-        live = seen[weight > -_NOTHING]
+            seen = np.union1d(seen, self._around(np.array([highest]), _STEPS))
+        if np.isneginf(top):
+            raise InputError(
+                "thresholds: the density is zero, or no number, wherever it was looked at"
+            )
+        live = seen[weight > weight[at] - _NOTHING]
         start = seen.max(where=seen < live.min(), initial=self._lower)
         end = seen.min(where=seen > live.max(), initial=min(self._upper, 2.0 * float(seen.max())))
         width = np.abs(seen - highest).min(where=density < top - 1.0, initial=end - start)
