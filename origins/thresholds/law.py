@@ -35,7 +35,7 @@ class Thresholds:
       (finite where the survival underflows), `_ppf` and `_isf` (1e-12 in x, or 1e-10 in the probability), `_moment`
       and `_variance` (1e-10). A family with atoms states `_cdf` and `_sf`.
 
-    InputError, with the family's name, where its survival leaves [0, 1].
+    InputError, with the family's name, where its survival leaves [0, 1]: told when it is first asked, and by Contacts.
 
     Attributes
     ----------
