@@ -84,31 +84,24 @@ def test_jumps_that_stand_still_are_kept() -> None:
     assert float(law.pdf(1.0 - 1e-9)) < float(law.pdf(1.0 + 1e-9)) - 0.39
 
 
+MOVES = "law: an exact value or a jump of the density moves with phi, "
+
+
 @pytest.mark.parametrize(
-    "arguments, says",
+    ("arguments", "says"),
     [
         ({"upper": 0.0}, "upper = 0.0: must be above lower = 0"),
         ({"law": 3.0}, "law = 3.0: must be a function of phi"),
-        ({"density": 3.0}, "density = 3.0: must be a function of phi"),
         ({"density": lambda phi: -1.0}, "density = -1.0: must not be below zero, as at phi = "),
-        ({"density": lambda phi: np.nan}, "density = nan: must be finite"),
         ({"density": lambda phi: 0.0}, "density = <function"),
         ({"accuracy": 0.0}, "accuracy = 0.0: must be above zero"),
-        *(
-            (
-                {"law": law, "accuracy": accuracy},
-                "law: an exact value or a jump of the density moves with phi, ",
-            )
-            for law in MOVING
-            for accuracy in (1e-2, 1e-10)
-        ),
+        *(({"law": law}, MOVES) for law in MOVING),
         ({"law": lambda phi: stats.beta(2.0, 2.0, loc=phi)}, "accuracy = 1e-10: 512 laws reach"),
         ({"law": lambda phi: phi}, "thresholds = "),
     ],
 )
 def test_refused_mixtures(arguments: dict, says: str) -> None:
+    given = {"law": lambda phi: grains(1.0 + phi, B=1.0), "lower": 0.0, "upper": 1.0} | arguments
     with pytest.raises(InputError) as caught:
-        origins.continuous_mixture(
-            **{"law": lambda phi: grains(1.0 + phi, B=1.0), "lower": 0.0, "upper": 1.0, **arguments}
-        )
+        origins.continuous_mixture(**given)
     assert str(caught.value).startswith(says) and "\n" not in str(caught.value)
