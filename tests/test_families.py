@@ -45,6 +45,7 @@ CASES = {
     "lubricated, steep": lambda: generalised_gamma(1.3, 5.0, 4.0),
     "lubricated, flat onset": lambda: generalised_gamma(1.0, 0.0, 1.0),
     "lubricated, diverging": lambda: generalised_gamma(2e-9, -0.5, 0.5),
+    "lubricated, slow": lambda: generalised_gamma(1.0, -0.5, 0.1),
     "grains": lambda: grains(1.0, 1.0),
     "grains, all but pinning": lambda: grains(2.0 / 3.0 * (1.0 + 1e-6), 1.0),
     "grains, few pinning": lambda: grains(0.7, 3.7e17),
@@ -459,6 +460,12 @@ def test_bad_parameters_are_named(call, begins: str) -> None:
     with pytest.raises(InputError) as refusal:
         call()
     assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(("mean", "std"), [(1.0, 0.4), (0.0, 1.0), (-1.0, 0.5), (1.0, 20.0)])
+def test_gaussian_quantiles_next_to_0_keep_their_digits(mean: float, std: float) -> None:
+    law, q = origins.gaussian(mean, std), 10.0 ** -np.arange(1.0, 290.0, 7.0)
+    np.testing.assert_allclose(law.cdf(law.ppf(q)), q, rtol=1e-14)
 
 
 def test_generalised_gamma_keeps_its_weight_where_powers_underflow() -> None:

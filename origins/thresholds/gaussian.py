@@ -116,6 +116,8 @@ class NormalAboveZero(CutGaussian):
             x = self.parent_mean - self.parent_std * ndtri_exp(np.log1p(-q) + self._log_kept)
         else:
             x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * self._kept)
+        # close to 0 the density is what it is there, and the forms above round x away
+        x = np.where(q < 1e-6 * self._at_zero * self.parent_std, q / max(self._at_zero, 1e-300), x)
         return self._polish(x, q, self._cdf, -1.0)
 
     def _polish(self, x: Array, q: Array, function: Callable[[Array], Array], sign: float) -> Array:

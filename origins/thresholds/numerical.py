@@ -21,6 +21,8 @@ _ACCURACY, _NOISE = 1e-13, 1e-8
 _NOTHING = 745.0
 # Panels halve towards the ends of the support, to 1e-33 of the place where most weight is.
 _HALVINGS = 110
+# What may be left of a density's logarithm beside its power, over a factor of 2.
+_ONSET = 1e-12
 # Distances at which a density is looked for, in any unit of length.
 _STEPS = np.geomspace(1e-130, 1e130, 2601)
 # m of a density x^-m, from where on positions beside a pole are too coarse to tell the weights.
@@ -83,14 +85,15 @@ class NumericalLaw:
         origin: float = 0.0,
     ) -> None:
         self._origin, self._log_density = origin, log_density
-        self._lower, self._upper = lower - origin, upper - origin
+        self._lower, self._upper, self._power = lower - origin, upper - origin, power
         marks = np.append(np.asarray(points, dtype=float) - origin, 0.0)
         self._check_poles(marks, power)
         values, top = self._panels(marks)
         self._widths = np.diff(self._edges)
         masses = self._widths * (values @ _WEIGHTS)
         # next to the lower end the density is its power
-        self._power = power if self._edges[0] == self._lower else np.inf
+        if self._edges[0] != self._lower:
+            self._power = np.inf
         if np.isfinite(self._power):
             level = float(self._log_at(self._edges[1:2])[0])
             masses[0] = np.exp(level - top) * self._widths[0] / (power + 1.0)
@@ -195,6 +198,15 @@ class NumericalLaw:
         end = seen.min(where=seen > live.max(), initial=min(self._upper, 2.0 * float(seen.max())))
         width = np.abs(seen - highest).min(where=density < top - 1.0, initial=end - start)
         halvings = _HALVINGS + np.log2((end - start) / (highest - self._lower))
+        # and further towards a lower end at which the density is not its power yet
+        least = max(1e-290, 64.0 * _EPSILON * abs(self._lower))
+        while np.isfinite(self._power) and (y := (end - start) * 0.5**halvings) > least:
+            log = self._log_at(self._lower + y * np.array([0.5, 1.0]))
+            if not np.isfinite(log).all() or (
+                abs(log[1] - log[0] - self._power * np.log(2.0)) < _ONSET
+            ):
+                break
+            halvings += 40.0
         halved = (end - start) * 0.5 ** np.arange(halvings)
         if start - self._lower < halved[-1]:
             start = self._lower
