@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError, finite_array, positive, refuse
-from origins.samples.log_polynomial import smooth
 from origins.samples.repeats import distinct, exact
+from origins.samples.smoothing import smooth
 from origins.thresholds.identical import identical
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import Mixture
@@ -140,7 +140,10 @@ def _groups(x: Array, shares: Array) -> list[tuple[Array, Array]]:
         return [(x, shares)]
     many = max(int(np.sqrt(x.size)), _LEAST_GROUP)
     low, high = np.maximum(place - 1 - many, 0), np.minimum(place + many, x.size - 1)
-    below, above = (x[place - 1] - x[low]) / (place - 1 - low), (x[high] - x[place]) / (high - place)
+    below, above = (
+        (x[place - 1] - x[low]) / (place - 1 - low),
+        (x[high] - x[place]) / (high - place),
+    )
     wider = (x[place] - x[place - 1]) / np.maximum(below, above)
     if wider.max() < _GAP + np.log(x.size):
         return [(x, shares)]
@@ -151,7 +154,7 @@ def _groups(x: Array, shares: Array) -> list[tuple[Array, Array]]:
 class Sampled(Mixture):
     """A smooth law through samples, beside their exact values.
 
-    log P_c is m log x + a polynomial by penalised maximum likelihood (see log_polynomial). Whether P_c begins as a
+    log P_c is m log x + a polynomial by penalised maximum likelihood (see likelihood). Whether P_c begins as a
     power x^m, at a finite value at x = 0 or with an edge at the smallest sample, and ends as an exponential or with an
     edge at the largest, is what the samples make likeliest; thresholds over decades are counted by log(1 + x/median).
     Beyond the extreme samples there is about as much weight as random samples leave there, one sample's worth. <x_s> is
@@ -200,16 +203,23 @@ class Sampled(Mixture):
         weights = shares[atom]
         self.smooth_part: Thresholds | None = None
         if not atom.all():
-            for x, share in _groups(values[~atom], shares[~atom]):
-                own = float(share.sum())
-                laws.append(smooth(x, share / own, effective_samples * own))
-                weights = np.append(weights, own)
-            self.smooth_part = laws[-1]
+            groups = _groups(values[~atom], shares[~atom])
+            own = np.array([share.sum() for _, share in groups])
+            found = [
+                smooth(x, share / share.sum(), effective_samples * float(share.sum()))
+                for x, share in groups
+            ]
+            self.smooth_part = found[0] if len(found) == 1 else Mixture(found, own / own.sum())
+            laws += found
+            weights = np.append(weights, own)
         super().__init__(laws, weights / weights.sum())
         self.parts = ((1.0, self),)
         self.samples, self.shares = values, shares
-        begins = self.smooth_part is not None and self.smooth_part.support()[0] == self.support()[0]
-        self.onset_power_error = laws[-1].onset_power_error if begins else 0.0
+        self.onset_power_error = 0.0
+        if self.smooth_part is not None and self.smooth_part.support()[0] == self.support()[0]:
+            # a group above a gap reaches down to 0 as well, with next to nothing
+            self.onset_power = found[0].onset_power
+            self.onset_power_error = found[0].onset_power_error
         up_to, steps = self.cdf(values), np.cumsum(shares)
         below = up_to.copy()
         below[atom] -= self.atoms[1]

@@ -1,0 +1,199 @@
+"""The most likely log-polynomial density of one form, smoothed by a penalty.
+
+The penalty is the integral of the squared third derivative, so that samples alone decide the mean, the width and what
+else a parabola can say, and each further bend must be paid for (B. W. Silverman, Ann. Stat. 10, 795, 1982; P. Eilers
+and B. Marx, Stat. Sci. 11, 89, 1996).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import laguerre, legendre
+
+from origins.samples.log_polynomial import Columns, Form
+from origins.thresholds.law import Array
+
+_MOST_DEGREE = 48  # a peak of 1/30 of the samples' reach is resolved
+_PENALTIES = 10.0 ** np.arange(2.0, -10.5, -1.0)
+_STRAIGHT = 1e6  # penalty that leaves no bend at all
+_NO_BETTER = 6.0  # in score: where a smaller penalty is worse by this, the search ends
+_HEAVY = 3.0  # log-likelihood that a long tail must gain
+_LONGEST = (
+    0.5  # of the last sample: a tail that falls by e over more is as heavy as x^-2, without a mean
+)
+_LARGE_POWER = 10.0  # m of this size costs 1/2 of the log-likelihood, so that its error is finite
+_LEAST_POWER = -0.95  # nearer to 1/x nearly all weight would lie below what floating point holds
+_OCTAVES = 40  # below the first sample, down to which integrals look at the density
+_ENDS = 16  # extreme samples, each an edge of panels: far ones may pull the density up between them
+_CHUNK = 1 << 14  # samples whose rows are held at once
+_STEPS, _DONE = 100, 1e-10  # Newton's, and the log-likelihood left to gain at its end
+_NODES, _WEIGHTS = legendre.leggauss(8)
+_NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
+# along an exponential tail all rows are straight: two nodes are exact for value, gradient and curvature
+_TAIL_NODES, _TAIL_WEIGHTS = laguerre.laggauss(2)
+
+
+def cost(size: float) -> float:
+    """Penalty for each parameter, in log-likelihood: log(size)/2 (Schwarz) up to 55 samples, then 2, twice Akaike's.
+
+    A larger one would leave biases of many standard errors in large samples.
+    """
+    return min(0.5 * float(np.log(size)), 2.0)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The most likely density of one form; lengths in units of the median.
+
+    score : log-likelihood less what the parameters cost; power_error : standard error of m;
+    beyond : weights below the first sample and above the last.
+    """
+
+    columns: Columns
+    coefficients: Array
+    score: float
+    power_error: float
+    beyond: tuple[float, float]
+
+    @property
+    def power(self) -> float:
+        """m of P_c ~ x^m."""
+        return float(self.coefficients[-1]) if self.columns.form.power else 0.0
+
+
+@dataclass(frozen=True)
+class _State:
+    """Penalised log-likelihood per sample at some coefficients, and what Newton's method needs there."""
+
+    coefficients: Array
+    value: float
+    likelihood: float
+    shares: Array
+    rows: Array
+
+    def covariance(self) -> Array:
+        """Of the columns under the density: minus the curvature of the log-likelihood."""
+        away = self.rows - self.shares @ self.rows
+        return (away * self.shares[:, None]).T @ away
+
+
+class Likelihood:
+    """The penalised likelihood of one form for samples x (sorted, distinct, in units of their median) with `shares`
+    (sum 1) that are worth `size` samples."""
+
+    def __init__(self, x: Array, shares: Array, size: float, form: Form) -> None:
+        self._size, self._form = size, form
+        degree = int(np.clip(round(4.0 * size**0.3), 4, _MOST_DEGREE))
+        self._columns = columns = Columns(form, float(x[0]), float(x[-1]), degree)
+        starts = range(0, x.size, _CHUNK)
+        self._mean: Array = np.sum(
+            [shares[i : i + _CHUNK] @ columns.rows(x[i : i + _CHUNK]) for i in starts], axis=0
+        )
+        # where samples lie dense the density may change within little
+        dense = np.linspace(0, x.size - 1, min(x.size, 4 * degree)).astype(int)
+        edges = np.concatenate([columns.grid(), x[dense], x[:_ENDS], x[-_ENDS:]])
+        edges = np.unique(np.append(edges, [columns.first, columns.last]))
+        if form.from_zero:
+            down = 0.5 ** np.arange(_OCTAVES + np.ceil(np.log2(columns.last / columns.first)))
+            beside = columns.first * (1.0 - down[1:])
+            edges = np.unique(np.concatenate([[0.0], columns.last * down, beside, edges]))
+        width = np.diff(edges)[:, None]
+        self._nodes = (edges[:-1, None] + width * _NODES).ravel()
+        self._log_weights = np.log((width * _WEIGHTS).ravel())
+        self._rows = columns.rows(self._nodes)
+        self._end, self._slope = columns.rows(np.array([columns.last]))[0], columns.end_slope()
+        self._ridge = np.zeros((self._mean.size,) * 2)
+        if form.power:
+            self._ridge[-1, -1] = _LARGE_POWER**-2 / size
+
+    def best(self) -> Fit:
+        """The fit of largest score, from a straight line on through ever smaller penalties."""
+        start = np.zeros(self._mean.size)
+        first = 0.0 if self._form.from_zero else self._columns.first
+        at = self._columns.degree if self._form.decades else 0
+        start[at] = -(self._slope[at] ** -1) / max(1.0 - first, 0.1) if at == 0 else -1.0
+        best: Fit | None = None
+        for penalty in self._penalties():
+            state = self._newton(start, penalty + self._ridge)
+            found, start = self._scored(state, penalty + self._ridge), state.coefficients
+            if best is not None and found.score < best.score - _NO_BETTER:
+                break
+            best = found if best is None or found.score > best.score else best
+        assert best is not None
+        return best
+
+    def _penalties(self) -> Iterator[Array]:
+        bends = self._columns.penalty()
+        bent = np.arange(1, self._columns.degree)
+        straight = bends.copy()
+        straight[bent, bent] += _STRAIGHT
+        yield straight
+        for penalty in _PENALTIES:
+            yield penalty * bends
+
+    def _state(self, coefficients: Array, penalty: Array) -> _State | None:
+        """None where there is no density: its tail would not fall, or its power be below -0.95."""
+        log, rows = self._rows @ coefficients + self._log_weights, self._rows
+        if self._form.power and coefficients[-1] <= _LEAST_POWER:
+            return None
+        if self._form.open_above:
+            rise = float(self._slope @ coefficients)
+            if rise >= 0.0:
+                return None
+            rows = np.concatenate([rows, self._end - np.outer(_TAIL_NODES / rise, self._slope)])
+            log = np.append(log, np.log(_TAIL_WEIGHTS / -rise) + self._end @ coefficients)
+        top = float(log.max())
+        shares = np.exp(log - top)
+        whole = float(shares.sum())
+        likelihood = float(self._mean @ coefficients) - top - float(np.log(whole))
+        value = likelihood - 0.5 * float(coefficients @ penalty @ coefficients)
+        return _State(coefficients, value, likelihood, shares / whole, rows)
+
+    def _newton(self, start: Array, penalty: Array) -> _State:
+        """The maximum, which is the only one: the penalised log-likelihood is concave."""
+        now = self._state(start, penalty)
+        assert now is not None
+        for _ in range(_STEPS):
+            gradient = self._mean - now.shares @ now.rows - penalty @ now.coefficients
+            step = _inverse(now.covariance() + penalty) @ gradient
+            gain, length = float(gradient @ step), 1.0
+            if (
+                not gain * self._size > _DONE
+            ):  # one step more makes the mean that of the samples to round-off
+                return self._state(now.coefficients + step, penalty) or now
+            trial = self._state(now.coefficients + step, penalty)
+            while trial is None or not trial.value > now.value + 1e-4 * length * gain - 1e-14:
+                length *= 0.5
+                if length < 1e-9:
+                    return now
+                trial = self._state(now.coefficients + length * step, penalty)
+            now = trial
+        return now
+
+    def _scored(self, state: _State, penalty: Array) -> Fit:
+        """The fit, its score with the effective number of parameters and Hurvich's correction for few samples."""
+        covariance = state.covariance()
+        spread = _inverse(covariance + penalty)
+        count = float(np.trace(spread @ covariance))
+        correction = self._size / max(self._size - count - 1.0, 1.0)
+        score = self._size * state.likelihood - cost(self._size) * count * correction
+        fall = -float(self._slope @ state.coefficients)
+        if self._form.open_above and fall * self._columns.last * _LONGEST < 1.0:
+            score -= _HEAVY
+        inner, tail = np.split(state.shares, [self._nodes.size])
+        return Fit(
+            columns=self._columns,
+            coefficients=state.coefficients,
+            score=score,
+            power_error=float(np.sqrt(spread[-1, -1] / self._size)) if self._form.power else np.inf,
+            beyond=(float(inner[self._nodes < self._columns.first].sum()), float(tail.sum())),
+        )
+
+
+def _inverse(matrix: Array) -> Array:
+    scale = 1.0 / np.sqrt(np.diag(matrix) + 1e-300)
+    scaled = matrix * scale * scale[:, None] + 1e-12 * np.eye(scale.size)
+    return np.linalg.inv(scaled) * scale * scale[:, None]

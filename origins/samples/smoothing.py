@@ -1,0 +1,86 @@
+"""How a smooth law through samples begins and ends: the likeliest of a few forms."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from origins.errors import InputError
+from origins.samples.likelihood import Fit, Likelihood, cost
+from origins.samples.log_polynomial import Form, LogPolynomial
+from origins.thresholds.law import Array, Thresholds
+
+_EDGE = 3.0  # log-likelihood that an edge, or a density that diverges at 0, must gain beyond a parameter's
+_SUSPECT = 1.5  # samples expected beyond the extreme one, above which an edge is tried there
+_FAR = 8.0  # times the median: samples beyond it may be thresholds over decades
+_NEAR_ZERO = 1.0 / 3.0  # of the median: only samples below it can tell a power x^m
+# What a law may be off: its mean, in standard errors, and its cdf, beyond what sampling explains (1.36/n^(1/2)).
+_MEAN, _MISPLACED = 0.1, 0.1
+
+
+def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
+    """The law of largest score among those that begin and end in one way or another.
+
+    x : samples, distinct and sorted, at least 2; shares : weight of each, of sum 1; size : the effective number.
+    Raises InputError where none of them follows the samples.
+    """
+    unit = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
+    x = x / unit
+    piled_up = _piled_up(x, shares)
+
+    def fitted(form: Form) -> Fit:
+        found = Likelihood(x, shares, size, form).best()
+        edges = int(not form.from_zero) + int(not form.open_above)
+        asked = edges * (cost(size) + _EDGE)
+        if found.power < 0.0:
+            asked += _EDGE if piled_up else np.inf
+        return replace(found, score=found.score - asked)
+
+    tried = [
+        fitted(Form(power=power, decades=decades))
+        for decades in ((False, True) if x[-1] > _FAR else (False,))
+        for power in ((False, True) if x[0] < _NEAR_ZERO else (False,))
+    ]
+    best = max(tried, key=lambda one: one.score)
+    if best.beyond[0] * size > _SUSPECT:
+        tried.append(fitted(replace(best.columns.form, from_zero=False, power=False)))
+        best = max(tried, key=lambda one: one.score)
+    if best.beyond[1] * size > _SUSPECT:
+        tried.append(fitted(replace(best.columns.form, open_above=False)))
+    for one in sorted(tried, key=lambda one: -one.score):
+        law = LogPolynomial(one.columns, one.coefficients, unit, _onset_error(one, tried))
+        if _follows(law, unit * x, shares, size):
+            return law
+    ends = f"{unit * x[0]:g} to {unit * x[-1]:g}"
+    rule = (
+        "are groups or peaks that one smooth density does not follow; give each apart, in a mixture"
+    )
+    raise InputError(f"from_samples: among the samples from {ends} {rule}")
+
+
+def _follows(law: Thresholds, x: Array, shares: Array, size: float) -> bool:
+    """Whether the law has the samples' mean, and but for a tenth and what sampling explains their weight everywhere.
+
+    It need not: the sums of the likelihood may miss a peak between far samples, and no polynomial has some peaks.
+    """
+    mean = float(shares @ x)
+    error = float(np.sqrt(shares @ (x - mean) ** 2 / size))
+    halfway = np.cumsum(shares) - 0.5 * shares
+    misplaced = float(np.abs(law.cdf(x) - halfway).max())
+    return abs(law.mean() - mean) < _MEAN * error and misplaced < _MISPLACED + 1.36 / np.sqrt(size)
+
+
+def _onset_error(best: Fit, tried: list[Fit]) -> float:
+    """Error of m; where no power is fitted, how far from 0 one would be, and its own error."""
+    if best.columns.form.power or not best.columns.form.from_zero:
+        return best.power_error
+    rivals = [abs(one.power) + one.power_error for one in tried if one.columns.form.power]
+    return min(rivals, default=np.inf)
+
+
+def _piled_up(x: Array, shares: Array) -> bool:
+    """Whether the lowest tenth of the samples, ten at least, lies closer to 0 than evenly: half of it in the lower half
+    of its reach."""
+    below = np.cumsum(shares)
+    share = max(0.1, 10.0 * float(shares.mean()))
+    middle, reach = x[np.minimum(np.searchsorted(below, [0.5 * share, share]), x.size - 1)]
+    return bool(2.0 * middle < reach)
