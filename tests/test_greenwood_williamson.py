@@ -7,8 +7,8 @@ from scipy.special import log_ndtr
 
 import origins
 from origins.roughness.greenwood_williamson import Summits, critical_compression, pressed, summits_of
-from origins.roughness.height_integrals import log_common_density, log_touching_integral
 from origins.roughness.power_law import Bend, PowerLaw
+from origins.roughness.summits import log_common_density, log_touching_integral
 from origins.thresholds.powered import Powered
 
 MOMENTS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)

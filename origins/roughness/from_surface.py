@@ -3,6 +3,7 @@
 from os import PathLike
 
 import numpy as np
+from scipy.special import erf
 
 from origins.errors import InputError, between, positive, refuse, whole
 from origins.roughness.greenwood_williamson import (
@@ -15,7 +16,7 @@ from origins.roughness.greenwood_williamson import (
 )
 from origins.roughness.interface import Interface
 from origins.roughness.material import Material
-from origins.roughness.persson_contact import stressed, thresholds_of_stress
+from origins.roughness.persson_contact import on_patches, spread_of_stress, thresholds_of_stress
 from origins.roughness.power_law import Bend
 from origins.roughness.spectral_moments import SpectralMoments, spectral_moments
 from origins.roughness.topography import as_topography
@@ -233,22 +234,22 @@ def _on_patches(
     moments: SpectralMoments, law: str, material: Material, pressure: float, patch_area: float
 ) -> Thresholds:
     threshold, force = thresholds_of_stress(law, material, patch_area)
-    contact = stressed(moments, material.contact_modulus, pressure)
-    thresholds = contact.thresholds(threshold)
+    width = spread_of_stress(moments, material.contact_modulus, pressure)
+    thresholds, area_fraction = on_patches(pressure, width, threshold), float(erf(pressure / width))
     of_threshold = force.after(threshold.inverse)
     mean_force = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent))
     stiffness = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent - 1.0))
     plastic = None
     if material.hardness is not None:
         plastic = float(thresholds.sf(threshold(material.hardness)))
-    density = contact.area_fraction / patch_area
+    density = area_fraction / patch_area
     thresholds.interface = Interface(
         model="persson",
         law=law,
         material=material,
         moments=moments,
         pressure=pressure,
-        area_fraction=contact.area_fraction,
+        area_fraction=area_fraction,
         contact_density=density,
         mean_radius=float(np.sqrt(patch_area / np.pi)),
         mean_threshold=thresholds.mean(),

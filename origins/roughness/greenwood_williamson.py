@@ -12,15 +12,16 @@ from functools import cached_property
 import numpy as np
 
 from origins.errors import InputError, finite, positive, refuse
-from origins.roughness.height_integrals import (
-    check_height_law,
-    log_common_density,
-    log_touching_integral,
-)
 from origins.roughness.material import Material
 from origins.roughness.power_law import Bend, PowerLaw
 from origins.roughness.spectral_moments import SpectralMoments
-from origins.roughness.summit_thresholds import SummitThresholds, log_sum
+from origins.roughness.summits import (
+    SummitThresholds,
+    check_height_law,
+    log_common_density,
+    log_sum,
+    log_touching_integral,
+)
 from origins.thresholds.law import Thresholds
 from origins.thresholds.weibull import Weibull
 

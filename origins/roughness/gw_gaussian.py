@@ -5,7 +5,7 @@ import numpy as np
 from origins.errors import between, finite, positive, refuse
 from origins.roughness.greenwood_williamson import bend_of_index, check_regime
 from origins.roughness.power_law import Bend, PowerLaw
-from origins.roughness.summit_thresholds import SummitThresholds
+from origins.roughness.summits import SummitThresholds
 from origins.thresholds.law import Thresholds
 
 # b of x_s ~ delta^b, elastic and plastic, for k ~ A^(1/2)

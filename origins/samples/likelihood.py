@@ -26,7 +26,7 @@ _LONGEST = (
 )
 _LARGE_POWER = 10.0  # m of this size costs 1/2 of the log-likelihood, so that its error is finite
 _LEAST_POWER = -0.95  # nearer to 1/x nearly all weight would lie below what floating point holds
-_OCTAVES = 40  # below the first sample, down to which integrals look at the density
+_QUARTERS = 20  # factors of 4 below the first sample, down to which integrals look at the density
 _ENDS = 16  # extreme samples, each an edge of panels: far ones may pull the density up between them
 _CHUNK = 1 << 14  # samples whose rows are held at once
 _STEPS, _DONE = 100, 1e-10  # Newton's, and the log-likelihood left to gain at its end
@@ -93,11 +93,11 @@ class Likelihood:
             [shares[i : i + _CHUNK] @ columns.rows(x[i : i + _CHUNK]) for i in starts], axis=0
         )
         # where samples lie dense the density may change within little
-        dense = np.linspace(0, x.size - 1, min(x.size, 4 * degree)).astype(int)
+        dense = np.linspace(0, x.size - 1, min(x.size, degree)).astype(int)
         edges = np.concatenate([columns.grid(), x[dense], x[:_ENDS], x[-_ENDS:]])
         edges = np.unique(np.append(edges, [columns.first, columns.last]))
         if form.from_zero:
-            down = 0.5 ** np.arange(_OCTAVES + np.ceil(np.log2(columns.last / columns.first)))
+            down = 0.25 ** np.arange(_QUARTERS + np.ceil(np.log2(columns.last / columns.first) / 2))
             beside = columns.first * (1.0 - down[1:])
             edges = np.unique(np.concatenate([[0.0], columns.last * down, beside, edges]))
         width = np.diff(edges)[:, None]

@@ -1,15 +1,25 @@
-"""Integrals over the summits that touch: powers of the compression, weighted by the law of the heights."""
+"""Summits that a flat touches: means over the law of their heights, and their thresholds.
+
+Lengths are in units of sigma_h, the standard deviation of the heights; the flat is at z, a summit of height z + t is
+compressed by t.
+"""
 
 import numpy as np
 
 from origins.errors import refuse
+from origins.roughness.power_law import Bend
+from origins.thresholds.bent import Bent
+from origins.thresholds.gaussian import gaussian
+from origins.thresholds.weibull import Weibull
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(200)
 _FALL = 60.0  # the integrand is left where the density has fallen by e^-60
 _LOG_ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
 
 
-def log_touching_integral(order: float, z: float, lower: float, upper: float, heights: str) -> float:
+def log_touching_integral(
+    order: float, z: float, lower: float, upper: float, heights: str
+) -> float:
     """log of the integral over lower < t < upper of t^order times the density of heights at z + t, over the common one.
 
     With log_common_density added, Greenwood and Williamson's F_n(z) for a flat at z, lengths in units of the heights'
@@ -48,3 +58,44 @@ def check_height_law(heights: object) -> str:
     if heights not in ("gaussian", "exponential"):
         refuse("height_law", heights, 'must be "gaussian" or "exponential"')
     return str(heights)
+
+
+def log_sum(quantity: Bend, std: float, z: float, heights: str) -> float:
+    """log of the integral of quantity(delta) over the summits that touch, over the common density of heights."""
+    parts = [
+        np.log(law.coefficient)
+        + law.exponent * np.log(std)
+        + log_touching_integral(law.exponent, z, low / std, high / std, heights)
+        for law, low, high in quantity.pieces
+    ]
+    return float(np.logaddexp.reduce(parts))
+
+
+class SummitThresholds(Bent):
+    """Thresholds of summits: S(x) = Phi_c[(h0 + delta(x))/sigma_h]/Phi_c[h0/sigma_h] for Gaussian heights.
+
+    Parameters
+    ----------
+    threshold : Bend
+        x_s as a function of the compression delta, rising from 0; both are lengths.
+    std : float
+        sigma_h, a length.
+    z : float
+        h0/sigma_h, from the summits' mean plane.
+    heights : "gaussian" or "exponential"
+    """
+
+    def __init__(self, threshold: Bend, std: float, z: float, heights: str = "gaussian") -> None:
+        # the compressions of those that touch: a normal law cut at 0, or again the exponential
+        touching = (
+            gaussian(mean=-z * std, std=std)
+            if heights == "gaussian"
+            else Weibull(1.0, 1.0 / std, 0.0)
+        )
+        super().__init__(touching, threshold)
+        self.std_of_heights, self.z, self.heights = std, z, heights
+
+    def _moment(self, n: int) -> float:
+        power = self.bend.each(lambda law: law.power(n))
+        touching = log_touching_integral(0.0, self.z, 0.0, np.inf, self.heights)
+        return float(np.exp(log_sum(power, self.std_of_heights, self.z, self.heights) - touching))
