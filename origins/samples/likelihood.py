@@ -29,7 +29,7 @@ _LEAST_POWER = -0.95  # nearer to 1/x nearly all weight would lie below what flo
 _QUARTERS = 20  # factors of 4 below the first sample, down to which integrals look at the density
 _ENDS = 16  # extreme samples, each an edge of panels: far ones may pull the density up between them
 _CHUNK = 1 << 14  # samples whose rows are held at once
-_STEPS, _DONE = 100, 1e-10  # Newton's, and the log-likelihood left to gain at its end
+_STEPS, _DONE = 100, 1e-13  # Newton's, and the log-likelihood left to gain at its end
 _NODES, _WEIGHTS = legendre.leggauss(8)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 # along an exponential tail all rows are straight: two nodes are exact for value, gradient and curvature
@@ -85,7 +85,7 @@ class Likelihood:
     (sum 1) that are worth `size` samples."""
 
     def __init__(self, x: Array, shares: Array, size: float, form: Form) -> None:
-        self._size, self._form = size, form
+        self._size, self._form, self._bends = size, form, x.size > 2
         degree = int(np.clip(round(4.0 * size**0.3), 4, _MOST_DEGREE))
         self._columns = columns = Columns(form, float(x[0]), float(x[-1]), degree)
         starts = range(0, x.size, _CHUNK)
@@ -96,10 +96,15 @@ class Likelihood:
         dense = np.linspace(0, x.size - 1, min(x.size, degree)).astype(int)
         edges = np.concatenate([columns.grid(), x[dense], x[:_ENDS], x[-_ENDS:]])
         edges = np.unique(np.append(edges, [columns.first, columns.last]))
+        # towards 0, and to either side of the first sample, where the density may be steep
+        down = 0.25 ** np.arange(_QUARTERS + np.ceil(np.log2(columns.last / columns.first) / 2))
         if form.from_zero:
-            down = 0.25 ** np.arange(_QUARTERS + np.ceil(np.log2(columns.last / columns.first) / 2))
             beside = columns.first * (1.0 - down[1:])
-            edges = np.unique(np.concatenate([[0.0], columns.last * down, beside, edges]))
+            edges = np.concatenate([[0.0], columns.last * down, beside, edges])
+        else:
+            beside = (columns.last - columns.first) * down[1:]
+            edges = np.concatenate([edges, columns.first + beside, columns.last - beside])
+        edges = np.unique(edges)
         width = np.diff(edges)[:, None]
         self._nodes = (edges[:-1, None] + width * _NODES).ravel()
         self._log_weights = np.log((width * _WEIGHTS).ravel())
@@ -131,11 +136,11 @@ class Likelihood:
         straight = bends.copy()
         straight[bent, bent] += _STRAIGHT
         yield straight
-        for penalty in _PENALTIES:
+        for penalty in _PENALTIES if self._bends else ():
             yield penalty * bends
 
     def _state(self, coefficients: Array, penalty: Array) -> _State | None:
-        """None where there is no density: its tail would not fall, or its power be below -0.95."""
+        """None where there is no density: its tail does not fall, its power is below -0.95, or it overflows."""
         log, rows = self._rows @ coefficients + self._log_weights, self._rows
         if self._form.power and coefficients[-1] <= _LEAST_POWER:
             return None
@@ -146,6 +151,8 @@ class Likelihood:
             rows = np.concatenate([rows, self._end - np.outer(_TAIL_NODES / rise, self._slope)])
             log = np.append(log, np.log(_TAIL_WEIGHTS / -rise) + self._end @ coefficients)
         top = float(log.max())
+        if not np.isfinite(top):
+            return None
         shares = np.exp(log - top)
         whole = float(shares.sum())
         likelihood = float(self._mean @ coefficients) - top - float(np.log(whole))
@@ -160,10 +167,10 @@ class Likelihood:
             gradient = self._mean - now.shares @ now.rows - penalty @ now.coefficients
             step = _inverse(now.covariance() + penalty) @ gradient
             gain, length = float(gradient @ step), 1.0
-            if (
-                not gain * self._size > _DONE
-            ):  # one step more makes the mean that of the samples to round-off
-                return self._state(now.coefficients + step, penalty) or now
+            if not gain * self._size > _DONE:
+                # one step more, and the mean is that of the samples to round-off
+                last = self._state(now.coefficients + step, penalty)
+                return now if last is None else last
             trial = self._state(now.coefficients + step, penalty)
             while trial is None or not trial.value > now.value + 1e-4 * length * gain - 1e-14:
                 length *= 0.5

@@ -28,18 +28,22 @@ def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
     piled_up = _piled_up(x, shares)
 
     def fitted(form: Form) -> Fit:
-        found = Likelihood(x, shares, size, form).best()
+        with np.errstate(all="ignore"):  # what overflows is no density
+            found = Likelihood(x, shares, size, form).best()
         edges = int(not form.from_zero) + int(not form.open_above)
         asked = edges * (cost(size) + _EDGE)
         if found.power < 0.0:
             asked += _EDGE if piled_up else np.inf
         return replace(found, score=found.score - asked)
 
-    tried = [
-        fitted(Form(power=power, decades=decades))
+    forms = [
+        Form(power=power, decades=decades)
         for decades in ((False, True) if x[-1] > _FAR else (False,))
         for power in ((False, True) if x[0] < _NEAR_ZERO else (False,))
     ]
+    # through two values: a straight line from one to the other
+    between = [Form(from_zero=False, open_above=False)]
+    tried = [fitted(form) for form in (forms if x.size > 2 else between)]
     best = max(tried, key=lambda one: one.score)
     if best.beyond[0] * size > _SUSPECT:
         tried.append(fitted(replace(best.columns.form, from_zero=False, power=False)))
@@ -65,7 +69,10 @@ def _follows(law: Thresholds, x: Array, shares: Array, size: float) -> bool:
     mean = float(shares @ x)
     error = float(np.sqrt(shares @ (x - mean) ** 2 / size))
     halfway = np.cumsum(shares) - 0.5 * shares
-    misplaced = float(np.abs(law.cdf(x) - halfway).max())
+    try:
+        misplaced = float(np.abs(law.cdf(x) - halfway).max())
+    except InputError:  # too rough for any use
+        return False
     return abs(law.mean() - mean) < _MEAN * error and misplaced < _MISPLACED + 1.36 / np.sqrt(size)
 
 
