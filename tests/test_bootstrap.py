@@ -112,7 +112,7 @@ def test_weights_count_by_effective_samples() -> None:
         (lambda: origins.bootstrap(sampled(20), lambda law: law.mean(), seed=-1), "seed = -1: "),
         (lambda: origins.bootstrap_laws(sampled(20), 0), "resamples = 0: "),
         (lambda: origins.bootstrap(sampled(20), lambda law: np.inf), "statistic = inf: must be finite"),
-        (lambda: origins.bootstrap(sampled(20), lambda law: law.breakpoints, resamples=30), "statistic = "),
+        (lambda: origins.bootstrap(sampled(20), lambda law: np.ones(int(1e3 * law.mean()))), "statistic = "),
     ],
 )
 def test_bad_input_is_named(call, begins: str) -> None:

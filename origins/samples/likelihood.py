@@ -18,7 +18,7 @@ from origins.thresholds.law import Array
 
 _MOST_DEGREE = 48  # a peak of 1/30 of the samples' reach is resolved
 _PENALTIES = 10.0 ** np.arange(2.0, -10.5, -1.0)
-_STRAIGHT = 1e6  # penalty that leaves no bend at all
+_STRAIGHT = 1e10  # penalty that leaves no bend at all
 _NO_BETTER = 6.0  # in score: where a smaller penalty is worse by this, the search ends
 _HEAVY = 3.0  # log-likelihood that a long tail must gain
 _LONGEST = (
