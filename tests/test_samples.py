@@ -70,16 +70,6 @@ def test_critical_spring_of_twenty_thousand_samples() -> None:
     assert np.abs([one.critical_spring - exact for one in found]).max() < 0.025
 
 
-def test_solver_is_fast_on_it() -> None:
-    """Few breakpoints, and smooth between them: few nodes, as of a law in closed form."""
-    path = np.linspace(0.0, 5.0, 501)
-    for name in ("weibull 2.5", "gamma", "exponential", "heavy tail"):
-        law = origins.from_samples(draws(name, 20_000))
-        assert law.breakpoints.size <= 6
-        solution = master.solve(origins.Contacts(law), path * law.mean(), 1e-8)
-        assert solution.success and solution.nodes <= 1500
-
-
 SETS = {
     "power": lambda r: r.weibull(2.5, 3000),
     "finite at 0": lambda r: r.exponential(size=300),
@@ -174,15 +164,6 @@ def test_how_it_begins_and_ends() -> None:
     assert sharp.pdf(sharp.support()).min() > 0.8 and sharp.onset_power == 0.0
 
 
-def test_gaps_hold_nothing() -> None:
-    rng = np.random.default_rng(2)
-    samples = np.concatenate([rng.uniform(0.2, 0.4, 3000), rng.uniform(1.0, 1.5, 7000)])
-    law = origins.from_samples(samples)
-    assert law.cdf(0.99) - law.cdf(0.41) < 1e-4 and law.cdf(0.7) == pytest.approx(0.3, abs=1e-6)
-    x = np.array([0.3, 1.25])
-    np.testing.assert_allclose(law.pdf(x), [1.5, 1.4], rtol=0.05)
-
-
 SHAPES = {
     "narrow": lambda r, n: r.normal(1.0, 10.0 ** r.uniform(-3.0, -0.7), n),
     "weibull": lambda r, n: r.weibull(r.uniform(0.8, 6.0), n),
@@ -210,7 +191,7 @@ def test_simplest_members_are_exact() -> None:
     """Of an exponential law without a bend only the mean counts; between edges a Gaussian keeps the width as well."""
     x = draws("exponential", 300)
     points = np.array([1e-9, 0.1, 1.0, 5.0, 30.0])
-    np.testing.assert_allclose(origins.from_samples(x).sf(points), np.exp(-points / x.mean()), rtol=1e-9)
+    np.testing.assert_allclose(origins.from_samples(x).logsf(points), -points / x.mean(), rtol=1e-8)
     x = np.random.default_rng(0).normal(5.0, 0.3, 2000)
     law = origins.from_samples(x[np.abs(x - 5.0) < 0.3])
     inside = x[np.abs(x - 5.0) < 0.3]

@@ -108,24 +108,28 @@ class Columns:
 
 
 class LogPolynomial(Thresholds):
-    """The law with that log-density, up to its norm; lengths of `columns` times `unit`."""
+    """The law with that log-density, up to its norm; lengths of `columns` times `unit`, extremes as they are."""
 
     def __init__(
-        self, columns: Columns, coefficients: Array, unit: float, onset_power_error: float
+        self,
+        columns: Columns,
+        coefficients: Array,
+        unit: float,
+        extremes: tuple[float, float],
+        onset_power_error: float,
     ) -> None:
         self._columns, self._coefficients, self._unit = columns, coefficients, unit
+        self._extremes = extremes
         self.onset_power = float(coefficients[-1]) if columns.form.power else 0.0
         self.onset_power_error = onset_power_error
 
     def support(self) -> tuple[float, float]:
-        columns, form = self._columns, self._columns.form
-        upper = np.inf if form.open_above else self._unit * columns.last
-        return 0.0 if form.from_zero else self._unit * columns.first, upper
+        form, (first, last) = self._columns.form, self._extremes
+        return 0.0 if form.from_zero else first, np.inf if form.open_above else last
 
     @property
     def breakpoints(self) -> Array:
-        ends = self._unit * self._columns.first, self._unit * self._columns.last
-        return np.unique([end for end in (*self.support(), *ends) if np.isfinite(end)])
+        return np.unique([end for end in (*self.support(), *self._extremes) if np.isfinite(end)])
 
     def _log_weight(self, x: Array) -> Array:
         return self._columns.value(x / self._unit, self._coefficients)

@@ -23,7 +23,8 @@ def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
     x : samples, distinct and sorted, at least 2; shares : weight of each, of sum 1; size : the effective number.
     Raises InputError where none of them follows the samples.
     """
-    unit = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
+    samples, unit = x, float(x[np.searchsorted(np.cumsum(shares), 0.5)])
+    extremes = float(x[0]), float(x[-1])
     x = x / unit
     piled_up = _piled_up(x, shares)
 
@@ -51,10 +52,11 @@ def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
     if best.beyond[1] * size > _SUSPECT:
         tried.append(fitted(replace(best.columns.form, open_above=False)))
     for one in sorted(tried, key=lambda one: -one.score):
-        law = LogPolynomial(one.columns, one.coefficients, unit, _onset_error(one, tried))
-        if _follows(law, unit * x, shares, size):
+        error = _onset_error(one, tried)
+        law = LogPolynomial(one.columns, one.coefficients, unit, extremes, error)
+        if _follows(law, samples, shares, size):
             return law
-    ends = f"{unit * x[0]:g} to {unit * x[-1]:g}"
+    ends = f"{extremes[0]:g} to {extremes[1]:g}"
     rule = (
         "are groups or peaks that one smooth density does not follow; give each apart, in a mixture"
     )
