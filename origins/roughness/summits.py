@@ -6,7 +6,6 @@ compressed by t.
 
 import numpy as np
 
-from origins.errors import refuse
 from origins.roughness.power_law import Bend
 from origins.thresholds.bent import Bent
 from origins.thresholds.gaussian import gaussian
@@ -51,13 +50,6 @@ def log_common_density(z: float, heights: str) -> float:
     if heights == "exponential":
         return -z
     return -0.5 * max(z, 0.0) ** 2 - _LOG_ROOT_TWO_PI
-
-
-def check_height_law(heights: object) -> str:
-    """`heights` if it names a law, else InputError."""
-    if heights not in ("gaussian", "exponential"):
-        refuse("height_law", heights, 'must be "gaussian" or "exponential"')
-    return str(heights)
 
 
 def log_sum(quantity: Bend, std: float, z: float, heights: str) -> float:
