@@ -76,7 +76,7 @@ def test_islands_of_one_atom_all_break_alike() -> None:
 
 
 def test_resampled_exact_values_stay_and_vary_in_weight(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toolkit.scene.sampling.RESAMPLES", 3)
+    monkeypatch.setattr("toolkit.scene.sampling.RESAMPLES", 2)
     rng = np.random.default_rng(6)
     law = origins.from_samples(np.concatenate([np.full(100, 0.7), rng.weibull(2.0, 300), np.full(50, 1.3)]))
     weights = np.array([one.atoms[1] for one in origins.bootstrap_laws(law, 24)])

@@ -21,9 +21,9 @@ _PENALTIES = 10.0 ** np.arange(2.0, -10.5, -1.0)
 _STRAIGHT = 1e10  # penalty that leaves no bend at all
 _NO_BETTER = 6.0  # in score: where a smaller penalty is worse by this, the search ends
 _HEAVY = 3.0  # log-likelihood that a long tail must gain
-_LONGEST = (
-    0.5  # of the last sample: a tail that falls by e over more is as heavy as x^-2, without a mean
-)
+# Length on which a tail falls by e, of the last sample: from where it must gain, and at most. At 1/2 it is as heavy as
+# x^-2, which has no mean.
+_LONG, _LONGEST = 0.5, 4.0 / 3.0
 _LARGE_POWER = 10.0  # m of this size costs 1/2 of the log-likelihood, so that its error is finite
 _LEAST_POWER = -0.95  # nearer to 1/x nearly all weight would lie below what floating point holds
 _QUARTERS = 20  # factors of 4 below the first sample, down to which integrals look at the density
@@ -124,7 +124,7 @@ class Likelihood:
         for penalty in self._penalties():
             state = self._newton(start, penalty + self._ridge)
             found, start = self._scored(state, penalty + self._ridge), state.coefficients
-            if best is not None and found.score < best.score - _NO_BETTER:
+            if best is not None and -np.inf < found.score < best.score - _NO_BETTER:
                 break
             best = found if best is None or found.score > best.score else best
         assert best is not None
@@ -188,8 +188,9 @@ class Likelihood:
         correction = self._size / max(self._size - count - 1.0, 1.0)
         score = self._size * state.likelihood - cost(self._size) * count * correction
         fall = -float(self._slope @ state.coefficients)
-        if self._form.open_above and fall * self._columns.last * _LONGEST < 1.0:
-            score -= _HEAVY
+        length = 1.0 / (fall * self._columns.last) if self._form.open_above else 0.0
+        if length > _LONG:
+            score -= _HEAVY if length < _LONGEST else np.inf
         inner, tail = np.split(state.shares, [self._nodes.size])
         return Fit(
             columns=self._columns,
