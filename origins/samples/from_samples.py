@@ -35,9 +35,11 @@ def from_samples(
     are at most 8 values in all, each 10 times or more, that do not follow each other at one step, or at most 3. Equal
     means to within 1e-12. Samples rounded to a grid, whose neighbours repeat alike, stay smooth.
 
-    One smooth law goes through all others; of groups far apart, or a few far samples, it keeps the mean but not the
-    gap, and `cdf_misfit` exceeds `cdf_error`: give each group apart, in a mixture. P_c diverges at 0 only where the
-    samples pile up there: half of the lowest tenth below half of its reach.
+    Five samples or more beyond a gap that is 10 + log(n) times as wide as those around it are a group with a law of its
+    own. Through each group goes one smooth law; fewer far samples keep their part of the mean, though not always their
+    place. Where a law misplaces a tenth of the samples more than sampling explains, they are refused: give each
+    narrow peak or group apart, in a mixture. P_c diverges at 0 only where the samples pile up there: half of the lowest
+    tenth below half of its reach.
 
     x_s : array of shape (n,), lengths from 1e-100 to 1e100; or instead of it
     f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
@@ -50,7 +52,8 @@ def from_samples(
     The result carries its sampling error: `n_samples`, `effective_samples`, `cdf_error`, `cdf_misfit`, `beyond` (see
     Sampled), and `origins.bootstrap` gives that of any number derived from it.
     Raises InputError for values that are missing, not finite or not above zero, for arrays of different lengths,
-    and unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given.
+    unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given, and for samples
+    that no smooth density follows.
     """
     if (x_s is None) == (f_s is None):
         raise InputError(
@@ -154,11 +157,10 @@ def _groups(x: Array, shares: Array) -> list[tuple[Array, Array]]:
 class Sampled(Mixture):
     """A smooth law through samples, beside their exact values.
 
-    log P_c is m log x + a polynomial by penalised maximum likelihood (see likelihood). Whether P_c begins as a
-    power x^m, at a finite value at x = 0 or with an edge at the smallest sample, and ends as an exponential or with an
-    edge at the largest, is what the samples make likeliest; thresholds over decades are counted by log(1 + x/median).
-    Beyond the extreme samples there is about as much weight as random samples leave there, one sample's worth. <x_s> is
-    that of the samples.
+    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/likelihood.py). Whether it
+    begins as a power x^m, at a finite value at x = 0 or with an edge at the smallest sample, and ends as an
+    exponential or with an edge at the largest, is what the samples make likeliest; thresholds over decades are counted
+    by log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is that of the samples.
 
     n log n in the number of samples; memory for a few copies of them.
 
