@@ -8,7 +8,7 @@ and B. Marx, Stat. Sci. 11, 89, 1996).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import laguerre, legendre
@@ -48,13 +48,14 @@ def cost(size: float) -> float:
 class Fit:
     """The most likely density of one form; lengths in units of the median.
 
-    score : log-likelihood less what the parameters cost; power_error : standard error of m;
-    beyond : weights below the first sample and above the last.
+    score : log-likelihood less what the parameters cost; akaike : less one for each of them; power_error : standard
+    error of m; beyond : weights below the first sample and above the last.
     """
 
     columns: Columns
     coefficients: Array
     score: float
+    akaike: float
     power_error: float
     beyond: tuple[float, float]
 
@@ -120,15 +121,18 @@ class Likelihood:
         first = 0.0 if self._form.from_zero else self._columns.first
         at = self._columns.degree if self._form.decades else 0
         start[at] = -(self._slope[at] ** -1) / max(1.0 - first, 0.1) if at == 0 else -1.0
-        best: Fit | None = None
+        fits: list[Fit] = []
         for penalty in self._penalties():
             state = self._newton(start, penalty + self._ridge)
             found, start = self._scored(state, penalty + self._ridge), state.coefficients
-            if best is not None and -np.inf < found.score < best.score - _NO_BETTER:
+            if fits and -np.inf < found.score < max(fit.score for fit in fits) - _NO_BETTER:
                 break
-            best = found if best is None or found.score > best.score else best
-        assert best is not None
-        return best
+            fits.append(found)
+        best = max(fits, key=lambda fit: fit.score)
+        # penalties that are as likely give other powers: what the polynomial takes on itself near 0 differs
+        likely = np.exp([fit.akaike - max(fit.akaike for fit in fits) for fit in fits])
+        squares = [fit.power_error**2 + (fit.power - best.power) ** 2 for fit in fits]
+        return replace(best, power_error=float(np.sqrt(likely @ squares / likely.sum())))
 
     def _penalties(self) -> Iterator[Array]:
         bends = self._columns.penalty()
@@ -196,6 +200,7 @@ class Likelihood:
             columns=self._columns,
             coefficients=state.coefficients,
             score=score,
+            akaike=self._size * state.likelihood - count,
             power_error=float(np.sqrt(spread[-1, -1] / self._size)) if self._form.power else np.inf,
             beyond=(float(inner[self._nodes < self._columns.first].sum()), float(tail.sum())),
         )
