@@ -10,7 +10,7 @@ import pytest
 
 import master
 import toolkit
-from toolkit.scene.scene import read_table
+from toolkit.scene.tables import read_table
 
 ROOT = Path(__file__).parents[1]
 README, DOCS = ROOT / "README.md", ROOT / "docs"
