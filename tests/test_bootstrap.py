@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import master
 import origins
 from origins import InputError
 
@@ -53,20 +52,6 @@ def test_errors_are_the_scatter_of_fresh_samples() -> None:
     np.testing.assert_allclose(found.bias, found.resampled.mean(axis=0) - found.value, atol=1e-15)
     np.testing.assert_allclose(found.error**2, found.standard_error**2 + found.bias**2, rtol=1e-13)
     np.testing.assert_allclose(found.interval[1] - found.value, 1.96 * found.error, rtol=1e-12)
-
-
-def test_propensity_with_its_sampling_error() -> None:
-    """The numbers of a verdict in one go; the truth within three errors."""
-
-    def numbers(law: object) -> list[float]:
-        contacts = origins.Contacts(law)
-        found = master.propensity(contacts, 1e-5)
-        return [found.critical_spring, found.static_to_kinetic, found.decoherence_length]
-
-    found = origins.bootstrap(sampled(3000), numbers, resamples=10)
-    exact = numbers(WEIBULL)
-    assert (np.abs(found.value - exact) < 3.0 * found.error).all()
-    assert (found.error > 1e-3).all() and (found.error < [0.05, 0.03, 0.05]).all()
 
 
 @pytest.mark.parametrize("n", [2000, 200_000])

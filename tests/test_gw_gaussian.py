@@ -120,40 +120,6 @@ def test_density_jumps_where_contacts_turn_plastic(law: str, jump: float) -> Non
     assert float(p.sf(mark)) == pytest.approx(float(beyond), rel=1e-12)
 
 
-@pytest.mark.parametrize(("law", "regime"), [("paper", "mixed"), ("amontons", "elastic"), ("strength", "plastic")])
-def test_summits_in_metres_are_this_law(law: str, regime: str) -> None:
-    """from_moments finds h0 from the load; the rest is gw_gaussian, scale being x_s at delta = sigma_h."""
-    moments = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
-    material = origins.Material(
-        contact_modulus=3e9,
-        local_friction=0.3,
-        shear_modulus=1e9,
-        hardness=6e7,
-        shear_strength=2e7,
-        force_coefficient=3e10,
-    )
-    metres = origins.from_moments(moments, model="gw", law=law, material=material, pressure=3e5, regime=regime)
-    i = metres.interface
-    assert i is not None and i.separation is not None and i.plasticity_index is not None and i.regime == regime
-    std, radius = 0.2e-6, 20e-6
-    load = 4 / 3 * 3e9 * np.sqrt(radius) * std**1.5
-    if regime == "plastic" or (regime == "mixed" and load > np.pi * radius * std * 6e7):
-        load = np.pi * radius * std * 6e7
-    area = np.pi * radius * std
-    scale = {
-        "paper": np.sqrt(0.3 * load / 3e10),
-        "amontons": 0.3 * load / (1e9 * np.sqrt(area)),
-        "strength": 2e7 * area / (1e9 * np.sqrt(area)),
-    }[law]
-    index = i.plasticity_index if regime == "mixed" else None
-    plain = origins.gw_gaussian(i.separation / std, scale, law=law, regime=regime, plasticity_index=index)
-    q = np.array([1e-200, 1e-9, 0.1, 0.5, 0.99])
-    assert metres.isf(q) == pytest.approx(plain.isf(q), rel=1e-10)
-    assert metres.mean() == pytest.approx(plain.mean(), rel=1e-11)
-    assert metres.onset_power == plain.onset_power
-    assert metres.breakpoints == pytest.approx(plain.breakpoints, rel=1e-11)
-
-
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
