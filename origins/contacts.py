@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.births import Births
-from origins.errors import InputError, refuse
+from origins.errors import InputError, one_of, refuse
 from origins.grains.contact import GrainContact
 from origins.laws import RATE_LAWS
 from origins.laws.ageing import Ageing
@@ -209,8 +209,7 @@ class Contacts:
             refuse("ageing", self.ageing, f"must be an origins.Ageing, such as {such}")
         if self.delay is not None and not isinstance(self.delay, Delay):
             refuse("delay", self.delay, "must be an origins.Delay, such as Delay(time=0.2)")
-        if self.stiffness not in ("independent", "linked"):
-            refuse("stiffness", self.stiffness, 'must be "independent" or "linked"')
+        one_of("stiffness", self.stiffness, ("independent", "linked"))
         if self.ageing is not None and self.ageing.rate == 0.0 and self.ageing.closure == "exact":
             self.ageing = None
         if self.delay is not None and self.delay.time == 0.0:

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite_array, positive, refuse
+from origins.errors import InputError, finite_array, one_of, positive, refuse
 
 Array = npt.NDArray[np.float64]
 SlipRule = Literal["reset", "reform-after", "instant"]
@@ -50,8 +50,7 @@ class Drive:
         self.velocity = positive("velocity", velocity)
         self.time = None if time is None else _check_time(time, self.path, velocity)
         self.spring = None if spring is None else positive("spring", spring)
-        if slip not in get_args(SlipRule):
-            refuse("slip", slip, 'must be "reset", "reform-after" or "instant"')
+        one_of("slip", slip, get_args(SlipRule))
         if self.spring is None and slip != "reset":
             rule = "is what a slip of a soft slider does, and without spring the slider is rigid"
             refuse("slip", slip, rule)

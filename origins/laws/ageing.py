@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite, non_negative, positive, refuse
+from origins.errors import InputError, finite, non_negative, one_of, positive, refuse
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
@@ -55,8 +55,7 @@ class Ageing:
         if self.rate > _FASTEST:
             refuse("rate", rate, f"must be at most {_FASTEST:g}; choose another unit")
         self.closure = closure
-        if closure not in ("exact", "paper"):
-            refuse("closure", closure, 'must be "exact" or "paper"')
+        one_of("closure", closure, ("exact", "paper"))
         self._check_potential()
         self.normal: OrnsteinUhlenbeck | None = None
         if isinstance(self.final, CutGaussian):

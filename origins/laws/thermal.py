@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from origins.errors import InputError, positive, refuse
+from origins.errors import InputError, one_of, positive, refuse
 from origins.laws import RATE_LAWS, SoftRates, StiffRates
 from origins.laws.breaking_rate import BreakingRate
 from origins.laws.rate_law import RateLaw
@@ -49,11 +49,8 @@ class Thermal(BreakingRate):
     closure: Literal["exact", "paper"] = "exact"
 
     def __post_init__(self) -> None:
-        if not isinstance(self.law, str) or self.law not in RATE_LAWS:
-            names = " or ".join(f'"{name}"' for name in RATE_LAWS)
-            refuse("law", self.law, f"must be {names}")
-        if self.closure not in ("exact", "paper"):
-            refuse("closure", self.closure, 'must be "exact" or "paper"')
+        one_of("law", self.law, tuple(RATE_LAWS))
+        one_of("closure", self.closure, ("exact", "paper"))
         rates = RATE_LAWS[self.law](self.temperature, self.attempt_frequency)
         object.__setattr__(self, "rates", rates)
 

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
 
-from origins.errors import between, finite, positive, refuse
+from origins.errors import between, finite, one_of, positive, refuse
 from origins.thresholds.gaussian_chord import ChordGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
@@ -42,8 +42,7 @@ def gaussian(
         if upper is not None:
             refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')
         return (NormalAboveZero if mean > -_CLOSED * std else CutGaussian)(mean, std)
-    if form != "paper":
-        refuse("form", form, 'must be "cut" or "paper"')
+    one_of("form", form, ("cut", "paper"))
     if not mean > 0.0:
         refuse("mean", mean, 'form = "paper" needs 0 < mean < upper')
     if upper is None:
