@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.domains.bands import Ends, Scales, by_bands, flat
-from origins.domains.barriers import climbs_of
+from origins.domains.lowest_saddle import lowest_saddles as climbs_of
 from origins.domains.structure_factors import Complex, Whole
 from origins.errors import refuse
 from origins.thresholds.law import Array
