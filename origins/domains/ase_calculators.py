@@ -24,17 +24,6 @@ class _OfPositions(Calculator):
         same = self.atoms is not None and np.array_equal(self.atoms.positions, atoms.positions)
         return [] if same else list(all_changes)
 
-    def get_property(self, name: str, atoms: ase.Atoms | None = None, allow_calculation: bool = True) -> Any:
-        # so do the two copies that ASE keeps of the atoms at each step
-        if atoms is None or self.atoms is None or len(atoms) != len(self.atoms):
-            return super().get_property(name, atoms, allow_calculation)
-        if not np.array_equal(self.atoms.positions, atoms.positions):
-            self.results = {}
-            if name in self.implemented_properties and allow_calculation:
-                self.atoms.positions[:] = atoms.positions
-                self._evaluate()
-        return super().get_property(name, None, allow_calculation)
-
     def of_positions(self, points: Array) -> tuple[Array, Array]:
         """Energies of the atoms at points of shape (n, 3), shape (n,), and the forces on them, shape (n, 3)."""
         raise NotImplementedError
@@ -46,9 +35,6 @@ class _OfPositions(Calculator):
         system_changes: list[str] = all_changes,
     ) -> None:
         super().calculate(atoms, properties, system_changes)
-        self._evaluate()
-
-    def _evaluate(self) -> None:
         assert self.atoms is not None  # ASE's own copy
         energies, forces = self.of_positions(self.atoms.positions)
         self.results = {"energy": float(energies.sum()), "energies": energies, "forces": forces}
@@ -77,7 +63,9 @@ class SubstrateCalculator(_OfPositions):
 class HarmonicBonds(_OfPositions):
     """Springs between given pairs of atoms; made by harmonic_bonds."""
 
-    def __init__(self, stiffness: float, pairs: npt.NDArray[np.intp], lengths: Array, **keywords: Any) -> None:
+    def __init__(
+        self, stiffness: float, pairs: npt.NDArray[np.intp], lengths: Array, **keywords: Any
+    ) -> None:
         super().__init__(**keywords)
         self.stiffness, self.pairs, self.lengths = stiffness, pairs, lengths
 
@@ -85,7 +73,11 @@ class HarmonicBonds(_OfPositions):
         count = len(points)
         first, second = self.pairs.T
         if self.pairs.max() >= count:
-            refuse("atoms", self.atoms, f"must hold at least the {self.pairs.max() + 1} atoms that were bonded")
+            refuse(
+                "atoms",
+                self.atoms,
+                f"must hold at least the {self.pairs.max() + 1} atoms that were bonded",
+            )
         apart = points[second] - points[first]
         length = np.sqrt((apart * apart).sum(-1))
         stretch = length - self.lengths

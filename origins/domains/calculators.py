@@ -32,7 +32,9 @@ def substrate_calculator(substrate: Substrate) -> "SubstrateCalculator":
     return SubstrateCalculator(substrate)
 
 
-def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None = None) -> "HarmonicBonds":
+def harmonic_bonds(
+    atoms: "ase.Atoms", stiffness: float, *, reach: float | None = None
+) -> "HarmonicBonds":
     """A Calculator of sum over bonds (stiffness/2)(length - length in `atoms`)², free of strain in `atoms` as given.
 
     Parameters
@@ -51,7 +53,9 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
     try:
         points = np.asarray(atoms.get_positions(), dtype=float)
     except AttributeError:
-        refuse("atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
+        refuse(
+            "atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)"
+        )
     if len(points) < 2:
         refuse("atoms", atoms, "must hold at least two atoms, else there is nothing to bond")
     if not np.isfinite(points).all():
@@ -68,4 +72,6 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
         refuse("reach", reach, f"bonds no atoms; the nearest are {shortest:.6g} apart")
     from origins.domains.ase_calculators import HarmonicBonds
 
-    return HarmonicBonds(stiffness, pairs, np.linalg.norm(points[pairs[:, 1]] - points[pairs[:, 0]], axis=1))
+    return HarmonicBonds(
+        stiffness, pairs, np.linalg.norm(points[pairs[:, 1]] - points[pairs[:, 0]], axis=1)
+    )
