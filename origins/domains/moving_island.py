@@ -22,6 +22,7 @@ _IMAGES = 11
 _SHAKE = 0.02  # radians
 _LOOSE, _TIGHT = 1e-2, 1e-10  # of the greatest force: left by ASE, and by Newton's method after it
 _MOST_STEPS, _BAND_STEPS = 2000, 300  # of a relaxation, of a band: Newton's method does the rest
+_DENSE = 90  # coordinates up to which Newton's method takes a whole matrix
 _MOST_MINIMA = 10
 
 
@@ -180,16 +181,25 @@ def _relaxed(island: MovingIsland, scales: Scales, shifts: Array) -> Array:
 
 def _level(island: MovingIsland, scales: Scales, shifts: Array) -> Array:
     """Where the forces vanish, beside `shifts`; these themselves where none is found."""
+    from scipy.linalg import orth
     from scipy.optimize import root
 
     def forces(q: Array) -> Array:
-        there = shifts + scales.radian * island.free(q)
-        return island.free(island.forces(there)) / scales.force
+        there = shifts + scales.radian * island.free(q.reshape(shifts.shape))
+        return (island.free(island.forces(there)) / scales.force).ravel()
 
-    options = {"fatol": _TIGHT, "maxiter": 200}
-    found = root(forces, np.zeros_like(shifts), method="krylov", options=options)
-    settled = np.abs(forces(found.x)).max() <= 1e-8 and np.abs(found.x).max() <= 0.5
-    return shifts + scales.radian * island.free(found.x) if settled else shifts
+    nowhere = np.zeros(shifts.size)
+    if shifts.size <= _DENSE:
+        every = np.eye(shifts.size).reshape(-1, *shifts.shape)
+        basis = orth(np.array([island.free(one).ravel() for one in every]))
+        found = root(lambda q: forces(basis @ q) @ basis, nowhere @ basis, options={"xtol": 1e-15})
+        moved = basis @ found.x
+    else:
+        options = {"fatol": _TIGHT, "maxiter": 200}
+        moved = root(forces, nowhere, method="krylov", options=options).x
+    settled = np.abs(forces(moved)).max() <= 1e-8 and np.abs(moved).max() <= 0.5
+    moved = scales.radian * island.free(moved.reshape(shifts.shape))
+    return shifts + moved if settled else shifts
 
 
 def _band(island: MovingIsland, scales: Scales, minimum: Array, step: Array) -> list[Array]:

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from eq_model.histogram import Histogram
 
 SUMMARY, PICTURE, TABLE = "summary.json", "picture.png", "sweep.csv"
+BARRIERS = "barriers.png"  # of islands
 
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
@@ -46,7 +47,8 @@ _LENGTHS = (
 
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
-    """Write result.h5, summary.json and picture.png into `folder`, and of a sweep sweep.csv, whole or not at all.
+    """Write result.h5, summary.json and picture.png into `folder`, of a sweep sweep.csv and of islands barriers.png,
+    whole or not at all.
 
     What this package wrote there earlier and would be taken for this run's is removed: the sweep.csv of a result that
     had a sweep where this has none, and thresholds.json and .png of other contacts.
@@ -64,6 +66,10 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
         SUMMARY: lambda path: write_json(summary(result), path),
         PICTURE: lambda path: save_picture(result, path),
     }
+    if (islands := result.domains) is not None:
+        from toolkit.pictures.islands import save_barriers
+
+        writers[BARRIERS] = lambda path: save_barriers(islands, path)
     if (sweep := result.sweep) is not None:
         units = _units("length" if result.thresholds.unit == OWN_UNIT else "m") | {
             "force_error": "<x_s>"

@@ -159,6 +159,7 @@ def solve(
         ),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
+        domains=law.domains,
     )
     return result, finished
 

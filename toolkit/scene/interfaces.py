@@ -88,9 +88,10 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
 def remarks(law: Thresholds) -> list[str]:
     """Where samples, surface, load or a mean below 0 strain the law, and what its errors leave out; empty where nothing
     does."""
+    from toolkit.scene.peaks import of_islands
     from toolkit.scene.sampling import misfit
 
-    said = misfit(law)
+    said = misfit(law) + of_islands(law)
     if isinstance(law, CutGaussian) and law.parent_mean <= 0.0:
         said.append(
             f"the normal law has its mean at {law.parent_mean:g} and is cut at 0, with half or more of its weight: "
