@@ -87,16 +87,16 @@ def test_printed_form(rho: float, B: float) -> None:
     with mp.workdps(25):
         exact = Printed(law, rho, B)
         upper, lower = law.isf(TAIL), law.ppf(LOW)
-        assert relative(law.sf(upper), [exact.above(x) for x in upper]) < 1e-12
-        assert relative(law.cdf(lower), [exact.below(x) for x in lower]) < 1e-12
-        assert relative(law.logsf(lower), [mp.log1p(-exact.below(x)) for x in lower]) < 1e-12
+        assert relative(law.sf(upper), [exact.above(x) for x in upper]) < 1e-11
+        assert relative(law.cdf(lower), [exact.below(x) for x in lower]) < 1e-11
+        assert relative(law.logsf(lower), [mp.log1p(-exact.below(x)) for x in lower]) < 1e-11
         assert relative(law.pdf(upper), [exact.height(mp.mpf(float(x))) / exact.whole for x in upper]) < 1e-11
         for n in (1, 2, 3, 4):
             assert law.moment(n) == pytest.approx(float(exact.moment(n)), rel=1e-12)
         # isf cannot tell more than the stretch beside the end of the support
         grain = 4.0 * np.finfo(float).eps * upper * law.pdf(upper) / TAIL
-    assert (np.abs(law.sf(upper) / TAIL - 1.0) <= 1e-12 + grain).all()
-    np.testing.assert_allclose(law.cdf(lower), LOW, rtol=1e-12)
+    assert (np.abs(law.sf(upper) / TAIL - 1.0) <= 1e-11 + grain).all()
+    np.testing.assert_allclose(law.cdf(lower), LOW, rtol=1e-11)
     edges = panel_edges(law)
     nodes, weights = gauss(edges[:-1], edges[1:])
     assert (weights * law.pdf(nodes)).sum() == pytest.approx(1.0, abs=1e-12)
