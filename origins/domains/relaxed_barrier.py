@@ -151,7 +151,7 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
 
 def _known_periods(calculator: Any) -> Array | None:
     """Periods of the calculator or of one within a sum of calculators."""
-    if hasattr(calculator, "periods"):
+    if getattr(calculator, "periods", None) is not None:
         return np.asarray(calculator.periods)
     parts = getattr(getattr(calculator, "mixer", None), "calcs", ())
     known = [found for found in map(_known_periods, parts) if found is not None]
