@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from decimal import Decimal, localcontext
-
 import numpy as np
 import numpy.typing as npt
 
@@ -155,32 +153,13 @@ class SlidingGrains(Thresholds):
         self.lost_hazard = GrainContact(growth).lost_hazard(velocity) if rest == 0.0 else 0.0
         self.held_fraction = float(np.exp(-self.lost_hazard))
         self.onset_power = 0.0 if rest == 0.0 else 1.0
-        with localcontext(prec=50):
-            # one more step, in digits: beside the end a distance is a difference, whose rest is kept
-            x = Decimal(self._reach * self._end())
-            age = 1 + (Decimal(rest) + x / Decimal(velocity)) / Decimal(first)
-            largest = (age.ln() / 3).exp()
-            value = Decimal(growth.B) * x * x + 1 - largest * largest
-            slope = 2 * Decimal(growth.B) * x - 2 / (3 * largest * Decimal(velocity) * Decimal(first))
-            end = x - value / slope
-            self._upper = float(end)
-            self._upper_rest = float(end - Decimal(self._upper))
-        self._upper_size = float(largest)
-
-    def _end(self) -> float:
-        """The stretch, in units of velocity tau_m, at which even the largest grain breaks; to floating point."""
-        beta, rest = self._beta, self._rest
-        # two bounds from above; the equation is convex, so that Newton comes down from them
-        least = (1.0 / 3.0 + np.sqrt(1.0 / 9.0 + 2.0 / 3.0 * beta * rest)) / beta
-        x = min(least, max(1.0 + rest, np.sqrt(2.0) * beta**-0.75))
-        for _ in range(_STEPS):
-            log_age = np.log1p(rest + x)
-            value = beta * x * x - np.expm1(2.0 / 3.0 * log_age)
-            step = value / (2.0 * beta * x - 2.0 / 3.0 * np.exp(-log_age / 3.0))
-            x -= step
-            if not step > 1e-15 * x:
-                break
-        return float(x)
+        exact = np.longdouble(velocity) * np.longdouble(first)
+        share = _end(np.longdouble(growth.B) * exact * exact, np.longdouble(rest) / np.longdouble(first))
+        end = exact * share
+        self._upper = float(end)
+        # beside the end a distance is a difference: what the float lacks is kept
+        self._upper_rest = float(end - np.longdouble(self._upper))
+        self._upper_size = float(np.cbrt(1.0 + self._rest + share))
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._upper
@@ -248,6 +227,22 @@ class SlidingGrains(Thresholds):
         flat = hazard.ravel()
         ends = np.zeros(flat.shape), np.full(flat.shape, self._upper)
         return invert_hazard(self, flat, *ends, 0.5 * ends[1]).reshape(hazard.shape)
+
+
+def _end(beta: np.longdouble, rest: np.longdouble) -> np.longdouble:
+    """The stretch, in units of velocity tau_m, at which even the largest grain breaks; beta = B (velocity tau_m)²."""
+    # two bounds from above; the equation is convex, so that Newton comes down from them
+    least = (1.0 / 3.0 + np.sqrt(1.0 / 9.0 + 2.0 / 3.0 * beta * rest)) / beta
+    x = min(least, max(1.0 + rest, np.sqrt(2.0) * beta**-0.75))
+    two_thirds = np.longdouble(2.0) / 3.0
+    for _ in range(_STEPS):
+        log_age = np.log1p(rest + x)
+        value = beta * x * x - np.expm1(two_thirds * log_age)
+        step = value / (2.0 * beta * x - two_thirds * np.exp(-0.5 * two_thirds * log_age))
+        x -= step
+        if not step > 1e-18 * x:
+            break
+    return x
 
 
 def _ranks(u: npt.ArrayLike) -> Array:
