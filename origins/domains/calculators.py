@@ -95,6 +95,7 @@ def harmonic_bonds(
         half, forces = 0.25 * stiffness * stretch**2, np.zeros_like(points)
         np.add.at(forces, first, pull)
         np.add.at(forces, second, -pull)
-        return np.bincount(first, half, count) + np.bincount(second, half, count), forces
+        energies = np.bincount(pairs.ravel(), np.repeat(half, 2), count).astype(float)
+        return energies, forces
 
     return OfPositions(energies_and_forces)

@@ -207,12 +207,14 @@ def _band(island: MovingIsland, scales: Scales, minimum: Array, step: Array) -> 
     from ase.mep import NEB
     from ase.optimize import FIRE
 
-    class Band(NEB):  # type: ignore[misc]
+    class Band(NEB):
         """FIRE asks three times for the forces at each step; images share one calculator, which forgets them."""
+
+        asked = answer = np.zeros(0)
 
         def get_forces(self) -> Array:
             here = self.get_positions()
-            if not np.array_equal(here, getattr(self, "asked", None)):
+            if not np.array_equal(here, self.asked):
                 self.asked, self.answer = here, super().get_forces()
             return self.answer
 

@@ -154,12 +154,12 @@ class SlidingGrains(Thresholds):
         self.held_fraction = float(np.exp(-self.lost_hazard))
         self.onset_power = 0.0 if rest == 0.0 else 1.0
         exact = np.longdouble(velocity) * np.longdouble(first)
-        share = _end(np.longdouble(growth.B) * exact * exact, np.longdouble(rest) / np.longdouble(first))
-        end = exact * share
+        furthest = _end(np.longdouble(growth.B) * exact * exact, np.longdouble(rest) / np.longdouble(first))
+        end = exact * furthest
         self._upper = float(end)
         # beside the end a distance is a difference: what the float lacks is kept
         self._upper_rest = float(end - np.longdouble(self._upper))
-        self._upper_size = float(np.cbrt(1.0 + self._rest + share))
+        self._upper_size = float(np.cbrt(1.0 + self._rest + furthest))
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._upper

@@ -1,6 +1,7 @@
 """The barriers of islands against the angles at which they lie."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ def save_barriers(domains: DomainSamples, path: Path) -> None:
     figure = Figure(figsize=(7, 4), layout="constrained")
     axes = figure.subplots()
     angles, few = np.degrees(domains.angles[:_SHOWN]), domains.n_atoms[:_SHOWN]
-    style = {"s": 3.0, "lw": 0.0, "rasterized": True}
+    style: dict[str, Any] = {"s": 3.0, "lw": 0.0, "rasterized": True}
     if few.min() == few.max():
         axes.scatter(angles, domains.barriers[:_SHOWN], color=INK["thresholds"], **style)
         axes.set_title(f"{few[0]} atoms")

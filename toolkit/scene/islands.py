@@ -100,7 +100,7 @@ def island_of_file(folder: Path, file: str, comm: Any = None) -> "ase.Atoms":
 
         check_regular("file", folder / file, file)
         try:
-            return read_atoms(folder / file)
+            return read_atoms(folder / file)  # type: ignore[return-value]  # the last of several
         except Exception as error:  # each format has errors of its own
             refuse("file", file, f"is no structure that ASE reads: {type(error).__name__}")
 
