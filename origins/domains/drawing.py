@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from origins import streams
 from origins.domains.barriers import Climb, climb
 from origins.domains.islands import positions_of
 from origins.domains.structure_factors import structure_factors, triangular_structure_factors
@@ -44,7 +45,7 @@ class Island:
 
 @dataclass(frozen=True)
 class Islands:
-    """Islands to draw from, each told by whole numbers: `pick` gives those at quantiles in (0, 1], shape
+    """Islands to draw from, each told by whole numbers: `pick` gives those at quantiles in (0, 1), shape
     (m, k), and `make` the island. `all` lists (share, numbers) where they are few."""
 
     mean_atoms: float
@@ -59,7 +60,7 @@ def listed(numbers: Whole, shares: Array, make: Callable[..., Island]) -> Island
     rows = [tuple(row) for row in numbers.tolist()]
     return Islands(
         float(sum(share * make(*row).atoms for share, row in zip(shares, rows, strict=True))),
-        lambda quantile: numbers[np.searchsorted(bounds, quantile)],
+        lambda quantile: numbers[np.searchsorted(bounds, quantile, side="right")],
         make,
         list(zip(shares.tolist(), rows, strict=True)),
     )
@@ -177,15 +178,15 @@ def draw(islands: Islands, angles: Angles, samples: int, seed: int, comm: Any = 
     The ranks of the communicator `comm` share the work; an InputError of one is raised on all.
     """
     rank, size = (0, 1) if comm is None else (comm.Get_rank(), comm.Get_size())
-    blocks = -(-samples // _BLOCK)
+    key, blocks = streams.key_of(seed), -(-samples // _BLOCK)
     own: list[list[npt.NDArray]] = []
     refused = None
     try:
         # whole blocks: an array has the same length, and each number the same bits, whoever computes it
         for block in range(blocks * rank // size, blocks * (rank + 1) // size):
             numbers = np.arange(block * _BLOCK, min((block + 1) * _BLOCK, samples))
-            generator = np.random.Generator(np.random.Philox(key=seed, counter=block << 64))
-            own.append(_draw(islands, angles, numbers, generator.random((numbers.size, 3))))
+            chance = np.concatenate([_uniform(key, numbers, 0), _uniform(key, numbers, 1)])
+            own.append(_draw(islands, angles, numbers, chance))
     except InputError as error:
         refused = str(error)
     everyone = [(own, refused)] if comm is None else comm.allgather((own, refused))
@@ -197,10 +198,10 @@ def draw(islands: Islands, angles: Angles, samples: int, seed: int, comm: Any = 
 
 
 def _draw(islands: Islands, angles: Angles, numbers: Whole, chance: Array) -> list[npt.NDArray]:
-    """The columns of Drawn for the samples `numbers`, by three random numbers in [0, 1) each."""
+    """The columns of Drawn for the samples `numbers`, by random numbers in (0, 1), shape (4, samples)."""
     barriers, turned = np.empty((2, numbers.size))
     n_atoms, free = np.empty(numbers.size, dtype=np.int64), np.empty(numbers.size)
-    kinds, kind = np.unique(islands.pick(1.0 - chance[:, 0]), axis=0, return_inverse=True)
+    kinds, kind = np.unique(islands.pick(chance[0]), axis=0, return_inverse=True)
     for number, row in enumerate(kinds.tolist()):
         own = np.flatnonzero(kind.ravel() == number)
         island = islands.make(*row)
@@ -208,15 +209,22 @@ def _draw(islands: Islands, angles: Angles, numbers: Whole, chance: Array) -> li
         if angles.temperature is not None:
             depths = island.climb(choice).depths
             bounds = np.cumsum(np.exp((depths.min() - depths) / angles.temperature))
-            chosen = np.searchsorted(bounds[:-1], chance[own, 1] * bounds[-1], side="right")
+            chosen = np.searchsorted(bounds[:-1], chance[1, own] * bounds[-1], side="right")
             width = 0.0 if angles.listed is not None else 2.0 * np.pi / choice.size
-            turned[own] = choice[chosen] + width * (chance[own, 2] - 0.5)
+            turned[own] = choice[chosen] + width * (chance[2, own] - 0.5)
         elif choice.size:
             turned[own] = choice[numbers[own] % choice.size]
         else:
-            turned[own] = 2.0 * np.pi * chance[own, 1]
+            turned[own] = 2.0 * np.pi * chance[1, own]
         # many samples may be the same island at the same angle
         different, back = np.unique(turned[own], return_inverse=True)
         barriers[own] = island.climb(different).barriers[back]
         n_atoms[own], free[own] = island.atoms, island.rounding * island.energy
     return [np.where(barriers > free, barriers, 0.0), turned, n_atoms, barriers > free]
+
+
+def _uniform(key: tuple[int, int], numbers: Whole, block: int) -> Array:
+    """Two numbers within (0, 1) of 52 bits for each sample, shape (2, samples)."""
+    words = streams.words(key, streams.DOMAINS, 0, numbers, block).astype(np.uint64)
+    whole = (words[::2] << np.uint64(32) | words[1::2]) >> np.uint64(12)
+    return np.asarray((whole + 0.5) * 2.0**-52)

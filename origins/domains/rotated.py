@@ -174,7 +174,7 @@ def domains(
         None if temperature is None else positive("temperature", temperature),
         float(np.hypot(*substrate.wavevectors.T).max()),
     )
-    samples, seed = whole("samples", samples, 1), whole("seed", seed, 0)
+    samples = whole("samples", samples, 1)
     if samples > _MOST_SAMPLES:
         refuse("samples", samples, f"must be at most {_MOST_SAMPLES}")
     drawn = draw(family, choice, samples, seed, comm)
