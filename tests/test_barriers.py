@@ -224,8 +224,6 @@ BAD = [
     (lambda: origins.barrier("atoms", 0.0), "atoms = 'atoms': "),
     (lambda: origins.barrier(origins.triangular_island(1.0, 2, 2), np.inf), "angle[0] = inf: "),
     (lambda: origins.barrier(origins.triangular_island(1.0, 2, 2), 0.0, "square"), "substrate = 'square': "),
-    (lambda: origins.triangular_barrier(0.0, 2, 2, 0.0), "lattice_constant = 0.0: "),
-    (lambda: origins.triangular_barrier(1.0, 2, -2, 0.0), "n_j = -2: "),
     (
         lambda: origins.triangular_barrier(
             1.0, 2, 2, 0.0, origins.fourier_substrate([[1, 0], [0, 1], [0, np.sqrt(2)]], [1, 1, 1])

@@ -62,7 +62,7 @@ def test_growth_of_a_film() -> None:
         origins.film_growth(-1.0, 1e-27, 1e8, 1.0)
 
 
-SLIDING = [(1.0, 0.0), (0.01, 0.0), (3.0, 0.0), (0.3, 0.7), (5.0, 1e-3), (1e-6, 0.0)]  # velocity, rest
+SLIDING = [(1.0, 0.0), (3.0, 0.0), (0.3, 0.7), (5.0, 1e-3), (1e-6, 0.0)]  # velocity, rest
 
 
 def meeting_hazard(x: mp.mpf, growth: origins.GrainGrowth, velocity: float, rest: float) -> mp.mpf:
@@ -106,7 +106,7 @@ def test_survival_of_sliding_contacts(velocity: float, rest: float) -> None:
     assert (np.diff(hazard) >= -1e-13 * (law.lost_hazard + hazard[1:])).all()
 
 
-@pytest.mark.parametrize("velocity, rest", SLIDING[:5:2])
+@pytest.mark.parametrize("velocity, rest", SLIDING[:4])
 def test_first_meeting_by_brute_force(velocity: float, rest: float) -> None:
     """Walk along the stretch and take the first step at which it reaches the threshold of its age."""
     growth = origins.GrainGrowth(alpha=1.0, B=2.0)

@@ -87,10 +87,6 @@ def test_irregular_islands_come_from_their_seed() -> None:
     assert len(irregular_island(A, 1e-3 * A)) == 1
 
 
-def test_centre_of_mass() -> None:
-    atoms = ase.Atoms("HO", positions=[[0.0, 0.0, 0.0], [1.0, 0.0, 5.0]])
-    masses = atoms.get_masses()
-    np.testing.assert_allclose(positions_of(atoms)[:, 0], np.array([0.0, 1.0]) - masses[1] / masses.sum(), atol=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,9 @@ class MovingIsland:
         self.rest = atoms.get_positions()[self.moving]
         turn = self.rest.mean(axis=0) - self.rest
         turn = np.column_stack([turn[:, 1], -turn[:, 0], np.zeros(len(turn))])
-        self._turn = turn / max(float(np.linalg.norm(turn)), 1e-300)
+        # atoms above one another do not turn, but for rounding
+        size = max(float(np.linalg.norm(turn)), 1e-12 * float(np.abs(self.rest).max()), 1e-300)
+        self._turn = turn / size
         self._here = self.placed(np.zeros_like(self.rest))
 
     def free(self, shifts: Array) -> Array:
