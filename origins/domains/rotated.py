@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 LAWS = ("area", "equal", "paper")
 _MOST_SAMPLES = 100_000_000
 _MOST_ATOMS = 1e12
-_FEW = 12  # islands whose curves of barriers are followed; peaks of more weigh little
+_FEW = 2  # sizes whose curves of barriers are followed: solvers take half a minute for the peaks of three
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,7 @@ def domains(
         barriers, histogram, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force
         and holding fraction of a run count the islands that resist only.
 
-        Up to 12 rigid islands on two waves, at any angle and without a temperature, have no sampling error:
+        One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error:
         P_c comes from b(angle) itself. It diverges where b stands still, so that K* is infinite, and jumps
         where min(|S_x|, |S_y|) changes sides. Elsewhere, and for islands of some hundred periods across,
         samples smooth such peaks away.
