@@ -17,8 +17,7 @@ from eq_model.state import State
 from eq_model.under_way import UnderWay
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
-from origins.errors import InputError, positive, refuse
-from origins.streams import key_of
+from origins.errors import InputError, positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
 
@@ -72,7 +71,8 @@ class Ensemble(UnderWay):
         if self.total > _MOST_CONTACTS:
             refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
         self.drive = Drive(path, velocity, time)
-        key_of(seed)
+        if whole("seed", seed, 0) >= 1 << 64:
+            refuse("seed", seed, "must be below 2^64")
         points = chosen_points(histograms, self.drive.path.size)
         self._engine = Engine(contacts, self.drive, seed, points)
         self.seconds = self._engine.seconds

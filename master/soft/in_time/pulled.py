@@ -148,6 +148,11 @@ class Pulled:
                 trial = steps.to(end, trial.travel)
             if trial.now <= here.now or steps.past(trial, size):
                 let_go = True
+                # where none stand right at their thresholds the last step is halved, to be near
+                for _ in range(4 if steps.fuzzy else 0):
+                    half = steps.balanced(0.5 * steps.onset(trial.travel).travel)
+                    total += self._take(half, track, total)
+                    trial = trial._replace(travel=trial.travel - half.travel)
                 trial = steps.onset(trial.travel)
             elif trial.now < end and late:
                 trial = steps.step(size, share)
