@@ -7,14 +7,25 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.drawn import cells_of, exposure_cells
-from eq_model.histogram import BINS, Counts, Histogram, Made, histogram, make_range
+from eq_model.histogram import (
+    BINS,
+    Counts,
+    Histogram,
+    Made,
+    chosen_points,
+    histogram,
+    make_range,
+    no_counts,
+)
 from eq_model.lattice import TIE, make_lattice
 from eq_model.layout import Blocks, is_measured
 from eq_model.moments import COARSER, EACH, Readout, split
 from eq_model.physics import law_of
+from eq_model.state import Found, State
 from eq_model.tables import DEEPEST, FAR, LEVEL_UNIT, Table
 from eq_model.work import duration, events
 from origins import Contacts, Drive, GrainContact
+from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
@@ -22,15 +33,6 @@ Whole = npt.NDArray[np.int64]
 
 _TOLD = 256  # units in which half of the contacts break again: their mean is told to 1e-5
 _SPREAD = 9.0  # standard deviations beyond which no threshold of 1e17 diffuses
-
-
-class Found(NamedTuple):
-    """Of one block: sums as two limbs, shape (2, size); counts of histograms; breaks; steps."""
-
-    sums: Whole
-    counts: Counts
-    breaks: int
-    steps: int
 
 
 class _Ran(NamedTuple):
@@ -45,10 +47,20 @@ class _Ran(NamedTuple):
 class Engine:
     """The blocks of one ensemble; `seconds`: about what a contact takes, `size`: of the sums."""
 
+    MOST = 1 << 37  # contacts of all replicas
+
     def __init__(
-        self, contacts: Contacts, drive: Drive, seed: int, points: npt.NDArray[np.intp]
+        self, contacts: Contacts, drive: Drive, seed: int, histograms: npt.ArrayLike, total: int
     ) -> None:
-        self.contacts, self._seed = contacts, seed
+        check_contacts(contacts, "eq_model.simulate", LAWS, own_rates=True)
+        for name, law in (("thermal", contacts.thermal), ("ageing", contacts.ageing)):
+            if law is not None and law.closure == "paper":
+                raise InputError(
+                    f'contacts.{name}: closure = "paper" is an approximation of the master equation, which single '
+                    'contacts do not know; use closure = "exact"'
+                )
+        self.contacts, self._seed, self._total = contacts, seed, total
+        points = chosen_points(histograms, drive.path.size)
         self._cells = cells_of(contacts)
         self._linked = contacts.stiffness == "linked"
         # alike all along the path: without laws contacts know no time
@@ -154,7 +166,7 @@ class Engine:
             law = self._law.coarser(COARSER)
             every, some, *_ = self._run(block, -(-count // EACH), True, law, counts[:0])
             out[:, first + second :] = split(np.hstack([every, some]).ravel())
-        return Found(out, counts, breaks, steps)
+        return Found(out, counts, np.empty(0), breaks, steps)
 
     def _run(self, block: int, count: int, measured: bool, law: Any, counts: Counts) -> _Ran:
         """Sums of all and more sums, breaks and steps of the first `count` contacts of a block."""
@@ -171,6 +183,25 @@ class Engine:
         kernel = forward if self._plain else follow_lives
         breaks, steps = kernel(stream, count, settings, law, course, bins, watch, sums, counts)
         return _Ran(every[:-1], some[:-1], int(breaks), int(steps))
+
+    def nothing(self) -> tuple[Any, Any, Any]:
+        """What no block found."""
+        counts = no_counts(self._points.size, self._total)
+        return np.zeros((2, self.size), np.int64), counts, np.empty(0)
+
+    def told(self, blocks: Blocks, state: State) -> dict[str, Any]:
+        """Fields of the result."""
+        n, found = state.contacts, self.readout.moments(blocks, state.done, state.sums)
+        # where contacts may wait, or not pin, one that might have been is in the error
+        waits = self.contacts.delay is not None or self.contacts.grains is not None
+        varies = np.maximum(found.holding * (1.0 - found.holding), 1.0 / n if waits else 0.0)
+        return {
+            "force": found.force,
+            "force_standard_error": np.sqrt(found.variance / n),
+            "step_error": self.readout.step_error(blocks, state.done, state.sums),
+            "holding": found.holding,
+            "holding_standard_error": np.sqrt(varies / n),
+        }
 
     def histograms(self, n: int, counts: Counts) -> Sequence[Histogram]:
         """What stood at the chosen points, in their order."""

@@ -8,8 +8,7 @@ from collections import deque
 import numpy as np
 
 from eq_model.coupled.draws import Draws, relaxed_contact, stretched_contact
-from eq_model.coupled.replica import Followed
-from eq_model.coupled.slide_kernel import SIZES
+from eq_model.coupled.result import SIZES, Followed
 from origins import Contacts, Drive
 
 

@@ -31,17 +31,17 @@ from eq_model.tables import Table
 from origins import Contacts
 
 UNIT_BITS, LARGEST_BITS = 28, 40
-_FREE, _FIRST = np.int64(BEYOND), np.uint64(0)
 
 
 class Supply(NamedTuple):
     """Draws of one law for one replica, in whole units, 4 LANES at a time.
 
-    ready : draws; at : the next of them, how often they were drawn, whether the law has one value
-    only, and how many thresholds were drawn beyond a stretch.
+    single : whether the law has one value only; ready : draws; at : the next of them, how often
+    they were drawn, and how many thresholds were drawn beyond a stretch.
     """
 
     table: Table
+    single: bool
     stream: Stream
     purpose: np.int64
     words: npt.NDArray[np.uint32]
@@ -68,52 +68,46 @@ class Draws:
     """Supplies of some contacts' replicas; `seed` is from 0 to 2^64 - 1.
 
     unit : length of which all positions and thresholds are whole numbers: 2^-28 mean thresholds,
-    unless 2^40 of these are less than the largest threshold.
+    unless 2^40 of these are less than the largest threshold; furthest : the largest stretch (a
+    length) at which contacts form.
     """
 
     def __init__(self, contacts: Contacts, seed: int) -> None:
-        self._contacts, self._seed, self._cells = contacts, seed, cells_of(contacts)
-        self._largest = self._cells["thresholds"].largest
+        self._seed, self._again, self._start = seed, contacts.reforming, contacts.start
+        cells = cells_of(contacts)
+        self._largest = cells["thresholds"].largest
         finest = 2.0**-UNIT_BITS * contacts.mean_threshold
         self.unit = max(finest, 2.0**-LARGEST_BITS * self._largest)
-        self._tables = {name: cells.table(self.unit) for name, cells in self._cells.items()}
+        self._tables = {name: one.table(self.unit) for name, one in cells.items()}
+        laws = [contacts.start] + ([self._again.law] if self._again else [])
+        self.furthest = min(max(abs(end) for law in laws for end in law.span), self._largest)
 
     def of_replica(self, replica: int) -> Supplies:
         """From the first draw on."""
-        law = self._contacts.reforming
-        again = None if law is None else law.law
-        start = self._contacts.start
+        stream = make_stream(self._seed, replica)
+        again = self._again.law.mean() if self._again else 0.0
         return Supplies(
-            thresholds=self._supply("thresholds", int(THRESHOLDS), replica, 0.0),
-            starts=self._supply("start", int(STARTS), replica, start.mean()),
-            again=self._supply(
-                "reforming", int(REFORMING), replica, again.mean() if again else 0.0
-            ),
-            stretched=start.span != (0.0, 0.0),
-            again_stretched=again is not None,
+            thresholds=self._supply("thresholds", THRESHOLDS, stream, 0.0),
+            starts=self._supply("start", STARTS, stream, self._start.mean()),
+            again=self._supply("reforming", REFORMING, stream, again),
+            stretched=self._start.span != (0.0, 0.0),
+            again_stretched=self._again is not None,
             top=np.int64(self._largest / self.unit) + 1,
         )
 
-    def _supply(self, name: str, purpose: int, replica: int, single: float) -> Supply:
+    def _supply(self, name: str, purpose: np.int64, stream: Stream, single: float) -> Supply:
         """Of a law that has a table, or else of one value."""
-        table, size = self._tables.get(name), 4 * LANES
-        ready = np.full(size, round(single / self.unit), np.int64)
-        return Supply(
-            table=self._tables["thresholds"] if table is None else table,
-            stream=make_stream(self._seed, replica),
-            purpose=np.int64(purpose),
-            words=words_of_round(),
-            rows=scratch(),
-            ready=ready,
-            at=np.array([size, 0, table is None, 0], np.int64),
-        )
+        table, size = self._tables.get(name, self._tables["thresholds"]), 4 * LANES
+        ready, at = np.full(size, round(single / self.unit), np.int64), np.array([size, 0, 0])
+        is_single, words = name not in self._tables, words_of_round()
+        return Supply(table, is_single, stream, purpose, words, scratch(), ready, at)
 
 
 @bare
 def refill(s):  # type: ignore[no-untyped-def]
     """The next 4 LANES draws."""
     s.at[0] = 0
-    if s.at[2]:
+    if s.single:
         return
     draw(LANES, s.at[1], s.stream, s.purpose, s.words)
     for k in range(4):
@@ -139,9 +133,9 @@ def stretched_contact(thresholds, stretches, top):  # type: ignore[no-untyped-de
         r = take(stretches)
     x = take(thresholds)
     if x <= abs(r):
-        a, b, c, d = words_at(_FIRST, thresholds.at[3], thresholds.stream, _FREE)
+        a, b, c, d = words_at(np.uint64(0), thresholds.at[2], thresholds.stream, BEYOND)
         x = beyond(abs(r), uniform(a, b), uniform(c, d), thresholds.table, thresholds.rows)
-        thresholds.at[3] += 1
+        thresholds.at[2] += 1
     return max(x, np.int64(1)), r
 
 

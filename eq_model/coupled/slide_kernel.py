@@ -16,10 +16,11 @@ import numpy.typing as npt
 from eq_model.compiling import bare, inlined
 from eq_model.coupled.draws import relaxed_contact, stretched_contact
 from eq_model.coupled.queue_kernel import next_break, open_next, take_next, wait
+from eq_model.coupled.result import SIZES
 
-SIZES = 40  # classes of avalanches: up to 2^40 breaks
+
 OFTEN = 64  # buckets after which to tell how far the drive has come
-GOING_ON, BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE = range(5)
+GOING_ON, BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE, OVERTAKEN = range(6)
 
 # Positions are whole units, forces and stiffnesses are sums of k_i x_i and k_i in <k>.
 SLIDER = np.dtype(
@@ -244,7 +245,8 @@ def slide(slider, queue, draws, pull, told, returns):  # type: ignore[no-untyped
                 why = RESET_DUE
         else:
             move(s, b)
-            open_next(queue)
+            if not open_next(queue):
+                return OVERTAKEN
             passed += 1
             if passed == OFTEN:
                 return BUCKETS_PASSED
