@@ -10,7 +10,7 @@ import numpy as np
 from eq_model.ageing_tables import DriftTable
 from eq_model.breaking import rate
 from eq_model.compiling import bare
-from eq_model.contact import LIVES, LOOKS, Break, look_at, place_of
+from eq_model.contact import LIVES, SEEN, Break, look_at, place_of
 from eq_model.streams import STEPS, WATCHED, uniform, words_at
 
 _F, _I = np.float64, np.int64
@@ -312,9 +312,10 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
     return Break(course.begins[legs] + 1, leg, place, True)
 
 
-def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    """Counted on the way, where the threshold is known."""
+def _counted(law, contact, course, moment):  # type: ignore[no-untyped-def]
+    """Contacts are counted on the way, where the threshold is known."""
+    return -1.0
 
 
 LIVES[Ageing] = grow_old
-LOOKS[Ageing] = _look
+SEEN[Ageing] = _counted

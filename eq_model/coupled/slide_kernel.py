@@ -18,7 +18,6 @@ from eq_model.coupled.draws import relaxed_contact, stretched_contact
 from eq_model.coupled.queue_kernel import next_break, open_next, take_next, wait
 from eq_model.coupled.result import SIZES
 
-
 OFTEN = 64  # buckets after which to tell how far the drive has come
 GOING_ON, BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE, OVERTAKEN = range(6)
 
