@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from numba.extending import overload
 
+from eq_model.births import Births
 from eq_model.compiling import bare, inlined
 from eq_model.lattice import Bins, Course
 from eq_model.moments import STIFFNESS_UNIT
@@ -22,19 +23,13 @@ _U, _I, _F = np.uint64, np.int64, np.float64
 
 
 class Settings(NamedTuple):
-    """What all contacts share, beside their law; in whole units."""
+    """What all contacts share, beside their law."""
 
-    thresholds: Table
-    starts: Table  # of the stretches at X = 0, where drawn
-    reforming: Table
+    starts: Births  # at X = 0
+    again: Births
     exposures: Table  # ln e, e of the exponential law of mean 1
-    begun: np.int64  # the stretch at X = 0 of all, where not drawn
-    single: np.int64  # the stretch at which contacts form again, where it is not drawn
-    top: np.int64  # no threshold lies beyond: stretches from here on are drawn again
-    mean: float  # threshold, of mean stiffness
+    mean: float  # threshold (units) of mean stiffness
     wait: float  # a time
-    drawn: bool
-    spread: bool  # whether stretches of re-forming are drawn
     bears: bool  # whether the law asks what contacts bear
     linked: bool  # stiffness to the threshold
 

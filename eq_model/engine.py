@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.drawn import cells_of, exposure_cells
+from eq_model.drawn import births_of, cells_of, exposure_cells
 from eq_model.histogram import (
     BINS,
     Counts,
@@ -22,7 +22,7 @@ from eq_model.layout import Blocks, is_measured
 from eq_model.moments import COARSER, COLUMNS, EACH, Readout, split
 from eq_model.physics import furthest_threshold, law_of, seconds_of
 from eq_model.state import Found, State
-from eq_model.tables import FAR, LEVEL_UNIT, Table
+from eq_model.tables import LEVEL_UNIT
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError
@@ -50,13 +50,12 @@ class Engine:
                 )
         self.contacts, self._seed, self._total = contacts, seed, total
         self._points = chosen_points(histograms, drive.path.size)
-        self._cells = cells_of(contacts)
         plain, scale = drive.forward and not contacts.laws, contacts.mean_threshold
         laws = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
         furthest = max(abs(end) for law in laws for end in law.span)
         path = np.append(0.0, drive.path)
         span = np.maximum.accumulate(path)[1:] - np.minimum.accumulate(path)[1:]
-        fresh = max(self._cells["thresholds"].largest, furthest)
+        fresh = max(cells_of(contacts)["thresholds"].largest, furthest)
         largest = furthest_threshold(contacts, drive, fresh)
         longest = min(largest, float(span[-1]) + furthest)
         stiffest = max(largest / scale, 1.0) if contacts.stiffness == "linked" else 1.0
@@ -67,12 +66,12 @@ class Engine:
         self._plain, unit = plain, self.lattice.unit
         self._check_excess(unit)
         self._watch_points(span, furthest, largest)
-        self._begun = np.int64(round(contacts.start.mean() / unit))
         self._settings = self._make_settings()
         self._law = law_of(contacts, self.lattice, TIE * exact)
         self.seconds = seconds_of(contacts, drive, self._law)
         # of a single start what its rounding leaves is told of the slider
-        beside = (contacts.start.mean() - self._begun * unit) * contacts.start.is_single
+        start = contacts.start.mean()
+        beside = (start - round(start / unit) * unit) * contacts.start.is_single
         told = self.lattice.path + beside
         self._readout = Readout(contacts, self.lattice, told, furthest, longest, span)
 
@@ -102,27 +101,15 @@ class Engine:
         per = self._range.per(self.lattice.unit)
         self._watch = Watch(before, bins.points[own], bins.places[own], *per)
 
-    def _table(self, name: str) -> Table:
-        """The cells of that name, or any where all is a single value."""
-        return self._cells.get(name, self._cells["thresholds"]).table(self.lattice.unit)
-
     def _make_settings(self) -> Any:
         from eq_model.contact import Settings
 
-        contacts, again, unit = self.contacts, self.contacts.reforming, self.lattice.unit
-        spread = again is not None and not again.law.is_single
+        contacts, unit = self.contacts, self.lattice.unit
         return Settings(
-            thresholds=self._table("thresholds"),
-            starts=self._table("start"),
-            reforming=self._table("reforming"),
+            *births_of(contacts, unit),
             exposures=exposure_cells().table(LEVEL_UNIT),
-            begun=self._begun,
-            single=np.int64(0 if again is None or spread else round(again.law.mean() / unit)),
-            top=np.int64(min(contacts.thresholds.support()[1] / unit, float(FAR))),
             mean=contacts.mean_threshold / unit,
             wait=contacts.waiting_time,
-            drawn=not contacts.start.is_single,
-            spread=spread,
             bears=contacts.thermal is not None or contacts.grains is not None,
             linked=contacts.stiffness == "linked",
         )

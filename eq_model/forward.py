@@ -7,51 +7,36 @@ into vector code.
 
 import numpy as np
 
+from eq_model.births import draw_round, form_all, make_room
 from eq_model.compiling import bare, compiled
 from eq_model.contact import bin_of, look_at
-from eq_model.quantiles import beyond, draw_inside, draw_values, scratch
-from eq_model.streams import (
-    BEYOND,
-    LANES,
-    STARTS,
-    THRESHOLDS,
-    draw,
-    uniform,
-    words_at,
-    words_of_round,
-)
+from eq_model.quantiles import draw_values
+from eq_model.streams import LANES, THRESHOLDS
 
 _U, _I, _F = np.uint64, np.int64, np.float64
-_NONE, _FIRST_STARTS = np.int64(0), np.int64(1 << 39)  # a turn that no row of thresholds comes to
 _REST = 4  # rounds after which lanes without contacts leave
 
 
 @bare
-def _advance(n, x, at, left, birth, begun, bins, found):  # type: ignore[no-untyped-def]
-    """Move n lanes by their thresholds x to where they break, or begin the next contact; how many broke."""
+def _advance(n, x, birth, at, bins, found):  # type: ignore[no-untyped-def]
+    """Move n contacts from where they are relaxed by their thresholds x to where they break, at; how many broke."""
     top, end, breaks = bins.points.size, bins.end, _I(0)
     for i in range(_U(n) if bins.even else _U(0)):
-        b = at[i] + x[i]
-        over = (b > end) | (left[i] <= _I(0))
-        found[i] = np.int32(top if over else max((b + bins.offset) >> bins.shift, _I(0)))
-        breaks += _I(not over)
+        b = birth[i] + x[i]
+        found[i] = np.int32(top if b > end else max((b + bins.offset) >> bins.shift, _I(0)))
+        breaks += _I(b <= end)
+        at[i] = b
     for i in range(_U(0) if bins.even else _U(n)):
-        b = at[i] + x[i]
-        over = (b > end) | (left[i] <= _I(0))
-        found[i] = np.int32(top if over else bin_of(b, bins))
-        breaks += _I(not over)
-    for i in range(_U(n)):
-        b = at[i] + x[i]
-        over = b > end
-        birth[i] = at[i]
-        left[i] -= _I(over)
-        at[i] = -begun if over else b
+        b = birth[i] + x[i]
+        found[i] = np.int32(top if b > end else bin_of(b, bins))
+        breaks += _I(b <= end)
+        at[i] = b
     return breaks
 
 
 @bare
 def _release(n, x, birth, bins, measured, found, change, sums):  # type: ignore[no-untyped-def]
-    """Add up what n lanes release that were relaxed at `birth` and broke at thresholds x; not in the last bin."""
+    """Add up what n contacts release that were relaxed at `birth` and broke at thresholds x; not in the last bin."""
     last = bins.points.size - 1
     for i in range(_U(n)):
         sums[_U(found[i]), _U(1)] += x[i]
@@ -63,45 +48,22 @@ def _release(n, x, birth, bins, measured, found, change, sums):  # type: ignore[
 
 
 @bare
-def _begin(n, start, at, left, before, least, bins, sums):  # type: ignore[no-untyped-def]
-    """Let lanes whose contact is over begin the next one at stretches `start`, and count it."""
-    many, total, square, origin = _I(0), _I(0), _I(0), bins.places[0]
-    for i in range(_U(n)):
-        over = left[i] < before[i]
-        used = over & (left[i] > _I(0))
-        y = _F(start[i] + origin)
-        many += _I(used)
-        total += -start[i] - origin if used else _I(0)
-        square += _I(np.floor(0.5 + y * y * bins.square)) if used else _I(0)
-        at[i] = -start[i] if over else at[i]
-        least[i] = max(abs(start[i]), _I(1)) if over else _I(0)
-    sums[0, 0] += many
-    sums[0, 1] += total
-    sums[0, 3] += square
-
-
-@bare
-def _beyond_starts(n, row, turn, stream, least, table, rows, x):  # type: ignore[no-untyped-def]
-    """First thresholds exceed the stretches that contacts begin with: P_c conditional on x_s > |x|."""
-    few = False
-    for i in range(_U(n)):
-        few |= x[i] < least[i]
-    if few:
-        for i in range(n):
-            if x[i] < least[i]:
-                a, b, c, d = words_at(i, turn, stream, BEYOND + row)
-                x[i] = beyond(least[i], uniform(a, b), uniform(c, d), table, rows)
-
-
-@bare
-def _look(n, since, found, before, birth, x, watch, counts):  # type: ignore[no-untyped-def]
-    """Count contacts at watched points from the bin `since` to before the bin `found`, the next `since`."""
-    top = watch.before.size - 2
-    for i in range(n):
-        if before[i] > 0:
-            for k in range(watch.before[since[i]], watch.before[found[i]]):
+def _look(n, x, birth, since, found, bins, watch, counts):  # type: ignore[no-untyped-def]
+    """Count n contacts at watched points between where they form, `since`, and the bins where they break."""
+    for i in range(n if counts.shape[0] else 0):
+        if since[i] <= bins.end:
+            for k in range(watch.before[bin_of(since[i], bins)], watch.before[found[i]]):
                 look_at(k, birth[i], _F(x[i]), watch, counts)
-        since[i] = 0 if found[i] == top else found[i]
+
+
+@bare
+def _next(n, at, number, firsts, end):  # type: ignore[no-untyped-def]
+    """Lanes whose contact holds to the end take the next one, where it broke first."""
+    last = firsts.size - 1
+    for i in range(_U(n)):
+        over = at[i] > end
+        number[i] = min(number[i] + (LANES if over else _I(0)), last)
+        at[i] = firsts[_U(number[i])] if over else at[i]
 
 
 @compiled
@@ -110,62 +72,47 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
 
     sums : increased, as of contact.count_event. counts : as of contact.look_at.
     """
-    n, stream, settings, rows = min(LANES, count), work.stream, work.settings, scratch()
-    bins, measured, place = work.bins, work.measured, rows.place
-    thresholds, starts, top = settings.thresholds, settings.starts, settings.top
-    words, others = words_of_round(), words_of_round()
-    x, at, start, birth = (
-        np.empty(LANES, _I),
-        np.empty(LANES, _I),
-        np.empty(LANES, _I),
-        np.empty(LANES, _I),
-    )
-    least, before, left = np.zeros(LANES, _I), np.zeros(LANES, _I), np.zeros(LANES, _I)
-    found, since = np.zeros(LANES, np.int32), np.zeros(LANES, np.int32)
-    for i in range(n):
-        left[i] = count // n + (i < count % n)
-    before[:] = left + 1
-    if settings.drawn:
-        turn = _FIRST_STARTS
-        draw(n, turn, stream, STARTS, words)
-        draw_inside(n, _NONE, turn, stream, STARTS, words, starts, top, rows, start)
-        _begin(n, start, at, left, before, least, bins, sums)
-    else:
-        at[:], least[:] = -settings.begun, abs(settings.begun)
-        y = -settings.begun - bins.places[0]
-        sums[0, 0] += count
-        sums[0, 1] += count * y
-        sums[0, 3] += count * _I(np.floor(0.5 + _F(y) * _F(y) * bins.square))
-    stretched, watched = settings.drawn or settings.begun != 0, counts.shape[0] > 0
-    breaks, turn = _I(0), _I(0)
+    stream, again, bins, watch = work.stream, work.settings.again, work.bins, work.watch
+    room, measured, end, place = make_room(), work.measured, bins.end, bins.places[0]
+    x, at, birth = np.empty(LANES, _I), np.empty(LANES, _I), np.empty(LANES, _I)
+    zeros, found, change = np.zeros(LANES, _I), np.empty(LANES, np.int32), room.rows.place
+    # all contacts as they begin, up to their first break; those that break go on in the lanes
+    begun, breaks = form_all(count, stream, work.settings.starts, room), _I(0)
+    firsts, many = np.full(count + 1, end + 1), _I(0)
+    for part in range(-(-count // LANES)):
+        own = begun[:, part * LANES : (part + 1) * LANES]
+        n = own.shape[1]
+        for i in range(n):
+            birth[i] = -own[1, i]
+            y = -own[1, i] - place
+            sums[0, 0] += 1
+            sums[0, 1] += y
+            sums[0, 3] += _I(np.floor(0.5 + _F(y) * _F(y) * bins.square))
+        breaks += _advance(n, own[0], birth, at, bins, found)
+        _release(n, own[0], birth, bins, measured, found, change, sums)
+        _look(n, own[0], birth, zeros, found, bins, watch, counts)
+        for i in range(n):
+            firsts[many] = at[i]
+            many += _I(at[i] <= end)
+    firsts[many:] = end + 1
+    number, n, turn = np.arange(LANES), min(LANES, many), _I(0)
+    at[:n] = firsts[:n]
     while n > 0:
-        draw(n, turn, stream, THRESHOLDS, words)
-        if settings.drawn:
-            draw(n, turn, stream, STARTS, others)
+        draw_round(n, turn, stream, again, room)
         for row in range(_I(4)):
-            draw_values(n, row, turn, stream, THRESHOLDS, words, thresholds, rows, x)
-            if stretched:
-                _beyond_starts(n, row, turn, stream, least, thresholds, rows, x)
-            if settings.drawn:
-                draw_inside(n, row, turn, stream, STARTS, others, starts, top, rows, start)
-            if stretched or watched:
-                for i in range(_U(n)):
-                    before[i] = left[i]
-            breaks += _advance(n, x, at, left, birth, settings.begun, bins, found)
-            _release(n, x, birth, bins, measured, found, place, sums)
-            if watched:
-                _look(n, since, found, before, birth, x, work.watch, counts)
-            if settings.drawn:
-                _begin(n, start, at, left, before, least, bins, sums)
-            elif stretched:
-                for i in range(_U(n)):
-                    least[i] = abs(settings.begun) if left[i] < before[i] else _I(0)
+            words, table = room.words, again.thresholds
+            draw_values(n, row, turn, stream, THRESHOLDS, words, table, room.rows, x)
+            birth[:n] = at[:n]
+            breaks += _advance(n, x, birth, at, bins, found)
+            _release(n, x, birth, bins, measured, found, change, sums)
+            _look(n, x, birth, birth, found, bins, watch, counts)
+            _next(n, at, number, firsts, end)
         turn += 1
         if turn % _REST == 0:
             m = 0
             for i in range(n):  # lanes that have no more contacts leave
-                if left[i] > 0:
-                    at[m], left[m], least[m], since[m] = at[i], left[i], least[i], since[i]
+                if number[i] < many:
+                    at[m], number[m] = at[i], number[i]
                     m += 1
             n = m
     return breaks, _I(0)

@@ -10,21 +10,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from eq_model.births import draw_round, form_all, form_row, make_room
 from eq_model.compiling import bare, compiled, inlined
 from eq_model.contact import Contact, bin_of, count_event, later, life, look_at, place_of, seen
-from eq_model.quantiles import beyond, draw_inside, draw_values, scratch
-from eq_model.streams import (
-    BEYOND,
-    EXPOSURES,
-    LANES,
-    REFORMING,
-    STARTS,
-    THRESHOLDS,
-    draw,
-    uniform,
-    words_at,
-    words_of_round,
-)
+from eq_model.quantiles import draw_values
+from eq_model.streams import EXPOSURES, LANES, ROW, draw
 from eq_model.tables import LEVEL_UNIT
 
 _U, _I, _F = np.uint64, np.int64, np.float64
@@ -41,7 +31,7 @@ class Lanes(NamedTuple):
 
 
 @inlined
-def _follow(i, contact, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
+def _follow(i, contact, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """One life of the contact in lane i, whose next one is prepared; whether it broke before the end."""
     course, bins, law, wait = work.course, work.bins, work.law, work.settings.wait
     birth = place_of(contact.clock, contact.leg, course) - contact.stretch
@@ -68,21 +58,16 @@ def _follow(i, contact, count, work, lanes, sums, counts):  # type: ignore[no-un
 
 
 @bare
-def _follow_row(  # type: ignore[no-untyped-def]
-    n, row, turn, x, e, r, first, count, rows, work, lanes, sums, counts
-):
+def _follow_row(n, turn, x, r, e, first, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """One life in each of n lanes, with a row of draws: breaks and steps."""
-    breaks, steps, settings = _I(0), _I(0), work.settings
+    breaks, steps, settings, count = _I(0), _I(0), work.settings, first.shape[1]
     for i in range(_U(n)):
         number, before = lanes.number[i], lanes.drawn[i]
         if number >= count:
             continue
-        stretch = r[i] if lanes.again[i] else first[_U(number)]
-        threshold = x[i]
-        if threshold < abs(stretch):
-            a, b, c, d = words_at(i, turn, work.stream, BEYOND + row)
-            one, other = uniform(a, b), uniform(c, d)
-            threshold = beyond(abs(stretch), one, other, settings.thresholds, rows)
+        threshold, stretch = x[i], r[i]
+        if not lanes.again[i]:
+            threshold, stretch = first[0, number], first[1, number]
         contact = Contact(
             lanes.clock[i],
             lanes.leg[i],
@@ -95,7 +80,7 @@ def _follow_row(  # type: ignore[no-untyped-def]
             before,
             work.stream,
         )
-        breaks += _I(_follow(i, contact, count, work, lanes, sums, counts))
+        breaks += _I(_follow(i, contact, work, lanes, sums, counts))
         steps += lanes.drawn[i] - before
     return breaks, steps
 
@@ -106,37 +91,22 @@ def follow_lives(work, count, sums, counts):  # type: ignore[no-untyped-def]
 
     sums : increased, as of contact.count_event. counts : as of contact.look_at.
     """
-    n, rows, stream, settings = min(LANES, count), scratch(), work.stream, work.settings
-    words, top = words_of_round(), settings.top
-    x, e, r = np.empty(LANES, _I), np.zeros(LANES, _I), np.full(LANES, settings.single)
-    none = np.zeros((5, LANES), _I)
-    lanes = Lanes(none[0], none[1], none[2], none[3], none[4])
-    # the stretches at X = 0 of all contacts of the block
-    first = np.full(-(-count // LANES) * LANES, settings.begun)
-    for part in range(first.size // LANES if settings.drawn else 0):
-        draw(_I(LANES), part, stream, STARTS, words)
-        own = first[part * LANES : (part + 1) * LANES]
-        draw_inside(_I(LANES), _I(0), part, stream, STARTS, words, settings.starts, top, rows, own)
-    for i in range(n):
-        lanes.number[i] = i
-    words, more, again = words_of_round(), words_of_round(), words_of_round()
+    n, stream, settings, room = min(LANES, count), work.stream, work.settings, make_room()
+    x, r, e = np.empty(LANES, _I), np.empty(LANES, _I), np.zeros(LANES, _I)
+    more, none = np.zeros(4 * ROW, np.uint32), np.zeros((4, LANES), _I)
+    lanes = Lanes(none[0], none[1], none[2], np.arange(LANES), none[3])
+    first = form_all(count, stream, settings.starts, room)
     breaks, steps, turn = _I(0), _I(0), _I(0)
     while n > 0:
-        draw(n, turn, stream, THRESHOLDS, words)
+        draw_round(n, turn, stream, settings.again, room)
         if settings.bears:
             draw(n, turn, stream, EXPOSURES, more)
-        if settings.spread:
-            draw(n, turn, stream, REFORMING, again)
         for row in range(_I(4)):
-            draw_values(n, row, turn, stream, THRESHOLDS, words, settings.thresholds, rows, x)
+            form_row(n, row, turn, stream, settings.again, room, x, r)
             if settings.bears:
-                draw_values(n, row, turn, stream, EXPOSURES, more, settings.exposures, rows, e)
-            if settings.spread:
-                table = settings.reforming
-                draw_inside(n, row, turn, stream, REFORMING, again, table, top, rows, r)
-            broke, stepped = _follow_row(
-                n, row, turn, x, e, r, first, count, rows, work, lanes, sums, counts
-            )
+                table = settings.exposures
+                draw_values(n, row, turn, stream, EXPOSURES, more, table, room.rows, e)
+            broke, stepped = _follow_row(n, turn, x, r, e, first, work, lanes, sums, counts)
             breaks += broke
             steps += stepped
         turn += 1

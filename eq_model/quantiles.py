@@ -6,14 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, bits_of, compiled, double_of, inlined, single_of
-from eq_model.streams import LANES, ROW, fine_word, words_at
+from eq_model.streams import LANES, ROW, fine_word
 from eq_model.tables import CELL_BITS, FAR, OCTAVES, SIDE
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 _LOW31, _EXPONENT = np.uint32(0x7FFFFFFF), np.int64(0x3FF << 52)
 _FIRST = np.int64(((1023 + 31 - OCTAVES) << CELL_BITS) - 1)
 _SHIFT = np.int64(52 - CELL_BITS)
-_AGAIN = 8  # of purposes: beside the words of a row and those that continue them
 _CLOSE = np.int64(1 << 26)  # in the last bits of a double: 1.5e-8 of it, below what tables tell
 
 
@@ -114,21 +113,6 @@ def draw_values(n, row, turn, stream, purpose, words, table, rows, out):  # type
     """Whole quantiles of n words of a row, all of them."""
     if values(n, row, words, table, rows, out):
         mend(n, row, turn, stream, purpose, words, table, out)
-
-
-@bare
-def draw_inside(n, row, turn, stream, purpose, words, table, top, rows, out):  # type: ignore[no-untyped-def]
-    """As draw_values, of stretches below `top`: where no threshold lies beyond they are drawn again."""
-    draw_values(n, row, turn, stream, purpose, words, table, rows, out)
-    most = _I(0)
-    for i in range(_U(n)):
-        most = max(most, abs(out[i]))
-    for i in range(_U(n) if most >= top else _U(0)):
-        attempt = 0
-        while abs(out[i]) >= top:
-            attempt += 1
-            word, fine, _, _ = words_at(i, turn + (attempt << 48), stream, purpose + _AGAIN + row)
-            out[i] = quantile(word, fine, table)
 
 
 @bare

@@ -51,7 +51,7 @@ def _law(name: str) -> Any:
 
 def _draws(table: Any, many: int, seed: int = 20101) -> np.ndarray:
     """So many draws in whole units, of blocks of one round each."""
-    words, rows = streams.words_of_round(), quantiles.scratch()
+    words, rows = np.zeros(4 * streams.ROW, np.uint32), quantiles.scratch()
     out = np.zeros((-(-many // (4 * streams.LANES)), 4, streams.LANES), np.int64)
     for block, found in enumerate(out):
         stream = streams.make_stream(seed, block)

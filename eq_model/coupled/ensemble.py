@@ -105,16 +105,19 @@ class Replicas:
         from eq_model.coupled.queue_kernel import clear, make_queue
 
         n, size = self._n, self._drive.path.size
-        draws, queue = self._draws.of_replica(replica), make_queue(n, self._shift, self._buckets)
+        (first, later), queue = (
+            self._draws.of_replica(replica),
+            make_queue(n, self._shift, self._buckets),
+        )
         slider = np.zeros(1, kernel.SLIDER)
         s, slips = slider[0], list[list[float]]()
         s["back"] = _NEVER
-        kernel.form_all(slider, queue, draws, self._pull, n, True)
+        kernel.form_all(slider, queue, first, self._pull, n)
         balance = float(s["force"]) / self._pull.spring
         pull = self._driven(s, balance)
         told = kernel.make_told(size)
         returns = kernel.make_returns(n if pull.delayed else 1)
-        while (why := kernel.slide(slider, queue, draws, pull, told, returns)) != kernel.PATH_DONE:
+        while (why := kernel.slide(slider, queue, later, pull, told, returns)) != kernel.PATH_DONE:
             if why == kernel.BUCKETS_PASSED:
                 continue  # to let an interrupt be heard
             if why == kernel.OVERTAKEN:
@@ -129,7 +132,7 @@ class Replicas:
                 for name in ("force", "stiffness", "held", "out", "broken"):
                     s[name] = 0
                 clear(queue, int(s["at"]))
-                kernel.form_all(slider, queue, draws, pull, n, False)
+                kernel.form_all(slider, queue, later, pull, n)
             slips.append([float(s[name]) for name in _OF_A_SLIP])
         unit, each = self._unit, self._unit / n
         scales = [each / self._spring, unit, unit, each, each, 1.0]

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, inlined
-from eq_model.coupled.draws import relaxed_contact, stretched_contact
+from eq_model.coupled.draws import take
 from eq_model.coupled.queue_kernel import next_break, open_next, take_next, wait
 from eq_model.coupled.result import SIZES
 
@@ -105,13 +105,9 @@ def move(s, b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def form(s, queue, thresholds, stretches, stretched, top, pull):  # type: ignore[no-untyped-def]
+def form(s, queue, supply, pull):  # type: ignore[no-untyped-def]
     """A contact forms at X."""
-    r = np.int64(0)
-    if stretched:
-        x, r = stretched_contact(thresholds, stretches, top)
-    else:
-        x = relaxed_contact(thresholds)
+    x, r = take(supply)
     k = np.float64(x) / pull.mean if pull.linked else 1.0
     s.held += 1
     s.stiffness += k
@@ -121,12 +117,10 @@ def form(s, queue, thresholds, stretches, stretched, top, pull):  # type: ignore
 
 
 @bare
-def form_all(s, queue, draws, pull, n, start):  # type: ignore[no-untyped-def]
-    """n contacts form at X: as they start, or as they form again."""
-    stretches = draws.starts if start else draws.again
-    stretched = draws.stretched if start else draws.again_stretched
+def form_all(s, queue, supply, pull, n):  # type: ignore[no-untyped-def]
+    """n contacts form at X."""
     for _ in range(n):
-        form(s[0], queue, draws.thresholds, stretches, stretched, draws.top, pull)
+        form(s[0], queue, supply, pull)
 
 
 @bare
@@ -194,7 +188,7 @@ def end_avalanche(s, pull, told, returns, slider):  # type: ignore[no-untyped-de
 
 
 @bare
-def slide(slider, queue, draws, pull, told, returns):  # type: ignore[no-untyped-def]
+def slide(slider, queue, supply, pull, told, returns):  # type: ignore[no-untyped-def]
     """Move on until there is something to do that is done elsewhere: returns one of the reasons."""
     s, passed = slider[0], 0
     while True:
@@ -250,6 +244,6 @@ def slide(slider, queue, draws, pull, told, returns):  # type: ignore[no-untyped
             if passed == OFTEN:
                 return BUCKETS_PASSED
         for _ in range(forming):
-            form(s, queue, draws.thresholds, draws.again, draws.again_stretched, draws.top, pull)
+            form(s, queue, supply, pull)
         if why != GOING_ON:
             return why
