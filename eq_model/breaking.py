@@ -65,15 +65,15 @@ def by_rate(law, contact, course, watch, counts):  # type: ignore[no-untyped-def
     while leg < legs:
         room, d, pace = course.begins[leg + 1] - clock, course.directions[leg], course.paces[leg]
         log_goal, sign = contact.exposure - law.log_slow[leg], 1.0
-        if d == 0 or here != 0.0 or bears >= 0.0:
-            bears = np.exp(contact.exposure) if bears < 0.0 else bears
+        if bears < 0.0 and (d == 0 or here != 0.0):
+            bears = np.exp(contact.exposure)
         if d == 0:
             hazard = rate(rates, abs(_F(x)) * unit, threshold, k) * pace
             if hazard * room >= bears:
                 return Break(clock + min(_I(bears / hazard), room), leg, contact.drawn, True)
             bears -= hazard * room
         else:
-            slow = np.exp(law.log_slow[leg])  # time for a length
+            slow = max(pace * per, _NOTHING)  # time for a length
             if bears >= 0.0:
                 goal = d * here + bears / slow
                 log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)

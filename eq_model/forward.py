@@ -37,12 +37,15 @@ def _advance(n, x, birth, at, bins, found):  # type: ignore[no-untyped-def]
 @bare
 def _release(n, x, birth, bins, measured, found, change, sums):  # type: ignore[no-untyped-def]
     """Add up what n contacts release that were relaxed at `birth` and broke at thresholds x; not in the last bin."""
-    last = bins.points.size - 1
+    last, first, shift, per = bins.points.size - 1, bins.places[0], bins.shift, bins.square
     for i in range(_U(n)):
         sums[_U(found[i]), _U(1)] += x[i]
-    for i in range(_U(n) if measured else _U(0)):
+    for i in range(_U(n) if measured and bins.even else _U(0)):
+        y = birth[i] - (first + (_I(found[i]) << shift))
+        change[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * per)
+    for i in range(_U(n) if measured and not bins.even else _U(0)):
         y = birth[i] - bins.places[min(_I(found[i]), last)]
-        change[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * bins.square)
+        change[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * per)
     for i in range(_U(n) if measured else _U(0)):
         sums[_U(found[i]), _U(3)] += _I(change[i])
 
@@ -61,9 +64,9 @@ def _next(n, at, number, firsts, end):  # type: ignore[no-untyped-def]
     """Lanes whose contact holds to the end take the next one, where it broke first."""
     last = firsts.size - 1
     for i in range(_U(n)):
-        over = at[i] > end
-        number[i] = min(number[i] + (LANES if over else _I(0)), last)
-        at[i] = firsts[_U(number[i])] if over else at[i]
+        if at[i] > end:
+            number[i] = min(number[i] + LANES, last)
+            at[i] = firsts[_U(number[i])]
 
 
 @compiled
@@ -81,13 +84,15 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
     firsts, many = np.full(count + 1, end + 1), _I(0)
     for part in range(-(-count // LANES)):
         own = begun[:, part * LANES : (part + 1) * LANES]
-        n = own.shape[1]
-        for i in range(n):
+        n, total, square = own.shape[1], _I(0), _I(0)
+        for i in range(_U(n)):
             birth[i] = -own[1, i]
-            y = -own[1, i] - place
-            sums[0, 0] += 1
-            sums[0, 1] += y
-            sums[0, 3] += _I(np.floor(0.5 + _F(y) * _F(y) * bins.square))
+            y = birth[i] - place
+            total += y
+            square += _I(np.floor(0.5 + _F(y) * _F(y) * bins.square))
+        sums[0, 0] += n
+        sums[0, 1] += total
+        sums[0, 3] += square
         breaks += _advance(n, own[0], birth, at, bins, found)
         _release(n, own[0], birth, bins, measured, found, change, sums)
         _look(n, own[0], birth, zeros, found, bins, watch, counts)
@@ -102,7 +107,8 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
         for row in range(_I(4)):
             words, table = room.words, again.thresholds
             draw_values(n, row, turn, stream, THRESHOLDS, words, table, room.rows, x)
-            birth[:n] = at[:n]
+            for i in range(_U(n)):
+                birth[i] = at[i]
             breaks += _advance(n, x, birth, at, bins, found)
             _release(n, x, birth, bins, measured, found, change, sums)
             _look(n, x, birth, birth, found, bins, watch, counts)
