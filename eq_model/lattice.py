@@ -44,9 +44,7 @@ class Bins(NamedTuple):
 
     points: Whole  # (n,): the last moment that counts before each point
     places: Whole  # (n,): slider there; stretches of the bin's events are told as of then
-    first: npt.NDArray[
-        np.int32
-    ]  # of each cell of the clock the first point that does not lie before it
+    first: npt.NDArray[np.int32]  # of each cell of the clock the first point not before it
     shift: np.int64  # cells are 2^shift long
     even: bool  # each cell ends at a point
     offset: np.int64  # so that (clock + offset) >> shift is the point, where even
@@ -80,10 +78,10 @@ def make_lattice(drive: Drive, scale: float, reach: float, exact: bool) -> Latti
     points, spacing, place = _points(clock, max(scale, length / _LEAST_BINS))
     widest = float(np.diff(points, prepend=0.0).max())
     # a bin's sum over one block is at most BLOCK (widest + reach), its second moment the square of that
-    room = int(np.ceil(np.log2((widest + reach) / scale)))
-    most = SUM_BITS - int(np.log2(BLOCK)) - room
-    bits = min(_MOST_BITS, most, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
-    if reach / scale > 2.0 ** (SUM_BITS - np.log2(BLOCK) - _LEAST_BITS):
+    room = _bits((widest + reach) / scale)
+    most = SUM_BITS - _bits(BLOCK) - room
+    bits = min(_MOST_BITS, most, _PATH_BITS - _bits(length / scale))
+    if reach / scale > 2.0 ** (SUM_BITS - _bits(BLOCK) - _LEAST_BITS):
         raise InputError(
             f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted "
             "in; the ensemble sums up to some 1e6 of them: use thresholds with a shorter tail, or other units"
@@ -116,9 +114,14 @@ def make_lattice(drive: Drive, scale: float, reach: float, exact: bool) -> Latti
         even=bool(spacing),
         offset=np.int64((1 << shift) - 1 - whole[0]),
         end=whole[-1],
-        square=2.0 ** min(SUM_BITS - np.log2(BLOCK) - 2 * (room + bits), 0.0),
+        square=2.0 ** min(SUM_BITS - _bits(BLOCK) - 2 * (room + bits), 0.0),
     )
     return Lattice(drive.path, unit, course, bins, found.reshape(-1)[place])
+
+
+def _bits(number: float) -> int:
+    """Of a number, which may be infinite: then more than there are."""
+    return int(np.ceil(np.log2(min(number, 1e300))))
 
 
 class _Points(NamedTuple):
@@ -136,7 +139,7 @@ def _points(clock: Array, widest: float) -> _Points:
     spacing = float(end - points[0]) / apart.size if apart.size else end
     off = np.abs(points - (points[0] + spacing * np.arange(points.size))).max()
     if spacing > 0.0 and off <= 64.0 * np.finfo(float).eps * end:
-        parts = 1 << max(int(np.ceil(np.log2(spacing / widest))), 0)
+        parts = 1 << max(_bits(spacing / widest), 0)
         spacing /= parts
         before = int(points[0] / spacing)
         many = before + parts * apart.size + 1

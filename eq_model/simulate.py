@@ -94,23 +94,8 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
 
     In plain Python: eq_model/plain.py follows one life, eq_model/closest.py is the paper's own algorithm (Sec. II).
     """
-    ensemble = Ensemble(
-        contacts,
-        path,
-        velocity=velocity,
-        time=time,
-        spring=spring,
-        slip=slip,
-        slip_fraction=slip_fraction,
-        n_contacts=n_contacts,
-        n_replicas=n_replicas,
-        seed=seed,
-        tolerance=tolerance,
-        wall_time=wall_time,
-        histograms=histograms,
-        comm=comm,
-        threads=threads,
-    )
+    arguments = locals()  # all of them are those of Ensemble
+    ensemble = Ensemble(**arguments)
     for _ in ensemble:
         pass
     return ensemble.result()
