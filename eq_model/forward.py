@@ -60,13 +60,16 @@ def _look(n, x, birth, since, found, bins, watch, counts):  # type: ignore[no-un
 
 
 @bare
-def _next(n, at, number, firsts, end):  # type: ignore[no-untyped-def]
+def _next(n, at, number, firsts, end, ends):  # type: ignore[no-untyped-def]
     """Lanes whose contact holds to the end take the next one, where it broke first."""
-    last = firsts.size - 1
-    for i in range(_U(n)):
-        if at[i] > end:
-            number[i] = min(number[i] + LANES, last)
-            at[i] = firsts[_U(number[i])]
+    last, many = firsts.size - 1, _U(0)
+    for i in range(_U(n)):  # no branch: which contacts end cannot be foreseen
+        ends[many] = np.int32(i)
+        many += _U(at[i] > end)
+    for lane in ends[:many]:
+        k = _U(lane)
+        number[k] = min(number[k] + LANES, last)
+        at[k] = firsts[_U(number[k])]
 
 
 @compiled
@@ -81,7 +84,7 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
     zeros, found, change = np.zeros(LANES, _I), np.empty(LANES, np.int32), room.rows.place
     # all contacts as they begin, up to their first break; those that break go on in the lanes
     begun, breaks = form_all(count, stream, work.settings.starts, room), _I(0)
-    firsts, many = np.full(count + 1, end + 1), _I(0)
+    firsts, many = np.full(count + 1, end + 1), 0
     for part in range(-(-count // LANES)):
         own = begun[:, part * LANES : (part + 1) * LANES]
         n, total, square = own.shape[1], _I(0), _I(0)
@@ -98,7 +101,7 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
         _look(n, own[0], birth, zeros, found, bins, watch, counts)
         for i in range(n):
             firsts[many] = at[i]
-            many += _I(at[i] <= end)
+            many += at[i] <= end
     firsts[many:] = end + 1
     number, n, turn = np.arange(LANES), min(LANES, many), _I(0)
     at[:n] = firsts[:n]
@@ -107,12 +110,11 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
         for row in range(_I(4)):
             words, table = room.words, again.thresholds
             draw_values(n, row, turn, stream, THRESHOLDS, words, table, room.rows, x)
-            for i in range(_U(n)):
-                birth[i] = at[i]
+            birth, at = at, birth
             breaks += _advance(n, x, birth, at, bins, found)
             _release(n, x, birth, bins, measured, found, change, sums)
             _look(n, x, birth, birth, found, bins, watch, counts)
-            _next(n, at, number, firsts, end)
+            _next(n, at, number, firsts, end, found)
         turn += 1
         if turn % _REST == 0:
             m = 0

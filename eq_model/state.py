@@ -69,7 +69,7 @@ class State:
         nothing = np.zeros((0, 2, 0), np.uint32)
         return replace(self, sums=np.zeros((2, 0), np.int64), counts=nothing, rows=np.empty(0))
 
-    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+    def arrays(self) -> dict[str, Any]:
         """All of it, for a file."""
         done = np.array([(part.start, part.stop) for part in self.done], np.int64)
         return {name: np.asarray(value) for name, value in vars(self).items()} | {

@@ -122,9 +122,10 @@ def read_rows(rows: Array, points: int) -> dict[int, Followed]:
     while at < rows.size:
         replica, slips = int(rows[at]), int(rows[at + 1])
         parts = np.cumsum([2, SIZES, 2, points, points, points, 6 * slips])
-        _, sizes, (breaks, balance), *curves, table, _ = np.split(rows[at:], parts)
+        _, sizes, last, x, force, holding, table, _ = np.split(rows[at:], parts)
         counts, table = sizes.astype(np.int64), table.reshape(-1, 6)
-        found[replica] = Followed(*curves, table, counts, int(breaks), float(balance))
+        told = int(last[0]), float(last[1])
+        found[replica] = Followed(x, force, holding, table, counts, *told)
         at += int(parts[-1])
     return dict(sorted(found.items()))
 
@@ -142,7 +143,9 @@ def fields_of(found: dict[int, Followed]) -> dict[str, Any]:
     table = np.concatenate([row.slips for row in rows])
     replicas = np.repeat(np.array(list(found), np.int64), lengths)
     number = np.concatenate([np.arange(n) for n in lengths])
-    slips = CoupledSlips(replicas, number, *table.T[:5], table[:, 5].astype(np.int64))
+    drive, before, after, loaded, left, broken = table.T
+    breaks = broken.astype(np.int64)
+    slips = CoupledSlips(replicas, number, drive, before, after, loaded, left, breaks)
     return told | {
         "slips": slips,
         "avalanches": np.array([row.avalanches for row in rows]),

@@ -153,7 +153,7 @@ class Checkpoint:
             state, other = read
             self._check(other)
             if _take(state.done, taken):
-                found = state if found is None else found.joined(state)  # type: ignore[arg-type]
+                found = state if found is None else found.joined(state)
         if found is not None:
             say(
                 f"going on from the checkpoint in {self._home}: {found.contacts:,} contacts are done"
