@@ -117,7 +117,7 @@ class Engine:
     def nothing(self) -> tuple[Any, Any, Any]:
         """What no block found."""
         counts = no_counts(self._points.size, self._total)
-        return np.zeros(self._shape, np.int64), counts, np.empty(0)
+        return np.zeros(self._shape, np.int64).reshape(2, -1), counts, np.empty(0)
 
     @property
     def _shape(self) -> tuple[int, ...]:
@@ -136,7 +136,7 @@ class Engine:
         if self.contacts.ageing is not None:
             some, coarser = -(-count // EACH), self._law.coarser(COARSER)
             out[:, 2], _, _ = self._run(block, some, True, coarser, counts[:0])
-        return Found(out, counts, np.empty(0), breaks, steps)
+        return Found(out.reshape(2, -1), counts, np.empty(0), breaks, steps)
 
     def _run(
         self, block: int, count: int, measured: bool, law: Any, counts: Counts
@@ -157,14 +157,15 @@ class Engine:
 
     def told(self, blocks: Blocks, state: State) -> dict[str, Any]:
         """Fields of the result."""
-        n, found = state.contacts, self._readout.moments(blocks, state.done, state.sums)
+        n, sums = state.contacts, state.sums.reshape(self._shape)
+        found = self._readout.moments(blocks, state.done, sums)
         # where contacts may wait, or not pin, one that might have been is in the error
         waits = self.contacts.delay is not None or self.contacts.grains is not None
         varies = np.maximum(found.holding * (1.0 - found.holding), 1.0 / n if waits else 0.0)
         return {
             "force": found.force,
             "force_standard_error": np.sqrt(found.variance / n),
-            "step_error": self._readout.step_error(blocks, state.done, state.sums),
+            "step_error": self._readout.step_error(blocks, state.done, sums),
             "holding": found.holding,
             "holding_standard_error": np.sqrt(varies / n),
         }

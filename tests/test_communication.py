@@ -92,12 +92,12 @@ def test_histograms_are_added_up_at_the_end_alone(tmp_path: Path) -> None:
     assert len(sums) == 3 and len(set(sums)) == 1 and counts == 40 << 15
 
 
-@pytest.mark.parametrize("stiffness", ["independent", "linked"])
+@pytest.mark.parametrize("ageing", [None, origins.Ageing(origins.gaussian(1.2, 0.1), 0.01)])
 @pytest.mark.parametrize("path", [np.linspace(0.1, 5.0, 50), np.array([0.3, 0.9, 1.0, 5.0, -2.0, 40.0]), np.ones(1)])
-def test_the_sums_are_as_many_as_documented(path: Any, stiffness: Any) -> None:
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), stiffness=stiffness)
+def test_the_sums_are_as_many_as_documented(path: Any, ageing: Any) -> None:
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), ageing=ageing)
     many, each = [eq_model.Ensemble(contacts, path, histograms=points).state.sums.shape[1] for points in ((), (0,))]
-    columns = 11 if stiffness == "linked" else 5 if (np.diff(path) > 0.0).all() else 7
+    columns = 18 if ageing else 12
     assert many == each <= columns * (4 * path.size + 4100)
     if path.size == 50:
         assert many <= columns * (path.size + 2)
