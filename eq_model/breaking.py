@@ -79,15 +79,15 @@ def by_rate(law, contact, course, watch, counts):  # type: ignore[no-untyped-def
                 log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
             place = sign * min(reached(rates, log_goal, 0.0, threshold, k), threshold)
             moved = max(_I(np.floor(place * per + 0.5)) - d * x, _I(0))
-            if moved <= room:
-                return Break(clock + moved, leg, contact.drawn, True)
+            # at the end of the drive there is no branch, which could not be foreseen
+            if leg + 1 == legs or moved <= room:
+                return Break(clock + min(moved, room + 1), leg, contact.drawn, True)
             x += d * room
-            if leg + 1 < legs:
-                far = min(abs(_F(x)) * unit, threshold)
-                there = np.copysign(passed(rates, 0.0, far, threshold, k), _F(x))
-                bears = np.exp(contact.exposure) if bears < 0.0 else bears
-                bears = max(bears - d * (there - here) * slow, 0.0)
-                here = there
+            far = min(abs(_F(x)) * unit, threshold)
+            there = np.copysign(passed(rates, 0.0, far, threshold, k), _F(x))
+            bears = np.exp(contact.exposure) if bears < 0.0 else bears
+            bears = max(bears - d * (there - here) * slow, 0.0)
+            here = there
         leg += 1
         clock = course.begins[leg]
     return Break(clock + 1, leg, contact.drawn, True)

@@ -54,7 +54,9 @@ class Engine:
         laws = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
         furthest = max(abs(end) for law in laws for end in law.span)
         path = np.append(0.0, drive.path)
-        span = np.maximum.accumulate(path)[1:] - np.minimum.accumulate(path)[1:]
+        high, low = np.maximum.accumulate(path)[1:], np.minimum.accumulate(path)[1:]
+        span, ends = high - low, contacts.start.span
+        begun = np.maximum(np.maximum(ends[1] + high, -ends[0] - low), max(np.abs(ends)))
         fresh = max(cells_of(contacts)["thresholds"].largest, furthest)
         largest = furthest_threshold(contacts, drive, fresh)
         longest = min(largest, float(span[-1]) + furthest)
@@ -73,7 +75,7 @@ class Engine:
         start = contacts.start.mean()
         beside = (start - round(start / unit) * unit) * contacts.start.is_single
         told = self.lattice.path + beside
-        self._readout = Readout(contacts, self.lattice, told, furthest, longest, span)
+        self._readout = Readout(contacts, self.lattice, told, furthest, longest, span, begun)
 
     def _check_excess(self, unit: float) -> None:
         """InputError where contacts all form again too near to the last thresholds for lengths of `unit`."""

@@ -44,7 +44,8 @@ class Readout:
 
     told : shape (n,), the slider at the path's points (lengths), what the rounding of a single start
     leaves added. furthest : the largest stretch at which contacts begin; longest : the largest of all;
-    span : shape (n,), how far the slider's places until the points lie apart (lengths).
+    span : shape (n,), how far the slider's places until the points lie apart (lengths); begun : the
+    largest stretch until there of contacts that have not broken.
     """
 
     contacts: Contacts
@@ -53,6 +54,7 @@ class Readout:
     furthest: float
     longest: float
     span: Array
+    begun: Array
 
     def _moments(self, n: int, limbs: Whole) -> Moments:
         """Of n contacts, from limbs of their sums; whole numbers, so nothing cancels.
@@ -109,8 +111,9 @@ class Readout:
         # of so many contacts one break has been seen, where any can have been
         share = np.full(force.size, 1.0 / n)
         if cold:
-            likely = n * law.cdf(stretch) > _NEVER * law.sf(self.furthest)
-            share *= likely & (self.span > 0.0)
+            least = abs(contacts.start.mean()) if contacts.start.is_single else 0.0
+            held = law.sf(least)
+            share *= (n * (held - law.sf(self.begun)) > _NEVER * held) & (self.span > 0.0)
         if constant:
             stretch = np.minimum(stretch, max(float(law.isf(_RARE / n)), self.furthest))
         reached, differ = stretch, 0.0

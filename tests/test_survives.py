@@ -312,7 +312,7 @@ def test_whatever_is_left_behind_no_contact_counts_twice(tmp_path: Path, capsys:
     ensemble = make_ensemble(scene, scene.eq, None)
     states, own = [dataclasses.replace(ensemble.state, done=[], run_time=0.0)] * 3, (0, 1, 1, 2)
     for one, block in zip(own, (0, 1, 2, 5), strict=True):
-        found = ensemble._engine.follow(ensemble.blocks, block)
+        found = ensemble._work.follow(ensemble.blocks, block)
         states[one] = states[one].after(block, BLOCK, found, 0.0)
     old = [Checkpoint(tmp_path, scene) for _ in range(2)]
     old[1]._rank = 1
