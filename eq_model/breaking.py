@@ -5,9 +5,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.contact import LIVES, SEEN, Break, by_law
+from eq_model.tables import LEVEL_UNIT
 from origins.laws.compiled import CompiledRates
 
-_I, _F = np.int64, np.float64
+_U, _I, _F = np.uint64, np.int64, np.float64
 _NOTHING = 1e-300
 
 
@@ -93,6 +94,23 @@ def by_rate(law, contact, course, watch, counts):  # type: ignore[no-untyped-def
     return Break(clock + 1, leg, contact.drawn, True)
 
 
+def _row_at_thresholds(law, n, x, e, r):  # type: ignore[no-untyped-def]
+    """They break at their thresholds."""
+
+
+def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
+    """Put the stretches at which n contacts break in the place of their thresholds x: steadily forward from r on."""
+    rates, unit, per, slow = law.rates, law.unit, 1.0 / law.unit, law.log_slow[0]
+    for i in range(_U(n)):
+        threshold, log_goal, sign = _F(x[i]) * unit, _F(e[i]) * LEVEL_UNIT - slow, 1.0
+        if r[i] != 0:
+            far = min(abs(_F(r[i])) * unit, threshold)
+            goal = np.copysign(passed(rates, 0.0, far, threshold, 1.0), r[i]) + np.exp(log_goal)
+            log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
+        place = sign * min(reached(rates, log_goal, 0.0, threshold, 1.0), threshold)
+        x[i] = max(_I(np.floor(place * per + 0.5)), r[i])
+
+
 def _same(law, contact, course, moment):  # type: ignore[no-untyped-def]
     """It stays what it is."""
     return _F(contact.threshold)
@@ -100,3 +118,5 @@ def _same(law, contact, course, moment):  # type: ignore[no-untyped-def]
 
 LIVES |= {Cold: at_threshold, Warm: by_rate}
 SEEN |= {Cold: _same, Warm: _same}
+# for contacts that move steadily forward
+break_row = by_law({Cold: _row_at_thresholds, Warm: _row_by_rates}.__getitem__)

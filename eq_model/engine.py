@@ -50,7 +50,9 @@ class Engine:
                 )
         self.contacts, self._seed, self._total = contacts, seed, total
         self._points = chosen_points(histograms, drive.path.size)
-        plain, scale = drive.forward and not contacts.laws, contacts.mean_threshold
+        # alike all along the path: without laws contacts know no time
+        steady = not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
+        plain, scale = drive.forward and steady, contacts.mean_threshold
         laws = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
         furthest = max(abs(end) for law in laws for end in law.span)
         path = np.append(0.0, drive.path)
@@ -61,7 +63,6 @@ class Engine:
         largest = furthest_threshold(contacts, drive, fresh)
         longest = min(largest, float(span[-1]) + furthest)
         stiffest = max(largest / scale, 1.0) if contacts.stiffness == "linked" else 1.0
-        # alike all along the path: without laws contacts know no time
         course = Drive(drive.path, drive.velocity) if plain else drive
         exact = contacts.thresholds.atoms[0].size > 0
         self.lattice = make_lattice(course, scale, 2.0 * longest * stiffest, exact)

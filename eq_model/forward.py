@@ -1,4 +1,4 @@
-"""Contacts without laws on a path forward, in lanes: where a break is a sum.
+"""Contacts in steady forward motion, cold or warm, in lanes: where a break is a sum.
 
 A contact that breaks at x1, x2, ... stands relaxed where these add up to; released stretch is summed
 in the bin where it is released. The stages are loops over the lanes, most of which the compiler turns
@@ -8,12 +8,14 @@ into vector code.
 import numpy as np
 
 from eq_model.births import draw_round, form_all, make_room
+from eq_model.breaking import break_row
 from eq_model.compiling import bare, compiled
 from eq_model.contact import bin_of, look_at
 from eq_model.quantiles import draw_values
-from eq_model.streams import LANES, THRESHOLDS
+from eq_model.streams import EXPOSURES, LANES, ROW, THRESHOLDS, draw
 
 _U, _I, _F = np.uint64, np.int64, np.float64
+_STARTS = np.int64(12)  # of a purpose: words of the contacts at X = 0
 _REST = 4  # rounds after which lanes without contacts leave
 
 
@@ -83,11 +85,18 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
     x, at, birth = np.empty(LANES, _I), np.empty(LANES, _I), np.empty(LANES, _I)
     zeros, found, change = np.zeros(LANES, _I), np.empty(LANES, np.int32), room.rows.place
     # all contacts as they begin, up to their first break; those that break go on in the lanes
+    warm, e, words = work.settings.bears, np.zeros(LANES, _I), np.empty(4 * ROW, np.uint32)
     begun, breaks = form_all(count, stream, work.settings.starts, room), _I(0)
     firsts, many = np.full(count + 1, end + 1), 0
     for part in range(-(-count // LANES)):
         own = begun[:, part * LANES : (part + 1) * LANES]
         n, total, square = own.shape[1], _I(0), _I(0)
+        x[:n] = own[0]
+        if warm:
+            draw(n, _I(part), stream, EXPOSURES + _STARTS, words)
+            table = work.settings.exposures
+            draw_values(n, _I(0), _I(part), stream, EXPOSURES + _STARTS, words, table, room.rows, e)
+        break_row(work.law, n, x, e, own[1])
         for i in range(_U(n)):
             birth[i] = -own[1, i]
             y = birth[i] - place
@@ -96,24 +105,32 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
         sums[0, 0] += n
         sums[0, 1] += total
         sums[0, 3] += square
-        breaks += _advance(n, own[0], birth, at, bins, found)
-        _release(n, own[0], birth, bins, measured, found, change, sums)
+        breaks += _advance(n, x, birth, at, bins, found)
+        _release(n, x, birth, bins, measured, found, change, sums)
         _look(n, own[0], birth, zeros, found, bins, watch, counts)
         for i in range(n):
             firsts[many] = at[i]
             many += at[i] <= end
     firsts[many:] = end + 1
     number, n, turn = np.arange(LANES), min(LANES, many), _I(0)
+    own = np.empty((1, LANES), _I)
     at[:n] = firsts[:n]
     while n > 0:
         draw_round(n, turn, stream, again, room)
+        if warm:
+            draw(n, turn, stream, EXPOSURES, words)
         for row in range(_I(4)):
-            words, table = room.words, again.thresholds
-            draw_values(n, row, turn, stream, THRESHOLDS, words, table, room.rows, x)
+            table = again.thresholds
+            draw_values(n, row, turn, stream, THRESHOLDS, room.words, table, room.rows, x)
+            if warm:
+                own[0, :n] = x[:n]
+                table = work.settings.exposures
+                draw_values(n, row, turn, stream, EXPOSURES, words, table, room.rows, e)
+                break_row(work.law, n, x, e, zeros)
             birth, at = at, birth
             breaks += _advance(n, x, birth, at, bins, found)
             _release(n, x, birth, bins, measured, found, change, sums)
-            _look(n, x, birth, birth, found, bins, watch, counts)
+            _look(n, own[0] if warm else x, birth, birth, found, bins, watch, counts)
             _next(n, at, number, firsts, end, found)
         turn += 1
         if turn % _REST == 0:
