@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 from numba.extending import overload
 
-from eq_model.births import Births
 from eq_model.compiling import bare, inlined
+from eq_model.draws.births import Births
+from eq_model.draws.streams import Stream
+from eq_model.draws.tables import Table
 from eq_model.lattice import Bins, Course
 from eq_model.moments import STIFFNESS_UNIT
-from eq_model.streams import Stream
-from eq_model.tables import Table
 
 Whole = npt.NDArray[np.int64]
 _U, _I, _F = np.uint64, np.int64, np.float64

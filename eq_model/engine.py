@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.drawn import births_of, cells_of, exposure_cells
+from eq_model.draws.drawn import births_of, cells_of, exposure_cells
+from eq_model.draws.tables import LEVEL_UNIT
 from eq_model.histogram import (
     BINS,
     Counts,
@@ -22,7 +23,6 @@ from eq_model.layout import Blocks, is_measured
 from eq_model.moments import COARSER, COLUMNS, EACH, Readout, split
 from eq_model.physics import furthest_threshold, law_of, seconds_of
 from eq_model.state import Found, State
-from eq_model.tables import LEVEL_UNIT
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError
@@ -146,9 +146,9 @@ class Engine:
     ) -> tuple[Whole, int, int]:
         """Limbs of the sums, breaks and steps of the first `count` contacts of a block."""
         from eq_model.contact import Work
+        from eq_model.draws.streams import make_stream
         from eq_model.forward import forward
         from eq_model.lives import follow_lives
-        from eq_model.streams import make_stream
 
         stream, lattice = make_stream(self._seed, max(block, 0)), self.lattice
         course, bins, watch = lattice.course, lattice.bins, self._watch

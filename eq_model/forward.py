@@ -7,12 +7,12 @@ into vector code.
 
 import numpy as np
 
-from eq_model.births import draw_round, form_all, make_room
-from eq_model.breaking import break_row
 from eq_model.compiling import bare, compiled
 from eq_model.contact import bin_of, look_at
-from eq_model.quantiles import draw_values
-from eq_model.streams import EXPOSURES, LANES, ROW, THRESHOLDS, draw
+from eq_model.draws.births import draw_round, form_all, make_room
+from eq_model.draws.quantiles import draw_values
+from eq_model.draws.streams import EXPOSURES, LANES, ROW, THRESHOLDS, draw
+from eq_model.laws.breaking import break_row
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 _STARTS = np.int64(12)  # of a purpose: words of the contacts at X = 0

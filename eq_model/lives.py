@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.births import draw_round, form_all, form_row, make_room
 from eq_model.compiling import bare, compiled, inlined
 from eq_model.contact import Contact, bin_of, count_event, later, life, look_at, place_of, seen
-from eq_model.quantiles import draw_values
-from eq_model.streams import EXPOSURES, LANES, ROW, draw
-from eq_model.tables import LEVEL_UNIT
+from eq_model.draws.births import draw_round, form_all, form_row, make_room
+from eq_model.draws.quantiles import draw_values
+from eq_model.draws.streams import EXPOSURES, LANES, ROW, draw
+from eq_model.draws.tables import LEVEL_UNIT
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 

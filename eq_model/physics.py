@@ -5,8 +5,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from eq_model.draws.tables import DEEPEST
 from eq_model.lattice import Lattice
-from eq_model.tables import DEEPEST
 from origins import Contacts, Drive, RateLaw, Thermal
 from origins.errors import InputError
 from origins.laws.compiled import CompiledRates, called
@@ -33,7 +33,7 @@ def _compiled(rates: RateLaw) -> CompiledRates:
 
 def law_of(contacts: Contacts, lattice: Lattice, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as of breaking.Cold."""
-    from eq_model import breaking
+    from eq_model.laws import breaking
 
     # without rates, those of some law: kernels do not ask for them then
     found, unit = _compiled((contacts.thermal or _ANY).rates), lattice.unit
@@ -43,7 +43,7 @@ def law_of(contacts: Contacts, lattice: Lattice, tie: int) -> Any:
     if contacts.ageing is not None:
         return _diffusing(contacts, unit, heat)
     if grains is not None and grains.age is not None:
-        from eq_model.growing import Growing
+        from eq_model.laws.growing import Growing
 
         first = grains.growth.first_pinning_time
         root = float(np.sqrt(grains.growth.B)) * unit
@@ -56,8 +56,8 @@ def law_of(contacts: Contacts, lattice: Lattice, tie: int) -> Any:
 
 
 def _diffusing(contacts: Contacts, unit: float, heat: tuple[bool, Any, float]) -> Any:
-    from eq_model.ageing_tables import NO_DRIFT, drift_table
-    from eq_model.diffusing import Ageing
+    from eq_model.laws.ageing_tables import NO_DRIFT, drift_table
+    from eq_model.laws.diffusing import Ageing
 
     ageing = contacts.ageing
     assert ageing is not None

@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 import origins
-from eq_model import quantiles, streams
-from eq_model.tables import make_cells
+from eq_model.draws import quantiles, streams
+from eq_model.draws.tables import make_cells
 
 LAWS: dict[str, Any] = {
     "narrow": lambda: origins.gaussian(mean=1.0, std=1e-3),

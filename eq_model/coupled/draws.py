@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.births import Births, Room, draw_round, form_row, make_room
 from eq_model.compiling import bare, inlined
-from eq_model.drawn import births_of, cells_of
-from eq_model.streams import LANES, Stream, make_stream
+from eq_model.draws.births import Births, Room, draw_round, form_row, make_room
+from eq_model.draws.drawn import births_of, cells_of
+from eq_model.draws.streams import LANES, Stream, make_stream
 from origins import Contacts
 
 UNIT_BITS, LARGEST_BITS = 28, 40

@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import compiled, inlined
-from eq_model.quantiles import Scratch, beyond, draw_values, quantile, scratch
-from eq_model.streams import LANES, ROW, draw, uniform, words_at
-from eq_model.tables import Table
+from eq_model.draws.quantiles import Scratch, beyond, draw_values, quantile, scratch
+from eq_model.draws.streams import LANES, ROW, draw, uniform, words_at
+from eq_model.draws.tables import Table
 
 _U, _I = np.uint64, np.int64
 _STRETCHES, _BEYOND = np.int64(16), np.int64(32)  # of a purpose: what else its words are for

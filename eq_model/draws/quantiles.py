@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, bits_of, compiled, double_of, inlined, single_of
-from eq_model.streams import LANES, ROW, fine_word
-from eq_model.tables import CELL_BITS, FAR, OCTAVES, SIDE
+from eq_model.draws.streams import LANES, ROW, fine_word
+from eq_model.draws.tables import CELL_BITS, FAR, OCTAVES, SIDE
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 _LOW31, _EXPONENT = np.uint32(0x7FFFFFFF), np.int64(0x3FF << 52)

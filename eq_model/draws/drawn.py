@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.tables import DEEPEST, FAR, Cells, make_cells
+from eq_model.draws.tables import DEEPEST, FAR, Cells, make_cells
 from origins import Contacts
 from origins.errors import InputError
 from origins.start import Start
@@ -39,8 +39,8 @@ def cells_of(contacts: Contacts) -> dict[str, Cells]:
 
 def births_of(contacts: Contacts, unit: float) -> tuple[Any, Any]:
     """Births at X = 0 and later on, as kernels take them, in units of a length."""
-    from eq_model.births import Births
-    from eq_model.streams import STARTS, THRESHOLDS
+    from eq_model.draws.births import Births
+    from eq_model.draws.streams import STARTS, THRESHOLDS
 
     cells, again = cells_of(contacts), contacts.reforming
     tables = {name: one.table(unit) for name, one in cells.items()}

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.ageing_tables import DriftTable
-from eq_model.breaking import rate
-from eq_model.bridge import between, first_meeting, fourth, normal
 from eq_model.compiling import bare
 from eq_model.contact import LIVES, SEEN, Break, look_at, place_of
-from eq_model.streams import STEPS, words_at
+from eq_model.draws.streams import STEPS, words_at
+from eq_model.laws.ageing_tables import DriftTable
+from eq_model.laws.breaking import rate
+from eq_model.laws.bridge import between, first_meeting, fourth, normal
 
 _F, _I = np.float64, np.int64
 _THERMAL = 0.1  # of what a contact bears, spent in one step

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.contact import LIVES, SEEN, Break, by_law
-from eq_model.tables import LEVEL_UNIT
+from eq_model.draws.tables import LEVEL_UNIT
 from origins.laws.compiled import CompiledRates
 
 _U, _I, _F = np.uint64, np.int64, np.float64

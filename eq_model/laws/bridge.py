@@ -3,7 +3,7 @@
 import numpy as np
 
 from eq_model.compiling import bare
-from eq_model.streams import WATCHED, uniform, words_at
+from eq_model.draws.streams import WATCHED, uniform, words_at
 
 _F = np.float64
 

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.breaking import most, rate
 from eq_model.compiling import bare
 from eq_model.contact import LIVES, SEEN, Break
-from eq_model.streams import STEPS, uniform, words_at
+from eq_model.draws.streams import STEPS, uniform, words_at
+from eq_model.laws.breaking import most, rate
 
 _I, _F = np.int64, np.float64
 _SMALL = 0.4  # grain sizes, of the largest, below which psi is integrated: its closed form cancels
