@@ -9,13 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.ensemble_result import EnsembleResult
-from eq_model.state import State
 from origins.brief import brief
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
-CoupledState = State
 SIZES = 40  # classes of avalanches: up to 2^40 breaks
 
 
