@@ -1,6 +1,5 @@
 """Contacts with laws of their own, on any path in time: the ensemble against single lives, exact results and itself."""
 
-import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -208,23 +207,6 @@ def test_the_error_of_the_steps_of_ageing_is_told(final: origins.Thresholds, mon
         off = np.abs(found.force - exact)
         assert (off < found.step_error + 4.5 * found.force_standard_error).all()
         assert (found.step_error < 2.0 * longer * found.force_standard_error.max()).all()
-
-
-@pytest.mark.parametrize(
-    ("laws", "points"),
-    [({}, 0), ({"thermal": Thermal("soft", 0.05)}, 0), ({"delay": Delay(0.1)}, 30)],
-    ids=["forward", "soft", "histograms"],
-)
-def test_memory_is_that_of_the_sums_whatever_the_number_of_contacts(laws: dict[str, Any], points: int) -> None:
-    path, peaks = np.linspace(0.05, 1.5, 30), []
-    for number in (140_000, 700_000):
-        tracemalloc.start()
-        run = eq_model.simulate(Contacts(GAUSSIAN, **laws), path, n_contacts=number, histograms=np.arange(points))
-        assert sum(len(one.stretches) for one in run.histograms) == points * 4096
-        peaks.append(tracemalloc.get_traced_memory()[1] / 2**20)
-        tracemalloc.stop()
-    # a block's contacts, and the sums of the block, of all before it and of both; histograms too few for a file
-    assert peaks[1] < peaks[0] + 0.3 and peaks[1] < 5.0 + 0.1 * points
 
 
 @pytest.mark.parametrize("diffusion", [0.1, 3.0])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eq_model.coupled.result import Followed, fields_of, read_rows
+from eq_model.coupled.result import SIZES, Followed, fields_of, read_rows
 from eq_model.layout import Blocks
 from eq_model.state import Found, State
 from origins import Contacts, Drive, identical
@@ -115,8 +115,9 @@ class Replicas:
         kernel.form_all(slider, queue, first, self._pull, n)
         balance = float(s["force"]) / self._pull.spring
         pull = self._driven(s, balance)
-        told = kernel.make_told(size)
-        returns = kernel.make_returns(n if pull.delayed else 1)
+        held, sizes = np.zeros(size, np.int64), np.zeros(SIZES, np.int64)
+        told, most = kernel.Told(np.zeros(size), np.zeros(size), held, sizes), n * pull.delayed + 1
+        returns = kernel.Returns(np.empty(most), np.empty(most, np.int64))
         while (why := kernel.slide(slider, queue, later, pull, told, returns)) != kernel.PATH_DONE:
             if why == kernel.BUCKETS_PASSED:
                 continue  # to let an interrupt be heard

@@ -16,7 +16,6 @@ import numpy.typing as npt
 from eq_model.compiling import bare, inlined
 from eq_model.coupled.draws import take
 from eq_model.coupled.queue_kernel import next_break, open_next, take_next, wait
-from eq_model.coupled.result import SIZES
 
 OFTEN = 64  # buckets after which to tell how far the drive has come
 GOING_ON, BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE, OVERTAKEN = range(6)
@@ -84,17 +83,6 @@ class Returns(NamedTuple):
 
     time: npt.NDArray[np.float64]
     many: npt.NDArray[np.int64]
-
-
-def make_told(points: int) -> Told:
-    """Nothing told yet."""
-    none, counts = np.zeros(points), np.zeros(SIZES, np.int64)
-    return Told(none, none.copy(), np.zeros(points, np.int64), counts)
-
-
-def make_returns(most: int) -> Returns:
-    """No contact is out."""
-    return Returns(np.empty(most), np.empty(most, np.int64))
 
 
 @inlined

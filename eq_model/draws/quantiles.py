@@ -153,20 +153,18 @@ def value_at(part, above, v, table):  # type: ignore[no-untyped-def]
 @bare
 def survival(part, x, table):  # type: ignore[no-untyped-def]
     """How much of a part lies above x (in units): by halving, as its own quantiles tell."""
-    above = value_at(part, True, 0.5, table) < x
-    # smallest v of which the tree knows, in bits, which rise as v does
-    low, high = bits_of(1e-300), bits_of(0.5)
+    # smallest share of which the tree knows, and all, in bits, which rise as numbers do
+    first, high = bits_of(1e-300), bits_of(1.0)
+    low = first
     while high - low > _CLOSE:
         middle = low + ((high - low) >> 1)
-        y = value_at(part, above, double_of(middle), table)
-        if (y > x) == above:
+        v = double_of(middle)
+        upper = v <= 0.5
+        if value_at(part, upper, v if upper else 1.0 - v, table) > x:
             low = middle
         else:
             high = middle
-    v = double_of(high)
-    if above:
-        return 0.0 if value_at(part, True, double_of(low), table) <= x else v
-    return 1.0 if value_at(part, False, double_of(low), table) > x else 1.0 - v
+    return double_of(high) if low > first else 0.0
 
 
 @bare
