@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births
+from master.renewal.births import Births, Panels
 from master.renewal.table import basis_of
 
 Array = npt.NDArray[np.float64]
@@ -39,20 +39,6 @@ _INSIDE = 1e-9
 # What a polynomial may miss at the ends of a piece, in units of its accuracy: beside a root of the
 # survival it misses more there than in between.
 _END = 100.0
-
-
-class Panels(NamedTuple):
-    """Solved panels, in the order of time.
-
-    begin, since, width : arrays of shape (m,); begin is a time, since is counted from the beginning
-        of a leg
-    breaks : array of shape (m, DEGREE + 1), values at 0 and the nodes
-    """
-
-    begin: Array
-    since: Array
-    width: Array
-    breaks: Array
 
 
 class _Pieces(NamedTuple):

@@ -2,35 +2,20 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from master.renewal import rule
 from master.renewal.run import Run
 
-# Width of the narrowest panel, in units of the life's grain, below which halving has met a point
-# that no panel resolves.
-NARROWEST = 1e-10
-# The same of lives that heat may end at any rate, of which nobody knows how short they are.
-NARROWEST_IN_TIME = 1e-18
-# Width of a panel, in units of its time, that rounding spoils.
-ROUNDED = 1e-13
 # Panels of a first run, and of the longest: a run that fails is solved in vain.
 FIRST, LONGEST = 8, 256
-# Panels narrower than half a grain are doubled at once where they resolve more than is asked;
-# wider ones after so many, since other widths need other kernels.
+# Panels wider than half a grain are doubled after so many that resolve more than is asked, and only
+# where as many are left: other widths need other kernels. Narrower ones are doubled at once.
 PATIENCE = 32
-# Share of the tolerance below which panels are tried twice as wide: on narrow panels breaks are
-# smooth, so that wide ones err by the power 16 more. Where contacts break at all rates at once,
-# panels may widen as time goes by, and are tried sooner.
-WIDEN, WIDEN_IN_TIME = 0.5**rule.DEGREE, 1e-2
-# Share of the tolerance below which such panels are tried four times as wide.
-FAR_BELOW = 1e-6
-# Width in grains below which panels lie beside a point that no polynomial follows, such as a pole of
-# P_c: they may widen with the distance to it, and are tried sooner, too.
+# Share of the tolerance below which panels are tried twice as wide: wide ones err by the power 16
+# more. Where contacts break at all rates at once, and beside a point that no polynomial follows,
+# panels may widen as that lies behind, and are tried sooner.
+WIDEN, WIDEN_SOONER = 0.5**rule.DEGREE, 1e-2
+# Width in grains below which panels lie beside such a point, as a pole of P_c.
 BESIDE = 1e-2
-
-# Share of a refused panel's width that is tried at least next.
-STEEPEST = 1e-3
 
 
 class Pace:
@@ -40,12 +25,10 @@ class Pace:
     ----------
     width : float
         Allowed at first.
-    grain, speed : float
-        Length over which breaks have to be resolved, and how fast the slider moves.
-    most : float
-        Width that no panel exceeds.
-    narrowest : float
-        Width below which no panel is halved.
+    grain : float
+        Width over which breaks have to be resolved; inf in a hold.
+    most, narrowest : float
+        Width that no panel exceeds, and below which none is halved.
     tolerance : float
         Largest error of a panel.
     in_time : bool
@@ -63,51 +46,40 @@ class Pace:
         self,
         width: float,
         grain: float,
-        speed: float,
         most: float,
         narrowest: float,
         tolerance: float,
         in_time: bool,
     ) -> None:
-        self.allowed, self.count = width, FIRST
-        self._grain, self._speed, self._most = grain, speed, most
-        self.narrowest, self._tolerance, self._in_time = narrowest, tolerance, in_time
-        self._smooth, self._wait, self._widened = 0, 0, False
-        self._last = 0.0, 0.0  # width and error of the last panel, if that was refused
+        self.allowed, self.count, self.narrowest = width, FIRST, narrowest
+        self._grain, self._most, self._tolerance = grain, most, tolerance
+        self._in_time, self._smooth, self._wait, self._widened = in_time, 0, 0, False
 
     def refused(self, width: float, wrong: float) -> None:
-        """A panel of this width missed the tolerance."""
-        hopeless = wrong > 100.0 * self._tolerance
-        narrower = 0.25 if hopeless else 0.5
-        if self._in_time and self._last[0] > width and wrong < self._last[1] < np.inf:
-            # as some power of the width, as beside an onset of P_c
-            power = np.log(self._last[1] / wrong) / np.log(self._last[0] / width)
-            goal = (0.5 * self._tolerance / wrong) ** (1.0 / power)
-            narrower = float(np.clip(goal, STEEPEST, narrower))
-        self._last = width, wrong
-        self.allowed, self.count, self._smooth = narrower * width, 1, 0
+        """A panel of this width missed the tolerance by this error."""
+        self.allowed = (0.25 if wrong > 100.0 * self._tolerance else 0.5) * width
         if self._widened and self._sooner(width):  # it was tried too soon
             self._wait = min(max(2, 2 * self._wait), PATIENCE)
-        self._widened = False
+        self.count, self._smooth, self._widened = 1, 0, False
 
-    def resolved(self, width: float, run: Run, hurried: bool) -> None:
-        """All panels of a run were good enough; hurried: wider ones are tried whatever they miss."""
-        self._last = 0.0, 0.0
+    def resolved(self, width: float, run: Run, left: int, hurried: bool) -> None:
+        """All panels of a run were good enough, and so many are left.
+
+        hurried : wider ones are tried whatever they miss
+        """
         self._wait, self._widened = (self._wait // 2 if self._widened else self._wait), False
-        self.count = min(2 * self.count, LONGEST)
-        sooner = self._sooner(width)
-        spare = self._tolerance * (WIDEN_IN_TIME if sooner else WIDEN)
-        needless = run.wrong.max() < max(spare, 1e-14)
-        self._smooth = self._smooth + run.wrong.size if needless else 0
+        self.count, sooner = min(2 * self.count, LONGEST), self._sooner(width)
+        spare = max(self._tolerance * (WIDEN_SOONER if sooner else WIDEN), 1e-14)
+        self._smooth = self._smooth + run.wrong.size if run.wrong.max() < spare else 0
         still = abs(run.breaks[:, -1]).max() < 1e-3 * self._tolerance
-        narrow = still or width * self._speed <= 0.5 * self._grain
+        narrow = still or width <= 0.5 * self._grain
         patience = self._wait if narrow else PATIENCE
-        if hurried or (self._smooth > patience and width > 0.6 * self.allowed):
+        wider = self._smooth > patience and width > 0.6 * self.allowed
+        if hurried or (wider and (narrow or left > PATIENCE)):
             self.count = 1 if sooner else max(1, self.count // 2)
+            self.allowed = min(2.0 * width, self._most)
             self._smooth, self._widened = 0, True
-            far_below = sooner and run.wrong.max() < FAR_BELOW * self._tolerance
-            self.allowed = min((4.0 if far_below else 2.0) * width, self._most)
 
     def _sooner(self, width: float) -> bool:
         """Whether panels of this width are tried wider before they err by far less than asked."""
-        return self._in_time or width * self._speed < BESIDE * self._grain
+        return self._in_time or width < BESIDE * self._grain

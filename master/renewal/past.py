@@ -19,10 +19,9 @@ import numpy.typing as npt
 
 from master.lives import straight
 from master.lives.age.path import AgeingPath
-from master.renewal.births import MOST_WORK, Births
-from master.renewal.earlier import EarlierBirths, Panels
+from master.renewal.births import MOST_WORK, Added, Births, Panels
+from master.renewal.earlier import EarlierBirths
 from master.renewal.kernels import Kernels
-from master.renewal.known import Added
 from master.renewal.lumps import NOTHING, Lump
 from master.renewal.strand_births import StrandBirths
 from master.renewal.table import Table

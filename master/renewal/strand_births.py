@@ -19,8 +19,7 @@ from master.lives.age.path import AgeingPath, Followed
 from master.lives.age.strands import Strands
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births
-from master.renewal.earlier import Panels
+from master.renewal.births import Births, Panels
 
 Array = npt.NDArray[np.float64]
 
