@@ -48,7 +48,7 @@ class StraightLife:
 
     asked : float
         The longest time that was asked for.
-    longest : float
+    longest, reach : float
         The same, or a time from which on heat has left none.
     """
 
@@ -75,7 +75,8 @@ class StraightLife:
                 longest, ladder = float(ladder[dead[0]]), ladder[: dead[0]]
         self.longest = self.reach = longest
         moving = bends_of(life, born, speed)
-        self.bends: Array = moving[moving < longest]
+        # at the longest time single thresholds may end all that is left
+        self.bends: Array = np.append(moving[moving < longest * (1.0 - _TIE)], longest)
         self.bend_sizes: Array = np.ones(self.bends.size)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
         shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest

@@ -205,8 +205,8 @@ class Births:
             weights = kernels * (length * rule.GAUSS_WEIGHTS)
             yield Moments(target[whole], panel[whole], weights[:, whole] @ rule.AT_GAUSS)
             basis = rule.legendre_values(share[cut])
-            values = (weights[:, cut, None, :] @ basis)[:, :, 0]
-            yield Moments(target[cut], panel[cut], values)
+            values = weights[:, cut].transpose(1, 0, 2) @ basis
+            yield Moments(target[cut], panel[cut], values.transpose(1, 0, 2))
             middle = 0.5 * (left + right)[rough]
             row, left, right = (
                 np.tile(row[rough], 2),
