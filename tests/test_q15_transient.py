@@ -7,8 +7,7 @@ from scipy import stats
 
 import master
 import origins
-from master.paper.q15_steady import paper_steady_state
-from master.paper.q15_step import Q15Stepper, enough_parts, make_ageing
+from master.paper.q15_step import Q15Stepper, make_ageing
 from master.paper.q15_transient import paper_transient
 from origins import Ageing, Contacts, InputError
 from origins.laws.diffusion import Diffusion
