@@ -171,10 +171,9 @@ class ColdLife:
     def _held(self, m: Array, side: Array) -> Array:
         """Survival at m; `side` tells which exact thresholds are met."""
         if not self.atoms.size:
-            # next to all or none hold outside, where the law need not be asked
-            inside = (m > self.quiet) & (m < self._end)
-            out = (m <= self.quiet).astype(float)
-            out[inside] = self._law.sf(m[inside])
+            # all hold that are less stretched: the law need not be asked
+            some, out = m > self.quiet, np.ones(m.shape)
+            out[some] = self._law.sf(m[some])
             return out
         out = self._smooth(m)
         for position, weight in zip(self.atoms, self._weights, strict=True):

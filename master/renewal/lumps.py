@@ -58,9 +58,10 @@ def of_lumps(births: Births, lumps: Sequence[Lump], grid: Array) -> Array:
     """
     out, middle = np.zeros((2, *grid.shape)), grid[:, grid.shape[1] // 2]
     for lump in lumps:
+        if not lump.holds:
+            continue
         s = np.full((1, 1), lump.time)
-        over = lump.time < grid[0, 0] and not births.felt(grid[:1, :1], s, lump.law)[0]
-        if not lump.holds or over:
+        if lump.time < grid[0, 0] and not births.felt(grid[:1, :1], s, lump.law)[0]:
             continue
         early = middle < lump.time
         out[0, early] += lump.weight
