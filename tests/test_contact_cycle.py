@@ -126,3 +126,10 @@ def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with
     solved = master.solve(contacts, [20.0, 25.0], 1e-9, velocity=0.01)
     assert solved.success and solved.force_error < 1e-9
     assert (np.abs(solved.force - steady.force) <= solved.force_error + steady.force_error).all()
+
+
+def test_linked_contacts_that_start_in_the_far_tail_bear_what_their_thresholds_can() -> None:
+    """As many as one in 1e13 stand where no survival is a number; before any break all move with the slider."""
+    contacts = Contacts(gaussian(1.0, 0.0027), gaussian_start(0.0, 0.15), stiffness="linked")
+    solved = master.solve(contacts, [0.05, 0.1, -0.1], 1e-6, wall_time=60.0)
+    assert solved.success and np.abs(solved.force - [0.05, 0.1, -0.1]).max() < 1e-6

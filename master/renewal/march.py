@@ -26,9 +26,8 @@ from master.renewal.births import MOST_WORK, Births, Panels
 from master.renewal.edges import LEAST_LUMP, UNFELT
 from master.renewal.kernels import TARGETS, Kernels
 from master.renewal.lumps import NOTHING, Lump, breaking, of_lumps
-from master.renewal.pace import Pace
 from master.renewal.past import Past
-from master.renewal.run import Run, solve_run, steady
+from master.renewal.run import Pace, Run, solve_run, steady
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
