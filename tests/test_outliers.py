@@ -6,7 +6,7 @@ from counted_calls import CountedCalls
 
 import origins
 from origins.samples.smoothing import _one_piece
-from toolkit.results.describe import describe
+from toolkit.judge.describe import describe
 
 OUTLIERS = {"far": [25.0, 25.0, 60.0], "near": [8.0, 9.0, 15.0, 20.0], "six": [12.0, 17.0, 24.0, 31.0, 40.0, 55.0]}
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import toolkit
-from toolkit.scene.scene import read_table
+from toolkit.scene.tables import read_table
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

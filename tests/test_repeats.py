@@ -6,7 +6,7 @@ from scipy import stats
 
 import master
 import origins
-from toolkit.results.describe import describe
+from toolkit.judge.describe import describe
 from toolkit.scene.sampling import NAMES, sampling_errors, unseen
 
 

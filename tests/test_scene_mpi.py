@@ -60,9 +60,9 @@ def test_ranks_share_the_domains_and_agree(ranks: int, mpirun: Callable[..., Any
 
 
 COMMAND = """
-import toolkit.command, toolkit.judge.compare, toolkit.results.describe
+import toolkit.command, toolkit.judge.compare, toolkit.judge.describe
 # the sampling errors of 20 resampled laws take long
-toolkit.judge.compare.sampling_errors = toolkit.results.describe.sampling_errors = lambda contacts: {}
+toolkit.judge.compare.sampling_errors = toolkit.judge.describe.sampling_errors = lambda contacts: {}
 from mpi4py import MPI
 from origins.domains import domain_sampling
 
