@@ -7,7 +7,7 @@ import numpy as np
 from master.lives.life import Life
 from master.motion.motion import Motion
 from master.renewal.march import March
-from master.rigid import FINEST, longest_stretch, march_of
+from master.rigid import FINEST, GRAINS, longest_stretch, march_of
 from master.steady.steady import births_of
 from master.steady.travel import Travel
 from origins import Contacts
@@ -55,13 +55,21 @@ class Forward:
         self._motion = Motion(np.array([0.0, horizon / velocity]), np.array([0.0, horizon]))
         self.wait = velocity * contacts.waiting_time
         stretch = longest_stretch(contacts, self._motion, life)
+        # a life may learn how good it is as it is asked for the stretches of the start
+        now = np.array([[horizon / velocity]])
+        life.left(contacts.start, self._motion.history(now, np.zeros((1, 1))))
+        lost = np.maximum(-np.diff(births.table(births.table.edges)[0]), 0.0)
+        self._grain = float(births.table.widths @ lost / lost.sum())
         told = max(FINEST, TOLD * (life.error + (0.0 if life.quick else births.table.error)))
         self.finest = told * stretch / contacts.mean_threshold
 
     def march(self, tolerance: float) -> March:
         """The march to a tolerance of the force in mean thresholds; its begins and widths are ways."""
         tolerance = max(tolerance, self.finest)
-        march = march_of(self._contacts, self._motion, self._life, tolerance).run()
+        march = march_of(self._contacts, self._motion, self._life, tolerance)
+        # an error of a slope is one of the force over the width of a panel: no narrower ones than need be
+        march.grain = march.grain if self._life.quick else GRAINS * self._grain
+        march.run()
         for lengths in (march.begin, march.width):
             lengths[:] = [self._velocity * length for length in lengths]
         return march
