@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 RESULT, SUMMARY, PICTURE, TABLE = "result.h5", "summary.json", "picture.png", "sweep.csv"
 _THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
+BARRIERS = "barriers.png"  # of islands
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
     *("path", "position", "force", "force_standard_error", "step_error"),
@@ -44,10 +45,11 @@ _LENGTHS = (
 
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
-    """Write result.h5, summary.json and picture.png into `folder`, and of a sweep sweep.csv, whole or not at all.
+    """Write result.h5, summary.json and picture.png into `folder`, of a sweep sweep.csv and of islands barriers.png,
+    whole or not at all.
 
     What this package wrote there earlier and would be taken for this run's is removed: sweep.csv where this result has
-    no sweep, and thresholds.json and .png beside another scene's result.
+    no sweep, and thresholds.json, its .png and barriers.png beside another scene's result.
 
     result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
     array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
@@ -60,13 +62,17 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
         SUMMARY: lambda path: write_json(summary(result), path),
         PICTURE: lambda path: save_picture(result, path),
     }
+    if (islands := result.domains) is not None:
+        from toolkit.pictures.islands import save_barriers
+
+        writers[BARRIERS] = lambda path: save_barriers(islands, path)
     if (sweep := result.sweep) is not None:
         units = _units(result, short=True) | {"force_error": "<x_s>"}
         writers[TABLE] = lambda path: _write_csv(sweep, units, path)
     before = _earlier(folder)
     gone = [TABLE] if before is not None and before.swept and result.sweep is None else []
     if another(folder, result.name, result.text) is not None:
-        gone += _THRESHOLDS
+        gone += [name for name in (*_THRESHOLDS, BARRIERS) if name not in writers]
     write_folder(folder, writers, gone)
 
 
@@ -85,7 +91,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
         rule = f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one"
         refuse("folder", str(folder), rule)
     with opened(file) as store:
-        told = {name: str(store.attrs[name]) for name in ("name", "title", "version")}
+        told: dict[str, Any] = {name: str(store.attrs[name]) for name in ("name", "title", "version")}
         return Result(
             **told,
             text=str(store.attrs["scene"]),

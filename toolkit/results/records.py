@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.brief import brief
+from origins.domains.rotated import DomainSamples
 from origins.thresholds.law import Thresholds
 from origins.thresholds.quadrature import panel_edges
 from toolkit.scene.drive import make_drive
@@ -133,6 +134,8 @@ class Result:
         went on from a checkpoint.
     interface : dict or None
         For a rough surface, its contacts in SI units: a Number (`value`, `error`, `unit`) by name.
+    domains : origins.DomainSamples or None
+        For islands, their barriers and angles; not kept in the folder, but drawn there.
     """
 
     name: str
@@ -146,6 +149,7 @@ class Result:
     notes: tuple[str, ...] = ()
     interface: dict[str, Number] | None = None
     sweep: SweepRecord | None = None
+    domains: DomainSamples | None = None
 
     __repr__ = brief
 

@@ -148,6 +148,7 @@ def solve(
         notes=(*notes, *went_on(before)),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
+        domains=law.domains,
     )
     return result, finished
 

@@ -9,6 +9,7 @@ from origins import Contacts
 from origins.roughness.interface import Interface
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
+from toolkit.scene.peaks import of_islands
 from toolkit.scene.sampling import misfit
 
 HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as tests hold it
@@ -77,7 +78,7 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
 def remarks(law: Thresholds) -> list[str]:
     """Where samples, surface, load or a mean below 0 strain the law, and what its errors leave out; empty where nothing
     does."""
-    said = misfit(law)
+    said = misfit(law) + of_islands(law)
     if isinstance(law, CutGaussian) and law.parent_mean <= 0.0:
         said.append(
             f"the normal law has its mean at {law.parent_mean:g} and is cut at 0, with half or more of its weight: "
