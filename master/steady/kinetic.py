@@ -122,18 +122,20 @@ def kinetic_curve(
 def _along(contacts: Contacts, points: Points) -> Array:
     """Force, its error (lengths), fraction that holds and its error, shape (4, n)."""
     speeds, heat, spread, wait = points.rows
-    columns = [speeds, heat, spread, np.zeros(speeds.size)]
-    if contacts.grains is not None:  # what is out ages
-        columns[3] = wait
-    elif contacts.thermal is None:  # only D/v tells, or nothing does
-        columns[:3] = np.ones(speeds.size), heat, spread / speeds
-    elif points.temperature is not None:
-        columns[0] = np.where((heat > 0.0) | (spread > 0.0), speeds, 1.0)
+    if contacts.grains is not None:
+        waits = zip(speeds, heat, wait, strict=True)
+        return np.array([_growing(contacts, *at) for at in waits]).T
+    if contacts.thermal is None:  # only D/v tells, or nothing does
+        columns = np.ones(speeds.size), heat, spread / speeds
+    else:
+        own_rate = points.temperature is None
+        columns = np.where((heat > 0.0) | (spread > 0.0) | own_rate, speeds, 1.0), heat, spread
     cases, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
     steady = np.empty((4, len(cases)))
-    for laws in np.unique(cases[:, 1:], axis=0):
-        these = np.flatnonzero((cases[:, 1:] == laws).all(axis=1))
-        steady[:, these] = _at_once(changed(contacts, *laws.tolist()), cases[these, 0])
+    for temperature, diffusion in np.unique(cases[:, 1:], axis=0):
+        these = np.flatnonzero((cases[:, 1] == temperature) & (cases[:, 2] == diffusion))
+        single = changed(contacts, float(temperature), float(diffusion), 0.0)
+        steady[:, these] = _at_once(single, cases[these, 0])
     force, force_error, length, length_error = steady[:, which.reshape(-1)]
     holding = length / (length + speeds * wait)
     off = holding * (1.0 - holding) * length_error / length
@@ -141,8 +143,17 @@ def _along(contacts: Contacts, points: Points) -> Array:
     return np.stack([force * holding, force_error, holding, off + ROUND_OFF])
 
 
+def _growing(contacts: Contacts, speed: float, temperature: float, wait: float) -> Array:
+    """The same at one point: thresholds that grow with age and what is out depend on the speed."""
+    steady = steady_state(changed(contacts, temperature, 0.0, wait), velocity=speed)
+    off = steady.holding * (1.0 - steady.holding) * steady.cycle_length_error / steady.cycle_length
+    unit = steady.mean_threshold
+    off = off * unit + ROUND_OFF
+    return np.array([steady.force, steady.force_error * unit, steady.holding, off])
+
+
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
-    """Force, its error, C and its error (lengths) at each speed, shape (4, n), as if none waited."""
+    """Force, its error, C and its error (lengths) at each speed, shape (4, n); nothing waits."""
     check_finite(contacts)
     out = np.full((4, speeds.size), np.nan)
     thermal = contacts.thermal
@@ -164,6 +175,6 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
     for i in np.flatnonzero(~(out[1] <= GOOD * out[0])):
         one = steady_state(contacts, velocity=float(speeds[i]))
         if not one.force_error * unit >= out[1, i]:
-            out[:2, i] = np.array([one.force, one.force_error * unit]) / one.holding
+            out[:2, i] = one.force, one.force_error * unit
             out[2:, i] = one.cycle_length, one.cycle_length_error * unit
     return out
