@@ -21,11 +21,15 @@ PATH = np.linspace(0.05, 5.0, 23) + 0.013
 WIDE, WAIT, WARM = gaussian(1.0, 0.2), Delay(0.3), Thermal("soft", 0.1)
 CASES = {
     "delay": lambda: Contacts(WIDE, gaussian_start(0.1, 0.05), delay=WAIT),
-    "delay, exact values": lambda: Contacts(mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3]), delay=WAIT),
+    "delay, exact values": lambda: Contacts(
+        mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3]), delay=WAIT
+    ),
     "delay, jumps": lambda: Contacts(rectangular(0.5, 1.5), delay=WAIT),
     "linked": lambda: Contacts(WIDE, gaussian_start(0.1, 0.05), stiffness="linked"),
     "linked, delay, behind": lambda: Contacts(WIDE, -0.6, stiffness="linked", delay=WAIT),
-    "linked, warm, delay": lambda: Contacts(WIDE, -0.4, stiffness="linked", thermal=WARM, delay=WAIT),
+    "linked, warm, delay": lambda: Contacts(
+        WIDE, -0.4, stiffness="linked", thermal=WARM, delay=WAIT
+    ),
     "ahead": lambda: Contacts(WIDE, reforming=0.2),
     "behind, delay": lambda: Contacts(WIDE, reforming=-0.2, delay=WAIT),
     "around": lambda: Contacts(WIDE, 0.1, reforming=boltzmann_reforming(0.01)),
@@ -33,7 +37,9 @@ CASES = {
         WIDE, reforming=gaussian_start(0.05, 0.05), stiffness="linked", delay=WAIT
     ),
     "ahead, warm, delay": lambda: Contacts(WIDE, 0.1, reforming=0.1, thermal=WARM, delay=WAIT),
-    "ahead, warm, linked": lambda: Contacts(WIDE, 0.1, reforming=0.1, thermal=WARM, stiffness="linked"),
+    "ahead, warm, linked": lambda: Contacts(
+        WIDE, 0.1, reforming=0.1, thermal=WARM, stiffness="linked"
+    ),
 }
 
 
@@ -86,7 +92,9 @@ def test_one_value_with_a_delay_is_a_sawtooth_with_gaps() -> None:
     solved = master.solve(contacts, path, 1e-10)
     np.testing.assert_allclose(solved.force, [0.7, 0.0, 0.1, 0.9, 0.0, 0.5], atol=1e-12)
     np.testing.assert_allclose(solved.holding, [1.0, 0.0, 1.0, 1.0, 0.0, 1.0], atol=1e-12)
-    twice = master.solve(Contacts(identical(2.0), reforming=0.5, stiffness="linked"), [1.9, 2.4, 3.6], 1e-10)
+    twice = master.solve(
+        Contacts(identical(2.0), reforming=0.5, stiffness="linked"), [1.9, 2.4, 3.6], 1e-10
+    )
     np.testing.assert_allclose(twice.force, [1.9, 0.9, 0.6], atol=1e-12)
 
 
