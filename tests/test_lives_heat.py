@@ -186,24 +186,16 @@ class Smoothed(StiffRates):
     vanishes_at_threshold = False
 
 
-@pytest.mark.parametrize("path", ["forward", "hold", "on after a hold", "turns"])
+@pytest.mark.parametrize("path", ["forward", "hold", "turns"])
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("attempts", [1.0, 5.0])
-def test_the_measured_error_bounds_that_of_a_law_that_tells_wrongly(path, law, attempts):
-    """A root that the nodes are not told of: wrong sums, and the error says so.
-
-    It bounds what the sums miss on average; in some contacts, not looked at, they miss more.
-    """
+def test_a_root_that_the_law_denies_is_resolved_by_halving(path, law):
     motion = Motion(*(np.array(part) for part in PATHS[path]))
-    born = np.linspace(0.0, 0.95 * motion.times[-1], 3000)
+    born = np.linspace(0.0, 0.95 * motion.times[-1], 300)
     history = motion.history(motion.times[-1:, None], born[:, None])
-    wrong = ThermalLife(Contacts(LAWS[law], thermal=Smoothed(0.1, attempts)))
-    right = ThermalLife(Contacts(LAWS[law], thermal=StiffRates(0.1, attempts)))
-    found, expected = (life.left(SingleStart(0.0), history)[0] for life in (wrong, right))
-    true = np.abs(found - expected)
-    assert right.error < 1e-12
-    assert true.max() > 1e-10
-    assert wrong.error > max(true.mean(), 0.02 * true.max())
+    lives = [ThermalLife(Contacts(LAWS[law], thermal=of(0.1, 5.0))) for of in (Smoothed, StiffRates)]
+    found, expected = (life.left(SingleStart(0.0), history)[0] for life in lives)
+    assert lives[1].error < 1e-12
+    assert np.abs(found - expected).max() < 1e-11
 
 
 def test_the_measured_error_bounds_that_of_a_jump_not_told():

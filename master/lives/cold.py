@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.stretches import Moves, averaged, missed
+from master.lives.stretches import Average, Moves
 from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError
@@ -30,14 +30,13 @@ LEAST_SURVIVAL = 1e-280
 # meant to lie at an exact threshold is off by rounding.
 TIE = 1e-12
 # Panels of the table narrower than this, in grains, hint at a corner; at panels so much narrower as
-# the second there is one in any case. Jumps of P_c times the grain below the last are not felt.
-NARROW, CORNER, LEAST_BEND = 1e-2, 1e-4, 1e-6
+# the second there is one.
+NARROW, CORNER = 1e-2, 1e-4
 # A bend is rated by what polynomials of its sides differ by half a panel beyond it, times this: the
 # panels that resolve the breaks may be a few times wider.
 SEEN = 30.0
-# One of so many sums over stretches is made again with all pieces halved, to see what it misses; and
-# by how much the largest of these misses counts.
-CHECKED, MARGIN = 16, 2.0
+# By how much the largest error that is seen of an average over stretches counts: some are looked at.
+MARGIN = 2.0
 # Last coefficients at which pieces of the stretches are no longer halved: beside a cusp of S(|r|) sums
 # miss a twentieth of it, and leaps of more from move to move would look like slips of a soft slider.
 RESOLVED = 1e-12
@@ -95,42 +94,14 @@ class ColdLife:
         self.error = 0.0
 
     def _corners(self) -> Array:
-        """Corners that the law does not declare: where halving ended at panels much narrower."""
+        """Corners that the law does not declare: where halving ended at far narrower panels."""
         begin, widths = self._table.begin, self._table.widths
-        width = NARROW * self.grain
-        narrow = np.flatnonzero(widths < width)
-        known = np.append(0.0, self.bends)
-        away = np.abs(begin[narrow, None] - known).min(axis=1, initial=np.inf)
-        narrow = narrow[away > 10.0 * width]
-        groups = np.split(narrow, np.flatnonzero(np.diff(begin[narrow]) > 10.0 * width) + 1)
-        found = []
-        for group in groups if narrow.size else []:
-            least = group[np.argmin(widths[group])]
-            crossing = self._crossing(float(begin[least]), 4.0 * float(widths[least]))
-            if crossing is not None:
-                found.append(crossing)
-            elif widths[least] < CORNER * self.grain:
-                found.append(float(begin[least]))
-        return np.array(found)
-
-    def _crossing(self, near: float, width: float) -> float | None:
-        """Where the survival's slope jumps, or None where it does not.
-
-        Polynomials from either side of the corner cross there. (Halving ends at some 1e-9 beside it,
-        but sums of corners that are multiples of one length are one edge only where they agree to
-        rounding.)
-        """
-        width = max(width, CORNER * self.grain)
-        steps = width * np.arange(1.0, 5.0)
-        left, right = (
-            np.polynomial.Polynomial.fit(x, self._smooth(x), 3)
-            for x in (near - steps, near + steps)
-        )
-        bend = float(right.deriv()(near) - left.deriv()(near))
-        if not abs(bend) * self.grain > LEAST_BEND:
-            return None
-        shift = float(left(near) - right(near)) / bend
-        return near + shift if abs(shift) < width else None
+        near, known = 10.0 * NARROW * self.grain, np.append(0.0, self.bends)
+        narrow = np.flatnonzero(widths < NARROW * self.grain)
+        narrow = narrow[np.abs(begin[narrow, None] - known).min(axis=1, initial=np.inf) > near]
+        groups = np.split(narrow, np.flatnonzero(np.diff(begin[narrow]) > near) + 1)
+        least = [group[np.argmin(widths[group])] for group in groups if group.size]
+        return np.array([begin[i] for i in least if widths[i] < CORNER * self.grain])
 
     def _size(self, bend: float) -> float:
         """How much of the survival is not smooth at a bend: 1 at most, as where P_c jumps.
@@ -199,10 +170,10 @@ class ColdLife:
             return self._left(r, moves.largest(pair, r), r + moves.now[pair, None])
 
         pieces = int(np.clip((born.span[1] - born.span[0]) / (4.0 * self.grain), 8, 64))
-        given = born, moves, self._end, self.bends, inside
-        found = averaged(*given, RESOLVED, pieces)
-        self.error = max(self.error, MARGIN * missed(*given, found, CHECKED, RESOLVED))
-        return found.reshape(2, *history.now.shape)
+        average = Average(born, self._end, self.bends, RESOLVED, pieces, smooth=False)
+        found = average.of(moves, inside)
+        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        return found.value.reshape(2, *history.now.shape)
 
     def _left(self, r: Array, m: Array, x: Array) -> Array:
         """Share and force of contacts born at r, by the largest |x| so far, m, and x."""

@@ -1,4 +1,4 @@
-"""Averages over the stretches at birth: a sum over pieces on which nothing bends."""
+"""Averages over the stretches at birth: integrals over pieces on which nothing bends."""
 
 from __future__ import annotations
 
@@ -8,28 +8,22 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.halving import Integrals, Pieces, integrals
 from master.lives.stretch_rule import StretchRule, stretch_rule
 from master.motion.motion import History
 from origins.start import Start
+from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Gauss nodes of a piece, on (0, 1), and the last two Legendre coefficients from values at them
-_SIZE = 12
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_SIZE)
-_LAST = np.linalg.inv(np.polynomial.legendre.legvander(_NODES, _SIZE - 1))[-2:].T
-_NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
-# A sum over Gauss nodes is wrong by about the square of the last coefficient where all is smooth;
-# beside an onset of P_c, where it is not, by some 1e-3 of it
+# Last coefficients at which pieces are no longer halved, unless said otherwise.
 RESOLVED = 1e-9
 # Nodes of the two Gauss rules of a law that are tried before it is cut into pieces
 _MANY, _FEWER = 14, 9
 # Difference of the two, in units of what pieces are resolved to: a table of the average, which is far
 # more accurate, would follow larger ones.
 _AGREED = 1e-3
-_HALVINGS = 40
-PIECES = 16  # of a law's span to begin with: twelve nodes then resolve a Gaussian to 8 widths
 _NARROW = 1e-13  # share of the span: narrower pieces hold no weight
 
 
@@ -60,142 +54,96 @@ class Moves(NamedTuple):
 Left = Callable[[Rows, Array], Array]
 
 
-def averaged(
-    law: Start,
-    moves: Moves,
-    reach: float,
-    bends: Array,
-    left: Left,
-    resolved: float = RESOLVED,
-    pieces: int = PIECES,
-) -> Array:
-    """Share and force averaged over the law's stretches below `reach`; shape (2, pairs).
+class Average:
+    """Averages of what is left over a law of stretches at birth.
 
-    left : asked for stretches of which each row lies within one smooth piece
-    resolved : last coefficients at which pieces are no longer halved
-    pieces : of the law's span to begin with
-    """
-    begin = _pieces(law, moves, reach, bends, pieces)
-    return _summed(begin, law, reach, moves.now.size, left, resolved)
-
-
-class _Tried(NamedTuple):
-    """found : array of shape (2, n), an average; agreed : of shape (n,), whether it is good."""
-
-    found: Array
-    agreed: npt.NDArray[np.bool_]
-
-
-class Rules(NamedTuple):
-    """Two Gauss rules of a law of stretches, the one of fewer nodes last.
-
-    They take a tenth of the nodes that pieces take, and agree where what is left of contacts is
-    smooth over all stretches at birth.
+    Parameters
+    ----------
+    law : Start
+        With a density.
+    reach : float
+        Length: no contact beyond it holds.
+    bends : array of shape (n,)
+        The largest |x| at which what is left bends.
+    resolved : float
+        Last coefficients at which pieces are no longer halved.
+    pieces : int
+        Of the law's span, to begin with.
+    smooth : bool
+        Whether Gauss rules of the law are tried first. They take a tenth of the nodes that pieces
+        take, and two of them agree where what is left is smooth over all stretches.
     """
 
-    many: StretchRule
-    fewer: StretchRule
+    def __init__(
+        self, law: Start, reach: float, bends: Array, resolved: float, pieces: int, smooth: bool
+    ) -> None:
+        self.law, self._resolved, self._pieces, self._reach = law, resolved, pieces, reach
+        # beyond the reach none holds: a piece that lies across would be told by its middle alone
+        self._bends = np.append(bends, reach)
+        self._rules: list[StretchRule] = []
+        if smooth:
+            self._rules = [stretch_rule(law, np.inf, count) for count in (_MANY, _FEWER)]
 
-    @classmethod
-    def of(cls, law: Start) -> Rules:
-        """The rules of a law with a density."""
-        return cls(*(stretch_rule(law, np.inf, count) for count in (_MANY, _FEWER)))
+    def of(self, moves: Moves, left: Left) -> Integrals:
+        """Share and force, shape (2, pairs), and what they miss.
 
-    def averaged(
-        self, law: Start, moves: Moves, reach: float, bends: Array, left: Left, resolved: float
-    ) -> _Tried:
-        """The average over stretches by the larger rule, and where the fewer nodes agree.
+        left : asked for stretches of which each row lies within one smooth piece
+        """
+        every = np.arange(moves.now.size)
+        if not self._rules:
+            return self._by_pieces(moves, every, left)
+        found, agreed = self._by_rules(moves, every, left)
+        some = np.flatnonzero(~agreed)
+        missed = np.full(2, _AGREED * self._resolved)
+        if some.size:
+            by_pieces = self._by_pieces(moves, some, left)
+            found[:, some], missed = by_pieces.value, np.maximum(missed, by_pieces.missed)
+        return Integrals(found, missed)
+
+    def _by_rules(
+        self, moves: Moves, every: Rows, left: Left
+    ) -> tuple[Array, npt.NDArray[np.bool_]]:
+        """The averages by the rule of more nodes, and where that of fewer agrees.
 
         Bends beyond the outermost nodes are seen by neither.
         """
-        pair, split = np.arange(moves.now.size), self.many.stretch.size
-        nodes = np.concatenate([self.many.stretch, self.fewer.stretch])
-        values = left(pair, np.tile(nodes, (pair.size, 1)))
-        found = values[..., :split] @ self.many.weight
-        change = np.abs(found - values[..., split:] @ self.fewer.weight)
-        agreed = np.maximum(change[0], change[1] / reach) <= _AGREED * resolved
-        cuts = np.concatenate(_moving(moves, np.append(bends, reach)), axis=1)
-        above, below = cuts > self.many.stretch.max(), cuts < self.many.stretch.min()
-        unseen = np.where(above, law.sf(cuts), np.where(below, law.cdf(cuts), 0.0))
-        return _Tried(found, agreed & (unseen.max(axis=1) <= _AGREED * resolved))
+        many, fewer = self._rules
+        split, ends = many.stretch.size, many.stretch[[0, -1]]
+        nodes = np.concatenate([many.stretch, fewer.stretch])
+        values = left(every, np.tile(nodes, (every.size, 1)))
+        found = values[..., :split] @ many.weight
+        change = np.abs(found - values[..., split:] @ fewer.weight)
+        cuts = self._moving(moves)
+        beyond = np.where(cuts < ends[0], self.law.cdf(cuts), 0.0)
+        beyond = np.where(cuts > ends[1], self.law.sf(cuts), beyond).max(axis=1)
+        off = np.max([change[0], change[1] / self._reach, beyond], axis=0)
+        return found, off <= _AGREED * self._resolved
 
+    def _by_pieces(self, moves: Moves, some: Rows, left: Left) -> Integrals:
+        """The averages of some pairs by pieces.
 
-def missed(
-    law: Start,
-    moves: Moves,
-    reach: float,
-    bends: Array,
-    left: Left,
-    found: Array,
-    one_of: int,
-    resolved: float = RESOLVED,
-) -> float:
-    """By how much `found`, the averages over the stretches, change where all pieces are halved.
+        They end where x is 0, and where the largest |x| changes sides or meets a bend.
+        """
+        law, reach, bends = self.law, self._reach, self._bends
+        first, last = max(law.span[0], -reach), min(law.span[1], reach)
+        even = np.linspace(first, last, self._pieces + 1)
+        fixed = np.concatenate([even, law.breakpoints, np.zeros(1), bends, -bends])
+        moving = self._moving(Moves(*(part[some] for part in moves)))
+        cuts = np.concatenate([np.tile(fixed, (some.size, 1)), moving], axis=1)
+        edges = np.sort(np.clip(cuts, first, last), axis=1)
+        row, piece = np.nonzero(np.diff(edges, axis=1) > _NARROW * (last - first))
+        pieces = Pieces(row, edges[row, piece], edges[row, piece + 1])
+        middle = 0.5 * (pieces.low + pieces.high)
+        pieces = pieces.pick(moves.largest(some[row], middle) < reach)
+        kept = law.cdf(reach) - law.cdf(-reach)
 
-    one_of : of so many averages one is looked at
-    """
-    some = np.arange(moves.now.size // 2 % one_of, moves.now.size, one_of)
-    pair, low, high = _pieces(law, Moves(*(part[some] for part in moves)), reach, bends)
-    middle = 0.5 * (low + high)
-    halves = _Pieces(np.tile(pair, 2), np.append(low, middle), np.append(middle, high))
+        def weighed(row: Rows, born: Array) -> Array:
+            return left(some[row], born) * (finite_density(law, born) / kept)
 
-    def of_some(pair: Rows, stretch: Array) -> Array:
-        return left(some[pair], stretch)
+        return integrals(weighed, pieces, some.size, self._resolved)
 
-    again = _summed(halves, law, reach, some.size, of_some, resolved)
-    return float(np.abs(again - found[:, some])[0].max(initial=0.0))
-
-
-class _Pieces(NamedTuple):
-    """Pieces of the stretches of pairs, from low to high; arrays of shape (n,)."""
-
-    pair: Rows
-    low: Array
-    high: Array
-
-
-def _pieces(law: Start, moves: Moves, reach: float, bends: Array, pieces: int = PIECES) -> _Pieces:
-    """Where what is left bends: x is 0, or the largest |x| changes sides or meets a bend."""
-    first, last = max(law.span[0], -reach), min(law.span[1], reach)
-    even = np.linspace(first, last, pieces + 1)
-    # beyond the reach none holds: a piece that lies across would be told by its middle alone
-    bends = np.append(bends, reach)
-    fixed = [even, law.breakpoints, np.zeros(1), bends, -bends]
-    cuts = [np.tile(np.concatenate(fixed), (moves.now.size, 1)), *_moving(moves, bends)]
-    edges = np.sort(np.clip(np.concatenate(cuts, axis=1), first, last), axis=1)
-    pair, piece = np.nonzero(np.diff(edges, axis=1) > _NARROW * (last - first))
-    begin, end = edges[pair, piece], edges[pair, piece + 1]
-    alive = moves.largest(pair, 0.5 * (begin + end)) < reach
-    return _Pieces(pair[alive], begin[alive], end[alive])
-
-
-def _moving(moves: Moves, bends: Array) -> list[Array]:
-    """The stretches at birth at which what is left bends, as they depend on the moves; (pairs, k)."""
-    now, high, low = (part[:, None] for part in moves)
-    turned = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
-    return [*turned, bends - high, -bends - low]
-
-
-def _summed(
-    pieces: _Pieces, law: Start, reach: float, pairs: int, left: Left, resolved: float
-) -> Array:
-    """The sum over the pieces, which are halved until a polynomial follows on each."""
-    pair, low, high = pieces
-    kept = law.cdf(reach) - law.cdf(-reach)
-    out = np.zeros((2, pairs))
-    for halving in range(_HALVINGS):
-        length = (high - low)[:, None]
-        born = low[:, None] + length * _NODES
-        values = left(pair, born) * (law.pdf(born) * length / kept)
-        rough = np.abs(values[0] @ _LAST).max(axis=1, initial=0.0) > resolved
-        if halving == _HALVINGS - 1:
-            rough[:] = False
-        for kind in (0, 1):
-            sums = values[kind, ~rough] @ _WEIGHTS
-            out[kind] += np.bincount(pair[~rough], sums, minlength=pairs)
-        pair, low, high = pair[rough], low[rough], high[rough]
-        if not pair.size:
-            break
-        middle = 0.5 * (low + high)
-        pair, low, high = np.tile(pair, 2), np.append(low, middle), np.append(middle, high)
-    return out
+    def _moving(self, moves: Moves) -> Array:
+        """The stretches at birth at which what is left bends, as they depend on the moves."""
+        now, high, low = (part[:, None] for part in moves)
+        turned = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
+        return np.concatenate([*turned, self._bends - high, -self._bends - low], axis=1)
