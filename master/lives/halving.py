@@ -75,8 +75,43 @@ def integrals(
         a sum over Gauss nodes then misses about their square, and 1e-3 of them beside an onset
     relative : whether accuracy and error are shares of each range's integral, of the last function
     """
+    total, all_pieces, scale = _halved(integrand, pieces, ranges, accuracy, relative)
+    looked = np.arange(ranges) % CHECKED == ranges // 2 % CHECKED
+    halves = all_pieces.pick(looked[all_pieces.owner]).halves()
+    again = _summed(_values(integrand, halves) @ _RULE, halves, ranges)
+    missed = np.abs((again - total)[:, looked]) / scale[looked]
+    return Integrals(total, missed.max(axis=1, initial=0.0))
+
+
+class Nodes(NamedTuple):
+    """Places at which a function is summed, and its values there times their weights; shape (n,)."""
+
+    at: Array
+    weight: Array
+
+
+def nodes_of(integrand: Integrand, pieces: Pieces, accuracy: float) -> Nodes:
+    """The nodes of one range, cut into pieces, that an integral takes; see `integrals`."""
+    pieces = _halved(integrand, pieces, 1, accuracy, relative=False).pieces
+    length = (pieces.high - pieces.low)[:, None]
+    at, weight = pieces.low[:, None] + length * _AT, _values(integrand, pieces)[0] * _RULE
+    return Nodes(at[:, 1:-1].ravel(), weight[:, 1:-1].ravel())
+
+
+class _Halved(NamedTuple):
+    """Integrals (functions, ranges), the pieces that resolve them, and the ranges' units (ranges,)."""
+
+    total: Array
+    pieces: Pieces
+    scale: Array
+
+
+def _halved(
+    integrand: Integrand, pieces: Pieces, ranges: int, accuracy: float, relative: bool
+) -> _Halved:
+    """The pieces halved until a polynomial follows on each."""
     done: list[Pieces] = []
-    total, scale = 0.0, np.ones(ranges)
+    total, scale = np.zeros((1, ranges)), np.ones(ranges)
     for halving in range(HALVINGS + 1):
         values = _values(integrand, pieces)
         sums = _summed(values @ _RULE, pieces, ranges)
@@ -90,12 +125,8 @@ def integrals(
         if not rough.any():
             break
         pieces = pieces.pick(rough).halves()
-    all_pieces = Pieces(*(np.concatenate(parts) for parts in zip(*done, strict=True)))
-    looked = np.arange(ranges) % CHECKED == ranges // 2 % CHECKED
-    halves = all_pieces.pick(looked[all_pieces.owner]).halves()
-    again = _summed(_values(integrand, halves) @ _RULE, halves, ranges)
-    missed = np.abs((again - total)[:, looked]) / scale[looked]
-    return Integrals(np.asarray(total), missed.max(axis=1, initial=0.0))
+    joined = Pieces(*(np.concatenate(parts) for parts in zip(*done, strict=True)))
+    return _Halved(total, joined, scale)
 
 
 def _values(integrand: Integrand, pieces: Pieces) -> Array:

@@ -84,8 +84,8 @@ class WarmGrainLife(GrainLife):
         Measured: the first, the middle and the last of the rows' columns are told twice.
     """
 
-    # with three panels in one normal laws are summed to 1e-8
-    pair_work, every = 1000, 3
+    # normal laws are then summed to 1e-8
+    pair_work, pieces, resolved = 1000, 4, 1e-5
 
     def __init__(self, contacts: Contacts, longest: float, accuracy: float = ACCURACY) -> None:
         super().__init__(contacts, longest)
