@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -41,9 +42,9 @@ def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
     """
     if born.is_single:
         return StretchRule(np.array([born.mean()]), np.ones(1))
-    inside = np.clip(born.span, -most, most)
-    edges = np.append(np.linspace(*inside, PANELS + 1), born.breakpoints)
-    edges = np.unique(np.clip(edges, *inside))
+    low, high = max(born.span[0], -most), min(born.span[1], most)
+    edges = np.append(np.linspace(low, high, PANELS + 1), born.breakpoints)
+    edges = np.unique(np.clip(edges, low, high))
     whole = Pieces(np.zeros(edges.size - 1, dtype=int), edges[:-1], edges[1:])
     nodes, weights = nodes_of(lambda _, x: finite_density(born, x)[None], whole, ACCURACY)
     kept = weights > 0.0
@@ -69,6 +70,8 @@ class StretchRules:
         Error of the share that holds that is aimed at.
     shares : callable
         What holds, at many moments, of contacts born at the stretches of a rule.
+    until : float
+        Reading of time.monotonic() after which no more nodes are tried.
 
     Attributes
     ----------
@@ -77,9 +80,13 @@ class StretchRules:
     """
 
     def __init__(
-        self, most: float, accuracy: float, shares: Callable[[StretchRule], Array]
+        self,
+        most: float,
+        accuracy: float,
+        shares: Callable[[StretchRule], Array],
+        until: float = np.inf,
     ) -> None:
-        self._most, self._accuracy, self._shares = most, accuracy, shares
+        self._most, self._accuracy, self._shares, self._until = most, accuracy, shares, until
         self._known: list[tuple[Start, StretchRule]] = []
         self.error = 0.0
 
@@ -95,7 +102,7 @@ class StretchRules:
                 rule = stretch_rule(born, self._most, count)
                 now = self._shares(rule)
                 missed, before = float(np.abs(now - before).max()), now
-                if missed <= self._accuracy:
+                if missed <= self._accuracy or clock.monotonic() > self._until:
                     break
             self.error = max(self.error, missed)
         self._known.append((born, rule))
