@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.stretches import Average, Moves
+from master.lives.stretches import Moves, averaged
 from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError
@@ -170,8 +170,7 @@ class ColdLife:
             return self._left(r, moves.largest(pair, r), r + moves.now[pair, None])
 
         pieces = int(np.clip((born.span[1] - born.span[0]) / (4.0 * self.grain), 8, 64))
-        average = Average(born, self._end, self.bends, RESOLVED, pieces, smooth=False)
-        found = average.of(moves, inside)
+        found = averaged(born, moves, self._end, self.bends, inside, RESOLVED, pieces)
         self.error = max(self.error, MARGIN * float(found.missed[0]))
         return found.value.reshape(2, *history.now.shape)
 

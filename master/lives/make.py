@@ -10,9 +10,9 @@ from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
 from master.lives.heat.above import ACCURACY
 from master.lives.heat.mean_rate import MeanRateLife
+from master.lives.heat.replayed import RESOLVED
 from master.lives.heat.thermal import ThermalLife
 from master.lives.life import Life
-from master.lives.stretches import RESOLVED
 from master.lives.warm_grains import WarmGrainLife
 from master.motion.motion import Motion
 from origins import Contacts, GrainContact, InputError

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.halving import Integrals, Pieces, integrals
-from master.lives.stretch_rule import StretchRule, stretch_rule
 from master.motion.motion import History
 from origins.start import Start
 from origins.thresholds.quadrature import finite_density
@@ -17,14 +16,8 @@ from origins.thresholds.quadrature import finite_density
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Last coefficients at which pieces are no longer halved, unless said otherwise.
-RESOLVED = 1e-9
-# Nodes of the two Gauss rules of a law that are tried before it is cut into pieces
-_MANY, _FEWER = 14, 9
-# Difference of the two, in units of what pieces are resolved to: a table of the average, which is far
-# more accurate, would follow larger ones.
-_AGREED = 1e-3
-_NARROW = 1e-13  # share of the span: narrower pieces hold no weight
+# Share of the span: narrower pieces hold no weight.
+_NARROW = 1e-13
 
 
 class Moves(NamedTuple):
@@ -54,96 +47,40 @@ class Moves(NamedTuple):
 Left = Callable[[Rows, Array], Array]
 
 
-class Average:
-    """Averages of what is left over a law of stretches at birth.
+def averaged(
+    law: Start,
+    moves: Moves,
+    reach: float,
+    bends: Array,
+    left: Left,
+    resolved: float,
+    pieces: int,
+) -> Integrals:
+    """Share and force averaged over the law's stretches, shape (2, pairs), and what they miss.
 
-    Parameters
-    ----------
-    law : Start
-        With a density.
-    reach : float
-        Length: no contact beyond it holds.
-    bends : array of shape (n,)
-        The largest |x| at which what is left bends.
-    resolved : float
-        Last coefficients at which pieces are no longer halved.
-    pieces : int
-        Of the law's span, to begin with.
-    smooth : bool
-        Whether Gauss rules of the law are tried first. They take a tenth of the nodes that pieces
-        take, and two of them agree where what is left is smooth over all stretches.
+    Pieces of the law end where x is 0, and where the largest |x| changes sides or meets a bend.
+
+    reach : length: no contact beyond it holds
+    bends : array of shape (n,), the largest |x| at which what is left bends
+    left : asked for stretches of which each row lies within one smooth piece
+    resolved : last coefficients at which pieces are no longer halved
+    pieces : of the law's span, to begin with
     """
+    # beyond the reach none holds: a piece that lies across would be told by its middle alone
+    bends = np.append(bends, reach)
+    first, last = max(law.span[0], -reach), min(law.span[1], reach)
+    even = np.linspace(first, last, pieces + 1)
+    fixed = np.concatenate([even, law.breakpoints, np.zeros(1), bends, -bends])
+    now, high, low = (part[:, None] for part in moves)
+    moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
+    cuts = [np.tile(fixed, (now.size, 1)), *moving, bends - high, -bends - low]
+    edges = np.sort(np.clip(np.concatenate(cuts, axis=1), first, last), axis=1)
+    pair, piece = np.nonzero(np.diff(edges, axis=1) > _NARROW * (last - first))
+    found = Pieces(pair, edges[pair, piece], edges[pair, piece + 1])
+    found = found.pick(moves.largest(pair, 0.5 * (found.low + found.high)) < reach)
+    kept = law.cdf(reach) - law.cdf(-reach)
 
-    def __init__(
-        self, law: Start, reach: float, bends: Array, resolved: float, pieces: int, smooth: bool
-    ) -> None:
-        self.law, self._resolved, self._pieces, self._reach = law, resolved, pieces, reach
-        # beyond the reach none holds: a piece that lies across would be told by its middle alone
-        self._bends = np.append(bends, reach)
-        self._rules: list[StretchRule] = []
-        if smooth:
-            self._rules = [stretch_rule(law, np.inf, count) for count in (_MANY, _FEWER)]
+    def weighed(pair: Rows, born: Array) -> Array:
+        return left(pair, born) * (finite_density(law, born) / kept)
 
-    def of(self, moves: Moves, left: Left) -> Integrals:
-        """Share and force, shape (2, pairs), and what they miss.
-
-        left : asked for stretches of which each row lies within one smooth piece
-        """
-        every = np.arange(moves.now.size)
-        if not self._rules:
-            return self._by_pieces(moves, every, left)
-        found, agreed = self._by_rules(moves, every, left)
-        some = np.flatnonzero(~agreed)
-        missed = np.full(2, _AGREED * self._resolved)
-        if some.size:
-            by_pieces = self._by_pieces(moves, some, left)
-            found[:, some], missed = by_pieces.value, np.maximum(missed, by_pieces.missed)
-        return Integrals(found, missed)
-
-    def _by_rules(
-        self, moves: Moves, every: Rows, left: Left
-    ) -> tuple[Array, npt.NDArray[np.bool_]]:
-        """The averages by the rule of more nodes, and where that of fewer agrees.
-
-        Bends beyond the outermost nodes are seen by neither.
-        """
-        many, fewer = self._rules
-        split, ends = many.stretch.size, many.stretch[[0, -1]]
-        nodes = np.concatenate([many.stretch, fewer.stretch])
-        values = left(every, np.tile(nodes, (every.size, 1)))
-        found = values[..., :split] @ many.weight
-        change = np.abs(found - values[..., split:] @ fewer.weight)
-        cuts = self._moving(moves)
-        beyond = np.where(cuts < ends[0], self.law.cdf(cuts), 0.0)
-        beyond = np.where(cuts > ends[1], self.law.sf(cuts), beyond).max(axis=1)
-        off = np.max([change[0], change[1] / self._reach, beyond], axis=0)
-        return found, off <= _AGREED * self._resolved
-
-    def _by_pieces(self, moves: Moves, some: Rows, left: Left) -> Integrals:
-        """The averages of some pairs by pieces.
-
-        They end where x is 0, and where the largest |x| changes sides or meets a bend.
-        """
-        law, reach, bends = self.law, self._reach, self._bends
-        first, last = max(law.span[0], -reach), min(law.span[1], reach)
-        even = np.linspace(first, last, self._pieces + 1)
-        fixed = np.concatenate([even, law.breakpoints, np.zeros(1), bends, -bends])
-        moving = self._moving(Moves(*(part[some] for part in moves)))
-        cuts = np.concatenate([np.tile(fixed, (some.size, 1)), moving], axis=1)
-        edges = np.sort(np.clip(cuts, first, last), axis=1)
-        row, piece = np.nonzero(np.diff(edges, axis=1) > _NARROW * (last - first))
-        pieces = Pieces(row, edges[row, piece], edges[row, piece + 1])
-        middle = 0.5 * (pieces.low + pieces.high)
-        pieces = pieces.pick(moves.largest(some[row], middle) < reach)
-        kept = law.cdf(reach) - law.cdf(-reach)
-
-        def weighed(row: Rows, born: Array) -> Array:
-            return left(some[row], born) * (finite_density(law, born) / kept)
-
-        return integrals(weighed, pieces, some.size, self._resolved)
-
-    def _moving(self, moves: Moves) -> Array:
-        """The stretches at birth at which what is left bends, as they depend on the moves."""
-        now, high, low = (part[:, None] for part in moves)
-        turned = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
-        return np.concatenate([*turned, self._bends - high, -self._bends - low], axis=1)
+    return integrals(weighed, found, now.size, resolved)

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from master.lives.cold import NONE_LEFT
 from master.lives.life import UnbentLife
-from master.lives.stretches import RESOLVED, Average, Moves
+from master.lives.stretches import Moves, averaged
 from master.motion.motion import History, Legs
 from origins import Contacts
 from origins.laws.rate_law import RateLaw
@@ -20,8 +20,8 @@ Rows = npt.NDArray[np.intp]
 # What halving changes beside a root is two thirds of the error, and contacts that are not looked at
 # may fare worse.
 MARGIN = 4.0
-# Pieces of the stretches at birth to begin with: fourteen nodes then resolve a Gaussian to 8 widths.
-_PIECES = 12
+# Pieces of the stretches at birth to begin with; and last coefficients at which they are not halved.
+_PIECES, RESOLVED = 4, 1e-9
 
 
 class ReplayedLife(UnbentLife):
@@ -42,7 +42,6 @@ class ReplayedLife(UnbentLife):
 
     def __init__(self, law: Thresholds, edges: Array, resolved: float = RESOLVED) -> None:
         self._law, self._resolved = law, resolved
-        self._average: Average | None = None
         self.atoms, self._weights = law.atoms
         self.reach = min(float(law.support()[1]), float(law.isf(NONE_LEFT)))
         self.reach = max([self.reach, *self.atoms])
@@ -78,11 +77,8 @@ class ReplayedLife(UnbentLife):
             stretch = np.broadcast_to(np.asarray(single, dtype=float), shape).ravel()
             side = moves.largest(every // shape[1] * shape[1] + shape[1] // 2, stretch)
             return self._of(every, stretch, side, moves, legs).reshape(2, *shape)
-        if self._average is None or self._average.law is not born:
-            smooth = not self.atoms.size and max(np.abs(born.span)) < self.reach
-            given = born, self.reach, self.bends, self._resolved, _PIECES
-            self._average = Average(*given, smooth)
-        found = self._average.of(moves, inside)
+        given = born, moves, self.reach, self.bends, inside, self._resolved, _PIECES
+        found = averaged(*given)
         self.error = max(self.error, MARGIN * float(found.missed[0]))
         return found.value.reshape(2, *shape)
 

@@ -8,8 +8,8 @@ import numpy.typing as npt
 from master.lives.cold import TIE
 from master.lives.heat.above import ACCURACY, Above
 from master.lives.heat.replay import Replay
-from master.lives.heat.replayed import MARGIN, ReplayedLife, rates_of
-from master.lives.stretches import RESOLVED, Moves
+from master.lives.heat.replayed import MARGIN, RESOLVED, ReplayedLife, rates_of
+from master.lives.stretches import Moves
 from master.motion.motion import Legs
 from origins import Contacts
 
