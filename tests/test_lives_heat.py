@@ -222,7 +222,7 @@ def test_a_bend_near_the_end_of_the_stretches_at_birth_is_seen():
     contacts = Contacts(rectangular(0.5, 1.5), start, thermal=Thermal("soft", 0.05))
     motion = Motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
     history = motion.history(np.full((1, 1), way), np.zeros((1, 1)))
-    found = ThermalLife(contacts, 1e-9, 1e-8).left(contacts.start, history)[0, 0, 0]
+    found = ThermalLife(contacts, 1e-8).left(contacts.start, history)[0, 0, 0]
     one = ThermalLife(contacts)
     edges = [-0.2, -0.1, 0.0, 0.098, 0.1]
     exact = 0.0

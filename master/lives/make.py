@@ -8,7 +8,6 @@ from master.lives.age.ageing import LONGEST, AgeingLife
 from master.lives.age.path import AgeingPath
 from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
-from master.lives.heat.above import ACCURACY
 from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.replayed import RESOLVED
 from master.lives.heat.thermal import ThermalLife
@@ -18,10 +17,8 @@ from master.motion.motion import Motion
 from origins import Contacts, GrainContact, InputError
 from origins.errors import refuse
 
-# Error of what is left of contacts, in units of the tolerance: a sum over births weighs many.
-_ACCURACY = 1e-3
-# The same of averages over the stretches at birth. What they miss is the square of this, or beside
-# an onset of P_c some 1e-3 of it, and is looked at as they go.
+# Last coefficients of averages over the stretches at birth, in units of the tolerance, and their least
+# and most. What they miss is the square of this, or beside an onset of P_c some 1e-3 of it.
 _RESOLVED, LEAST_RESOLVED, MOST_RESOLVED = 1e-2, 1e-12, 1e-6
 # Error of the share that holds of contacts that age, in units of the tolerance, and its least.
 _AGED, _FINEST = 0.2, 1e-10
@@ -62,9 +59,8 @@ def life_of(
     resolved = (
         min(max(_RESOLVED * tolerance, LEAST_RESOLVED), MOST_RESOLVED) if tolerance else RESOLVED
     )
-    if contacts.thermal.closure == "paper":
-        return MeanRateLife(contacts, resolved)
-    return ThermalLife(contacts, max(_ACCURACY * tolerance, ACCURACY), resolved)
+    life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife
+    return life(contacts, resolved)
 
 
 def steady_life(contacts: Contacts, velocity: float) -> Life:

@@ -21,14 +21,12 @@ Mask = npt.NDArray[np.bool_]
 # What is summed, of contacts (n,) at thresholds (n, k) of these densities; (functions, n, k)
 Summed = Callable[[Rows, Array, Array], Array]
 
-ACCURACY = 1e-13  # of sums over thresholds, in contacts
 # Last coefficients of pieces, of which sums miss the square: a table of sums that know less would
 # follow what they miss.
 _RESOLVED = 2e-10
-# In units of the accuracy: shares e^-A that are nothing, even where next to none is left of all;
-# losses A where contacts hold; and shares of contacts of which panels are left out
-_GONE, _QUIET, _NO_WEIGHT = 1e-16, 1e-4, 1e-5
-_DEAD = 7.0  # ln A: e^-A is 0
+# ln A: beyond, a share e^-A is nothing, even where next to none is left of all, and further on 0; where
+# A is less, contacts hold. And the share of contacts of which panels are left out.
+_GONE, _DEAD, _QUIET, _NO_WEIGHT = np.log(67.0), 7.0, np.log(1e-17), 1e-18
 
 
 class Above:
@@ -44,8 +42,6 @@ class Above:
     rates : RateLaw
     stiffness : callable
         k_i/<k> at thresholds; None where it is 1 for all.
-    accuracy : float
-        Of the sums, in contacts; at best 1e-13.
 
     Attributes
     ----------
@@ -53,19 +49,9 @@ class Above:
         The largest error of the sums, as measured so far on some of the contacts.
     """
 
-    def __init__(
-        self,
-        law: Thresholds,
-        rates: RateLaw,
-        stiffness: Stiffness | None,
-        accuracy: float = ACCURACY,
-    ) -> None:
+    def __init__(self, law: Thresholds, rates: RateLaw, stiffness: Stiffness | None) -> None:
         self.law, self.rates, self._stiffness = law, rates, stiffness
         self.missed, self._rooted = 0.0, rates.vanishes_at_threshold
-        self._no_weight = _NO_WEIGHT * accuracy
-        # ln A: beyond, a share e^-A is nothing; where A is less, contacts hold
-        self._gone = float(np.log(-np.log(_GONE * accuracy)))
-        self._quiet = float(np.log(_QUIET * accuracy))
         self.edges: Array = law_edges(law)
         xi, weight = gauss(self.edges[:-1], self.edges[1:])
         mass = self._weighed(xi, weight * finite_density(law, xi)).sum(axis=-1)
@@ -100,7 +86,7 @@ class Above:
         least = np.maximum(replay.least, SMALLEST)
         ends = np.maximum(self.edges, least[:, None])
         level = replay.log_spent(np.arange(least.size), ends)
-        quiet = level < self._quiet
+        quiet = level < _QUIET
         if self._rooted:
             fastest = np.clip(np.interp(least, self._places, self._fastest), least, self.edges[-1])
             quiet &= ends >= fastest[:, None]
@@ -109,9 +95,9 @@ class Above:
         loud = np.maximum(loud, np.searchsorted(self.edges, least))
         known = np.minimum(loud, self.edges.size - 1)
         felt = np.arange(self.edges.size - 1) < known[:, None]
-        felt &= -np.diff(self._beyond[0]) * share[:, None] > self._no_weight
+        felt &= -np.diff(self._beyond[0]) * share[:, None] > _NO_WEIGHT
         # A rises up to a threshold and falls beyond, so that it is least at an end of a panel
-        felt &= np.minimum(level[:, 1:], level[:, :-1]) < self._gone
+        felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
 
         def held(contact: Rows, xi: Array, weight: Array) -> Array:
             spent = np.exp(np.minimum(replay.log_spent(contact, xi), _DEAD))

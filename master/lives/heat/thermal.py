@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.cold import TIE
-from master.lives.heat.above import ACCURACY, Above
+from master.lives.heat.above import Above
 from master.lives.heat.replay import Replay
 from master.lives.heat.replayed import MARGIN, RESOLVED, ReplayedLife, rates_of
 from master.lives.stretches import Moves
@@ -36,21 +36,17 @@ class ThermalLife(ReplayedLife):
     ----------
     contacts : Contacts
         With thermal, closure "exact"; independent or linked stiffness.
-    accuracy : float
-        Of the share of contacts that holds; what it comes to is `error`.
     resolved : float
         See ReplayedLife.
     """
 
     FEW = 1e-10  # a share that sums over thresholds still tell
 
-    def __init__(
-        self, contacts: Contacts, accuracy: float = ACCURACY, resolved: float = RESOLVED
-    ) -> None:
+    def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
         law, self._rates = contacts.thresholds, rates_of(contacts)
         linked = contacts.stiffness == "linked"
         self._stiffness = contacts.relative_stiffness if linked else None
-        self._above = Above(law, self._rates, self._stiffness, accuracy)
+        self._above = Above(law, self._rates, self._stiffness)
         super().__init__(law, self._above.edges, resolved)
 
     @property
