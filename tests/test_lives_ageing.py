@@ -134,26 +134,6 @@ def test_strands_that_hardly_age_hold_as_far_as_they_have_been():
         assert strand.left()[0, 0] == pytest.approx(YOUNG.sf(furthest) / YOUNG.sf(0.1), abs=1e-4)
 
 
-def test_strands_move_together_as_they_would_alone():
-    again = gaussian_start(0.05, 0.02)
-    contacts = Contacts(YOUNG, reforming=again, ageing=Ageing(OLD, 1e-2))
-    life = AgeingLife(contacts, forward(1.0), 1e-4)
-    ages = np.array([0.0, 0.05, 0.2, 0.3])
-    many = life.begin(again, ages.size)
-    many.advance(1.0, ages)
-    late = life.begin(again)
-    late.advance(1.0, 0.1)
-    many = many.take(np.array([0, 3, 2])).join(late)
-    many.advance(-1.0, 0.5)
-    many.advance(1.0, 0.6)
-    for row, age in enumerate((0.0, 0.3, 0.2, 0.1)):
-        one = life.begin(again)
-        one.advance(1.0, age)
-        one.advance(-1.0, 0.5)
-        one.advance(1.0, 0.6)
-        np.testing.assert_allclose(many.left()[:, row], one.left()[:, 0], atol=1e-5)
-
-
 @pytest.mark.parametrize("law", ["soft", "stiff"])
 def test_heat_without_ageing_by_quadrature(law):
     thermal = Thermal(law, 0.05, 0.3)

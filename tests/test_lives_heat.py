@@ -73,16 +73,6 @@ def test_shares_stay_between_all_and_none_at_every_heat(law, temperature, attemp
         assert life.error < 1e-12
 
 
-@pytest.mark.parametrize("heat", ["soft", "stiff"])
-def test_cold_contacts_break_at_their_thresholds(heat):
-    """So rare are attempts that E = S(m)/S(|r|)."""
-    law = LAWS["gap"]
-    life = ThermalLife(Contacts(law, thermal=Thermal(heat, 0.01, 1e-25)))
-    share, force = left_at_the_end(life, "turns", 0.1)
-    assert share == pytest.approx(law.sf(1.0) / law.sf(0.1), abs=1e-14)
-    assert force == pytest.approx(share * 1.0, abs=1e-14)
-
-
 @pytest.mark.parametrize("closure", ["exact", "paper"])
 def test_exact_thresholds_are_passed_by_rows(closure):
     """An atom at 0.5 breaks where the middle of the row has passed it, and not before."""
@@ -133,16 +123,6 @@ def test_births_at_a_law_of_stretches_are_averaged(law, path, closure):
         )[0]
         assert found == pytest.approx(expected, abs=2e-10)
     assert life.error < 1e-10
-
-
-def test_single_births_may_differ_by_row():
-    """An array of stretches broadcasts with the history."""
-    life = ThermalLife(Contacts(LAWS["gaussian"], thermal=Thermal("stiff", 0.1)))
-    motion = Motion(*(np.array(part) for part in PATHS["turns"]))
-    history = motion.history(np.full((2, 1), 5.0), np.array([[0.2, 0.5], [0.2, 0.5]]))
-    both = life.left(np.array([[0.0], [0.3]]), history)
-    for row, born in enumerate((0.0, 0.3)):
-        np.testing.assert_array_equal(both[:, row], life.left(SingleStart(born), history)[:, row])
 
 
 @pytest.mark.parametrize("heat", ["soft", "cooler", "stiff", "cooler stiff"])
