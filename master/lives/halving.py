@@ -66,12 +66,17 @@ class Integrals(NamedTuple):
 
 
 def integrals(
-    integrand: Integrand, pieces: Pieces, ranges: int, accuracy: float, relative: bool = False
+    integrand: Integrand,
+    pieces: Pieces,
+    ranges: int,
+    accuracy: Array | float,
+    relative: bool = False,
 ) -> Integrals:
     """Integrals of functions over ranges, of which each is cut into pieces.
 
     integrand : smooth on pieces, but for their ends; the first of its functions tells where to halve
-    accuracy : last coefficients, in units of the integral over the piece, at which it is not halved;
+    accuracy : last coefficients, in units of the integral over the piece, at which it is not halved,
+        of all ranges or of each;
         a sum over Gauss nodes then misses about their square, and 1e-3 of them beside an onset
     relative : whether accuracy and error are shares of each range's integral, of the last function
     """
@@ -107,7 +112,7 @@ class _Halved(NamedTuple):
 
 
 def _halved(
-    integrand: Integrand, pieces: Pieces, ranges: int, accuracy: float, relative: bool
+    integrand: Integrand, pieces: Pieces, ranges: int, accuracy: Array | float, relative: bool
 ) -> _Halved:
     """The pieces halved until a polynomial follows on each."""
     done: list[Pieces] = []
@@ -117,7 +122,8 @@ def _halved(
         sums = _summed(values @ _RULE, pieces, ranges)
         if relative:
             scale = np.maximum(np.abs(total + sums)[-1], np.finfo(float).tiny)
-        rough = np.abs(values[0] @ _TAIL).max(axis=1, initial=0.0) > accuracy * scale[pieces.owner]
+        limit = accuracy * scale
+        rough = np.abs(values[0] @ _TAIL).max(axis=1, initial=0.0) > limit[pieces.owner]
         size = np.maximum(np.abs(pieces.low), np.abs(pieces.high))
         rough &= (pieces.high - pieces.low > NARROWEST * size) & (halving < HALVINGS)
         total = total + _summed(values[:, ~rough] @ _RULE, pieces.pick(~rough), ranges)

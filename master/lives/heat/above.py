@@ -24,6 +24,8 @@ Summed = Callable[[Rows, Array, Array], Array]
 # Last coefficients of pieces, of which sums miss the square: a table of sums that know less would
 # follow what they miss.
 _RESOLVED = 2e-10
+# What rounding does to the distance of two lengths, in units of these.
+_ROUNDING = 1e-14
 # ln A: beyond, a share e^-A is nothing, even where next to none is left of all, and further on 0; where
 # A is less, contacts hold. And the share of contacts of which panels are left out.
 _GONE, _DEAD, _QUIET, _NO_WEIGHT = np.log(67.0), 7.0, np.log(1e-17), 1e-18
@@ -103,7 +105,7 @@ class Above:
             spent = np.exp(np.minimum(replay.log_spent(contact, xi), _DEAD))
             return self._weighed(xi, weight * share[contact, None] * np.exp(-spent))
 
-        found = self._over(least, felt, held)
+        found = self._over(least, felt, held, _RESOLVED)
         self.missed = max(self.missed, float(found.missed.max()))
         return found.value + share * np.where(loud < self.edges.size, self._beyond[:, known], 0.0)
 
@@ -119,10 +121,19 @@ class Above:
             return (weight * self.rates.rate(x[row, None], xi, 1.0))[None]
 
         everywhere = np.ones((x.size, self.edges.size - 1), dtype=bool)
-        return self._over(np.maximum(x, SMALLEST), everywhere, breaking, True)
+        # right below an edge the distance of thresholds from x is one of rounded numbers
+        edge = self.edges[np.minimum(np.searchsorted(self.edges, x, "right"), self.edges.size - 1)]
+        rounding = _ROUNDING * x / np.maximum(edge - x, _ROUNDING * edge)
+        accuracy = np.maximum(_RESOLVED, rounding)
+        return self._over(np.maximum(x, SMALLEST), everywhere, breaking, accuracy, True)
 
     def _over(
-        self, least: Array, panels: Mask, summed: Summed, relative: bool = False
+        self,
+        least: Array,
+        panels: Mask,
+        summed: Summed,
+        accuracy: Array | float,
+        relative: bool = False,
     ) -> Integrals:
         """Integrals over the thresholds above `least` (n,) on some of the panels, a row for each."""
         ends = np.maximum(self.edges, least[:, None])
@@ -141,5 +152,5 @@ class Above:
             return np.concatenate([whole * values[:1], 2.0 * at * values])
 
         pieces = Pieces(row, low, high)
-        found = integrals(integrand, pieces, least.size, _RESOLVED, relative)
+        found = integrals(integrand, pieces, least.size, accuracy, relative)
         return Integrals(found.value[1:], found.missed[1:])
