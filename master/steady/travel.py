@@ -25,7 +25,7 @@ Array = npt.NDArray[np.float64]
 
 # Accuracy of tables whose integrals alone are asked for: of births at one stretch, and at many,
 # which take some hundred times as long and are smoother.
-ACCURACY, OF_MANY = 3e-10, 1e-8
+ACCURACY, OF_MANY = 1e-9, 1e-8
 # The coarsest that is taken where E itself is known to no more.
 COARSEST = 1e-7
 # The finest for births at many stretches that heat breaks: their average goes from one rule of nodes

@@ -49,6 +49,8 @@ SPENT, DEGREE = 1e-12, 5
 GRAIN = 0.25
 # Stretches at birth from which those in between are interpolated.
 BETWEEN = 22
+# Parts of the reach between which survivals are tabulated on panels of their own.
+MARKS = 16
 # Mean lives, as long as the reach over the speed, after which next to none holds.
 LONGEST = 3.0
 # Share of thresholds above the largest stretch at birth from which the reach is told.
@@ -139,6 +141,10 @@ class AgeingLife(UnbentLife):
                 break
         return mesh
 
+    def marks(self, width: float) -> Array:
+        """See Life; integrals over wider panels may miss more than their coefficients tell."""
+        return np.union1d(self.bends, np.linspace(0.0, self.reach, MARKS + 1)[1:])
+
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
         speed = float(self.motion.speeds[0])
@@ -162,7 +168,7 @@ class AgeingLife(UnbentLife):
 
         Arrays of one shape; a polynomial of the stretch on either side of 0.
         """
-        if not np.ptp(stretch):
+        if stretch.size and not np.ptp(stretch):
             return self._table(speed, float(stretch.flat[0])).survival(lag)
         out = np.zeros(lag.shape)
         first, last = self.contacts.start.span

@@ -71,7 +71,7 @@ class MeanRateLife(ReplayedLife):
         wrong = np.abs(self.table.rate(at) - self._mean_rate(at))
         ends = np.stack([self.table.begin + share * widths for share in (0.0, 0.5, 1.0 - 1e-12)])
         wrong /= np.maximum(self.table.rate(ends).max(axis=0), _NEVER * rates.scale)
-        wrong += [self._above.mean_rate(np.array([x])).missed[0] for x in at]
+        wrong += [min(self._above.mean_rate(np.array([x])).missed[0], 1.0) for x in at]
         # on a panel that adds little to L, H is felt only by contacts that slow down there
         span = min(self.reach, _SPAN * float(contacts.thresholds.isf(0.5)))
         grown = self.table.grown(self.table.edges)
