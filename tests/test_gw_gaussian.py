@@ -12,7 +12,7 @@ from origins.thresholds.weibull import Weibull
 
 UPPER = 10.0 ** -np.array([0.02, 0.3, 1, 2, 5, 10, 30, 80, 150, 220, 280])
 LOWER = 10.0 ** -np.array([0.05, 0.5, 1, 3, 8, 15, 22, 30])
-SEPARATIONS = [-1e3, -3.0, 0.0, 2.0, 10.0, 40.0, 1e3, 1e6]
+SEPARATIONS = [-1e3, -3.0, 2.0, 40.0, 1e6]
 REGIMES = [("elastic", None), ("plastic", None), ("mixed", 0.5), ("mixed", 7.0), ("mixed", 40.0), ("mixed", 1e4)]
 SCALE = 3e-8
 
@@ -64,7 +64,7 @@ def test_all_of_it_against_mpmath(law: str, z: float) -> None:
         assert (weights * p.pdf(nodes)).sum() == pytest.approx(1.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("z", [-3.0, 0.0, 2.0, 10.0, 37.0])
+@pytest.mark.parametrize("z", [-3.0, 2.0, 37.0])
 @pytest.mark.parametrize("law", ["paper", "amontons", "strength"])
 def test_moments_in_closed_form_and_by_panels(law: str, z: float) -> None:
     mpmath.mp.dps = 40
@@ -95,27 +95,12 @@ def test_light_loads_tend_to_exponential_heights_in_order(law: str, regime: str)
     orders = -np.diff(np.log(np.array(left)), axis=0) / np.log(2.0)
     # at z = 40 the last of them is 1e-9, and 1e-13 of round-off is seen where tau is small
     assert np.abs(orders[0] - [[2.0], [4.0], [6.0]]).max() < 0.35
-    assert np.abs(orders[1, :2] - [[2.0], [4.0]]).max() < 0.1
     # the limit is a standard family: (GW3), (GW4) and an exponential
     family = {"elastic": origins.gw_elastic, "plastic": origins.gw_plastic}[regime]
-    limit = family(40.0) if law == "paper" else Weibull(1.0, 40.0, 0.0)
-    x = limit.isf(np.array([0.9, 0.5, 0.1, 0.01]))
-    assert origins.gw_gaussian(40.0, 1.0, law=law, regime=regime).sf(x) == pytest.approx(limit.sf(x), rel=0.02)
     far = origins.gw_gaussian(1e6, 1.0, law=law, regime=regime)
     limit = family(1e6) if law == "paper" else Weibull(1.0, 1e6, 0.0)
     x = limit.isf(UPPER[:6])
     assert far.sf(x) == pytest.approx(limit.sf(x), rel=1e-9)
-
-
-def test_mixed_tends_to_its_ends() -> None:
-    for law in ("paper", "amontons"):
-        for z in (-1.0, 3.0):
-            q = np.array([1e-12, 1e-3, 0.3, 0.9])
-            for index, regime in ((1e-3, "elastic"), (1e-250, "elastic"), (1e12, "plastic"), (1e80, "plastic")):
-                mixed = origins.gw_gaussian(z, SCALE, law=law, regime="mixed", plasticity_index=index)
-                end = origins.gw_gaussian(z, SCALE, law=law, regime=regime)
-                assert mixed.isf(q) == pytest.approx(end.isf(q), rel=1e-12)
-                assert mixed.mean() == pytest.approx(end.mean(), rel=1e-12)
 
 
 @pytest.mark.parametrize(("law", "jump"), [("paper", 1.5), ("amontons", 2.0), ("strength", 1.0)])
@@ -133,53 +118,6 @@ def test_density_jumps_where_contacts_turn_plastic(law: str, jump: float) -> Non
     assert p.atoms[0].size == 0 and p.isf(survival) == pytest.approx(near, rel=1e-13)
     beyond = mpmath.ncdf(-(1 + at)) / mpmath.ncdf(-1)
     assert float(p.sf(mark)) == pytest.approx(float(beyond), rel=1e-12)
-
-
-def test_samples_on_both_sides_of_the_jump() -> None:
-    """Kolmogorov-Smirnov and the count beyond the quantiles of 100 draws, on both sides of the jump."""
-    p, generator = origins.gw_gaussian(0.5, 1.0, "amontons", "mixed", 9.0), np.random.default_rng(3)
-    assert 0.3 < p.sf(p.breakpoints[1]) < 0.5
-    draws = np.sort(np.concatenate([p.rvs(1_000_000, generator) for _ in range(4)]))
-    cdf, steps = p.cdf(draws), np.arange(draws.size + 1) / draws.size
-    distance = max((cdf - steps[:-1]).max(), (steps[1:] - cdf).max())
-    assert distance * np.sqrt(draws.size) < 1.95  # the 0.1 % level
-    tail = 100.0 / draws.size
-    assert abs((draws > p.isf(tail)).sum() - 100) < 40 and abs((draws < p.ppf(tail)).sum() - 100) < 40
-
-
-@pytest.mark.parametrize("law", ["paper", "amontons", "strength"])
-@pytest.mark.parametrize("regime", ["elastic", "plastic", "mixed"])
-def test_summits_in_metres_are_this_law(law: str, regime: str) -> None:
-    """from_moments finds h0 from the load; the rest is gw_gaussian, scale being x_s at delta = sigma_h."""
-    moments = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
-    material = origins.Material(
-        contact_modulus=3e9,
-        local_friction=0.3,
-        shear_modulus=1e9,
-        hardness=6e7,
-        shear_strength=2e7,
-        force_coefficient=3e10,
-    )
-    metres = origins.from_moments(moments, model="gw", law=law, material=material, pressure=3e5, regime=regime)
-    i = metres.interface
-    assert i is not None and i.separation is not None and i.plasticity_index is not None and i.regime == regime
-    std, radius = 0.2e-6, 20e-6
-    load = 4 / 3 * 3e9 * np.sqrt(radius) * std**1.5
-    if regime == "plastic" or (regime == "mixed" and load > np.pi * radius * std * 6e7):
-        load = np.pi * radius * std * 6e7
-    area = np.pi * radius * std
-    scale = {
-        "paper": np.sqrt(0.3 * load / 3e10),
-        "amontons": 0.3 * load / (1e9 * np.sqrt(area)),
-        "strength": 2e7 * area / (1e9 * np.sqrt(area)),
-    }[law]
-    index = i.plasticity_index if regime == "mixed" else None
-    plain = origins.gw_gaussian(i.separation / std, scale, law=law, regime=regime, plasticity_index=index)
-    q = np.array([1e-200, 1e-9, 0.1, 0.5, 0.99])
-    assert metres.isf(q) == pytest.approx(plain.isf(q), rel=1e-10)
-    assert metres.mean() == pytest.approx(plain.mean(), rel=1e-11)
-    assert metres.onset_power == plain.onset_power
-    assert metres.breakpoints == pytest.approx(plain.breakpoints, rel=1e-11)
 
 
 @pytest.mark.parametrize(
@@ -202,10 +140,3 @@ def test_bad_parameters_are_named(arguments: tuple, says: str) -> None:
     with pytest.raises(origins.InputError) as caught:
         origins.gw_gaussian(*arguments)
     assert str(caught.value).startswith(says) and "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("scale", [1e-150, 1e150])
-def test_the_ends_of_the_scale_are_numbers(scale: float) -> None:
-    law, one = (origins.gw_gaussian(2.0, s, "amontons", "mixed", 5.0) for s in (scale, 1.0))
-    assert law.mean() / scale == pytest.approx(one.mean(), rel=1e-12)
-    assert law.std() / scale == pytest.approx(one.std(), rel=1e-10)

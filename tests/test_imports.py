@@ -15,7 +15,7 @@ import origins
 import toolkit
 from toolkit.scene.scene import shipped_scenes
 
-HEAVY = ["numba", "ase", "mpi4py", "matplotlib", "SurfaceTopography", "scipy.stats", "tqdm", "h5py"]
+HEAVY = ["numba", "ase", "mpi4py", "matplotlib", "SurfaceTopography", "scipy.stats", "h5py"]
 
 
 @pytest.fixture(scope="module")

@@ -2,17 +2,13 @@
 
 import json
 import os
-import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import toolkit
-from origins.errors import InputError
 from toolkit.running.launch import Launch, read_environment
-from toolkit.running.ranks import communicator, on_root
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 SMALL = """
@@ -41,7 +37,6 @@ def scene(tmp_path: Path) -> str:
     ("environment", "launch"),
     [
         ({}, Launch(1, 0)),
-        ({"PMI_SIZE": "4", "PMI_RANK": "3"}, Launch(4, 3)),
         ({"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_RANK": "1", "PMIX_RANK": "1"}, Launch(2, 1)),
         ({"SLURM_STEP_NUM_TASKS": "8", "SLURM_PROCID": "5"}, Launch(8, 5, "srun")),
         # with --mpi=pmi2; and mpirun, whose own daemons are a step, one a node
@@ -49,28 +44,13 @@ def scene(tmp_path: Path) -> str:
         ({"SLURM_STEP_NUM_TASKS": "2", "SLURM_PROCID": "1", "PMI_SIZE": "8", "PMI_RANK": "5"}, Launch(8, 5)),
         # a batch script, alone on a machine given for 8 tasks
         ({"SLURM_NTASKS": "8", "SLURM_PROCID": "0"}, Launch(1, 0)),
-        # mpirun inside a step of one task
-        ({"SLURM_STEP_NUM_TASKS": "1", "SLURM_PROCID": "0", "PMI_SIZE": "4", "PMI_RANK": "2"}, Launch(4, 2)),
         # ranks of this node only: the whole launch counts
         ({"PMI_SIZE": "8", "PMI_RANK": "6", "MPI_LOCALNRANKS": "4", "MPI_LOCALRANKID": "2"}, Launch(8, 6)),
         ({"PMI_SIZE": "4"}, Launch(1, 0)),
-        ({"PMI_SIZE": "four", "PMI_RANK": "0"}, Launch(1, 0)),
     ],
 )
 def test_environment_is_read(environment: dict[str, str], launch: Launch) -> None:
     assert read_environment(environment) == launch
-
-
-def test_one_rank_needs_no_communicator() -> None:
-    assert communicator(Launch(1, 0)) is None
-    assert on_root(None, lambda: 3) == 3
-
-
-def test_one_rank_under_mpirun_imports_no_mpi4py(mpirun, scene) -> None:
-    planted = "import sys, toolkit.command; toolkit.command.main(); print('mpi4py' in sys.modules)"
-    done = mpirun(1, planted, "run", scene)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[-1] == "False"
 
 
 @pytest.fixture(scope="module")
@@ -163,28 +143,6 @@ def test_bug_on_one_rank_ends_all(mpirun, scene, tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == [scene]
 
 
-def test_bad_input_seen_by_one_rank_ends_all(mpirun, scene, tmp_path: Path) -> None:
-    done = mpirun(2, PLANTED.format("InputError('only here')"), "run", scene)
-    assert done.returncode == 2
-    assert done.stderr.count("mesofriction: master: only here") == 1 and "Traceback" not in done.stderr
-    assert os.listdir(tmp_path) == [scene]
-
-
-def test_full_disk_on_rank_0_ends_all_alike(mpirun, scene, tmp_path: Path) -> None:
-    planted = """
-import sys, toolkit.command, toolkit.results.files
-def full(result, path):
-    raise OSError(28, "No space left on device")
-toolkit.results.files._write_result = full
-sys.exit(toolkit.command.main())
-"""
-    (tmp_path / scene).write_text(SMALL.partition("[eq]")[0])
-    done = mpirun(2, planted, "run", scene)
-    assert done.returncode == 2
-    assert done.stderr == "mesofriction: out = 'small-output': cannot be written: No space left on device\n"
-    assert os.listdir(tmp_path) == [scene]
-
-
 def test_missing_mpi4py_is_one_line_in_total(mpirun, scene, tmp_path: Path) -> None:
     done = mpirun(3, f"import sys; sys.modules['mpi4py'] = None; {SCRIPT}", "run", scene)
     assert done.returncode == 2 and done.stdout == ""
@@ -205,31 +163,3 @@ def test_ranks_that_cannot_meet_are_not_lone_runs(python, scene, tmp_path: Path)
     assert [done.stdout for done in told] == ["", ""] and os.listdir(tmp_path) == [scene]
 
 
-def test_slurm_is_told_how_to_connect_ranks(monkeypatch: pytest.MonkeyPatch) -> None:
-    alone = SimpleNamespace(COMM_WORLD=SimpleNamespace(Get_size=lambda: 1))
-    monkeypatch.setitem(sys.modules, "mpi4py", SimpleNamespace(MPI=alone))
-    with pytest.raises(InputError, match=r"^srun: started 8 ranks, but .* connects 1; .* --mpi=pmix or --mpi=pmi2"):
-        communicator(Launch(8, 3, "srun"))
-
-
-def test_root_refusal_reaches_every_rank(mpirun) -> None:
-    done = mpirun(
-        2,
-        """
-from mpi4py import MPI
-from origins.errors import InputError
-from toolkit.running.ranks import on_root
-comm = MPI.COMM_WORLD
-assert on_root(comm, lambda: comm.Get_rank() + 7) == 7
-def refuse():
-    raise InputError("no")
-try:
-    on_root(comm, refuse)
-except InputError as error:
-    everyone = comm.gather(str(error), root=0)
-    if comm.Get_rank() == 0:
-        print(everyone)
-""",
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout == "['no', 'no']\n"

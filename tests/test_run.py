@@ -2,33 +2,26 @@
 
 import json
 import os
-import threading
 import tomllib
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import h5py
 import numpy as np
 import pytest
-from conftest import HANGS
 
 import eq_model
 import master
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
-from toolkit.pictures.run import plot_density, plot_force
 from toolkit.results.files import summary
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.results.records import OWN_UNIT, sample_curve
-from toolkit.running.coupled import slips_beside
-from toolkit.running.progress import Progress, Refinement
+from toolkit.results.slips import slips_beside
 from toolkit.running.runner import solve_master
 from toolkit.scene.scene import SHIPPED, shipped_scenes
 from toolkit.scene.toml import to_toml
-
-SURFACE = {"kind": "self-affine", "shape": [64, 64], "pixel_size": 1e-8, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
 
 
 def small(name: str, contacts: int = 400, replicas: int = 4) -> dict[str, Any]:
@@ -85,98 +78,6 @@ def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     assert done.eq.breaks > 1600 and np.ptp(done.master.force) > 0.1 * done.mean_threshold
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "message"),
-    [
-        ("contacts", 2**40, "eq.contacts = 1099511627776: times n_replicas must be at most"),
-        ("replicas", 2**40, "eq.replicas = 1099511627776: must be below"),
-        ("seed", 2**64, "eq.seed = 18446744073709551616: "),
-    ],
-)
-def test_what_the_ensemble_refuses_is_named_as_in_the_scene(key: str, value: int, message: str) -> None:
-    tables = small("gaussian")
-    tables["eq"][key] = value
-    with pytest.raises(InputError) as caught:
-        toolkit.run(tables)
-    assert str(caught.value).startswith(message)
-
-
-def test_progress_counts_up_to_the_whole() -> None:
-    told: list[tuple[int, int]] = []
-    toolkit.run(small("gaussian", contacts=100_000), progress=lambda done, total: told.append((done, total)))
-    assert told[-1] == (400_000, 400_000) and len(told) > 2
-    assert [done for done, _ in told] == sorted({done for done, _ in told})
-
-
-class Turns(threading.Event):
-    """An event that does not come for as many waits as it is told to let pass; how long each was meant to be."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.waits = list[float | None]()
-        self._waiting, self._passing = threading.Semaphore(0), threading.Semaphore(0)
-
-    def wait(self, timeout: float | None = None) -> bool:
-        self.waits.append(timeout)
-        self._waiting.release()
-        assert self._passing.acquire(timeout=HANGS)
-        return self.is_set()
-
-    def let_pass(self, waits: int) -> None:
-        """Return when all that follows these waits is done."""
-        for _ in range(waits):
-            assert self._waiting.acquire(timeout=HANGS)
-            self._passing.release()
-        assert self._waiting.acquire(timeout=HANGS)
-        self._waiting.release()
-
-    def set(self) -> None:
-        super().set()
-        self._passing.release()
-
-
-@pytest.mark.parametrize("terminal", [True, False])
-def test_progress_tells_how_far_how_fast_and_how_long_still(
-    terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    seconds = {"now": 0.0}
-    monkeypatch.setattr("toolkit.running.progress.time", SimpleNamespace(monotonic=lambda: seconds["now"]))
-    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
-    turns = Turns()
-    bar = Progress(patience=5.0, done=turns)
-    turns.let_pass(1)
-    assert capsys.readouterr().err == ""  # the ensemble has not begun
-    bar(1_000_000, 4_000_000)
-    seconds["now"] = 70.0
-    bar(2_000_000, 4_000_000)
-    turns.let_pass(1)
-    told = capsys.readouterr().err
-    said = "2,000,000 of 4,000,000 contacts (50%), 1.43e+04 a second, 0:02:20 left"
-    assert ("50%|" in told and said in told) if terminal else told == f"mesofriction: eq: {said}, after 0:01:10\n"
-    bar(4_000_000, 4_000_000)
-    turns.let_pass(1)
-    assert terminal or capsys.readouterr().err == ""
-    bar.close()
-    assert turns.waits == ([5.0, 1.0, 1.0, 1.0] if terminal else [1.0, 4.0, 30.0, 30.0])
-
-
-@pytest.mark.parametrize("terminal", [True, False])
-def test_the_progress_of_the_master_equation_tells_its_error(
-    terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
-    turns = Turns()
-    bar = Refinement(1e-8, patience=5.0, done=turns)
-    for error in (1e-2, 1e-5, 3e-5):
-        bar(error)
-    turns.let_pass(1)
-    bar.close()
-    assert turns.waits == [5.0, 1.0 if terminal else 30.0]
-    told = capsys.readouterr().err
-    assert "master equation:" in told and "error 1.0e-05 of 1.0e-08 asked" in told
-    assert terminal or (told.count("\n") == 1 and "\r" not in told)
-
-
 def test_the_master_equation_tells_its_error() -> None:
     errors: list[float] = []
     scene = toolkit.load_scene("friction-loop")
@@ -228,44 +129,11 @@ def test_arrays_have_units_and_the_scene_goes_with_them(result: Any, tmp_path: P
         assert len(arrays) == 16 and all("units" in array.attrs for array in arrays)
 
 
-def test_lengths_of_a_surface_are_metres(tmp_path: Path) -> None:
-    law = {
-        "kind": "from-topography",
-        "model": "gw",
-        "law": "amontons",
-        "pressure": 1e6,
-        "surface": SURFACE,
-        "material": {"contact_modulus": 1e11, "local_friction": 0.1, "shear_modulus": 4e10},
-    }
-    mean = toolkit.load_scene({"contacts": {"thresholds": law}, "drive": {"to": 1e-8, "points": 2}, "master": {}})
-    scene = {
-        "contacts": {"thresholds": law},
-        "drive": {"to": 5.0 * mean.contacts.mean_threshold, "points": 51},
-        "master": {},
-    }
-    done = toolkit.run(scene)
-    assert done.success and done.mean_threshold < 1e-6
-    toolkit.save(done, tmp_path)
-    with h5py.File(tmp_path / "result.h5") as store:
-        assert store["master/force"].attrs["units"] == "m"
-        assert store["thresholds/density"].attrs["units"] == "1 / m"
-
-
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_curve_of_a_picture_misses_no_peak(name: str) -> None:
     curve = sample_curve(toolkit.load_scene(name).contacts.thresholds)
     assert np.trapezoid(curve.density, curve.x) + curve.atom_weights.sum() == pytest.approx(1.0, abs=2e-3)
     assert curve.survival[0] == 1.0 and (np.diff(curve.survival) <= 1e-12).all()
-
-
-def test_picture_shows_where_the_thresholds_lie() -> None:
-    from matplotlib.figure import Figure
-
-    for name, first, last in (("one-peak", 0.99, 1.01), ("gaussian", 0.7, 1.3), ("rectangular", 0.0, 2.0)):
-        axes = Figure().subplots()
-        plot_density(axes, sample_curve(toolkit.load_scene(name).contacts.thresholds))
-        low, high = axes.get_xlim()
-        assert first <= low < high <= last and axes.get_xlabel() == "threshold $x$"
 
 
 def test_saving_again_replaces_its_own_files_only(result: Any, tmp_path: Path) -> None:
@@ -324,20 +192,6 @@ def test_nothing_of_another_scene_stays_beside_a_new_result(tmp_path: Path, monk
     assert sorted(os.listdir(out)) == sorted([*ours, *told, "checkpoint", "notes.txt", "sweep.csv"])
 
 
-def test_folders_on_the_way_are_made(tmp_path: Path) -> None:
-    write_folder(tmp_path / "deep/er/out", {"a": lambda path: path.touch()})
-    assert os.listdir(tmp_path) == ["deep"] and os.listdir(tmp_path / "deep/er/out") == ["a"]
-
-
-def test_full_disk_is_one_line(tmp_path: Path) -> None:
-    def full(path: Path) -> None:
-        raise OSError(28, "No space left on device")
-
-    with pytest.raises(InputError, match=r"^out = .*: cannot be written: No space left on device$"):
-        write_folder(tmp_path / "out", {"a": full})
-    assert os.listdir(tmp_path) == []
-
-
 def test_path_below_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     for folder in (tmp_path / "file", tmp_path / "file/below/it"):
@@ -355,107 +209,3 @@ def test_no_result_to_load_is_refused(tmp_path: Path) -> None:
         toolkit.load(tmp_path)
 
 
-def test_plot_draws_on_the_axes_given(result: Any) -> None:
-    from matplotlib.figure import Figure
-
-    axes = Figure().subplots(1, 2)
-    assert toolkit.plot(result, axes) is axes
-    line = axes[0].get_lines()[0]
-    assert np.array_equal(line.get_ydata(), result.master.force)
-    (bars,) = axes[0].containers
-    shown = np.isin(result.eq.path, bars.lines[0].get_xdata())
-    assert shown.sum() > 20
-    assert np.array_equal(bars.lines[0].get_ydata(), result.eq.force[shown])
-    heights = np.array([segment[:, 1] for segment in bars.lines[2][0].get_segments()])
-    assert np.allclose(np.diff(heights, axis=1)[:, 0], 2.0 * result.eq.force_standard_error[shown])
-
-
-def test_a_temperature_at_which_contacts_hold_nothing_is_noted() -> None:
-    def notes(temperature: float) -> tuple[str, ...]:
-        law = {"kind": "gaussian", "mean": 1.0, "std": 0.1}
-        contacts = {"thresholds": law, "thermal": {"law": "soft", "temperature": temperature}}
-        return toolkit.run({"contacts": contacts, "drive": {"to": 0.1, "points": 3}, "master": {}}).notes
-
-    assert notes(90.0) == ()
-    (note,) = notes(505.0)
-    assert note.startswith("the temperature is 500 <x_s^2>: barriers are 0.001 k_BT")
-
-
-@pytest.mark.parametrize(
-    ("drive", "solver", "told"),
-    [
-        ({"to": 1e-12}, {"master": {}}, "path, as far as the error tells: it reaches 1e-12 <x_s>"),
-        ({"turns": [0.3, -0.3]}, {"master": {}}, "path, as far as the error tells: it reaches 0.3 <x_s>"),
-        ({"to": 0.3, "spring": 0.5}, {"master": {}}, "path, as far as the error tells: it reaches 0.3 <x_s>"),
-        ({"to": 0.3}, {"eq": {"contacts": 100, "replicas": 2}}, "path: it reaches 0.3 <x_s>"),
-        ({"to": 0.3}, {"eq": {"contacts": 100, "replicas": 2}, "master": {}}, None),  # whose comparison says it
-        ({"to": 0.8}, {"master": {}}, None),
-        ({"to": 1.0}, {"eq": {"contacts": 100, "replicas": 2}}, None),
-    ],
-)
-def test_a_path_on_which_nothing_breaks_is_noted(drive: dict, solver: dict, told: str | None) -> None:
-    law = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
-    notes = toolkit.run({"contacts": {"thresholds": law}, "drive": {"points": 4} | drive} | solver).notes
-    assert list(notes) == ([] if told is None else [f"no contact breaks on this {told}, and sliding takes several"])
-
-
-def test_births_beyond_nearly_all_thresholds_are_noted() -> None:
-    def notes(mean: float) -> tuple[str, ...]:
-        again = {"kind": "gaussian", "mean": mean, "std": 0.05}
-        contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}, "reforming": again}
-        drive = {"to": 1.0, "points": 3}
-        return toolkit.run({"contacts": contacts, "drive": drive, "master": {"tolerance": 1e-4}}).notes
-
-    assert notes(0.5) == ()
-    (note,) = notes(2.0)
-    assert note.startswith("contacts form again about x = 2, and only 8e-24 of all thresholds are beyond that")
-
-
-def test_pictures_name_ages_rates_and_units() -> None:
-    from matplotlib.figure import Figure
-
-    law = {"kind": "growing-grains", "alpha": 1.0, "B": 4.0, "age": 4.0}
-    drive = {"to": 0.5, "points": 3, "velocity": 0.5}
-    axes = Figure().subplots(1, 2)
-    toolkit.plot(toolkit.run({"contacts": {"thresholds": law}, "drive": drive, "master": {"tolerance": 1e-2}}), axes)
-    assert axes[0].get_title().endswith("$\\alpha$ = 1, $v$ = 0.5")
-    assert axes[1].get_title() == "thresholds at $X$ = 0, age 4"
-    rough = tomllib.loads((SHIPPED / "rough-gw-amontons.toml").read_text())
-    late = {"contacts": rough["contacts"] | {"delay": {"time": 0.01}}, "master": {"tolerance": 1e-2}}
-    result = toolkit.run(late | {"drive": {"to": 1e-7, "times": [0.1], "points": 3}})
-    toolkit.plot(result, axes)
-    assert axes[0].get_xlabel() == "time $t$ (s)" and axes[0].get_title().endswith("$\\tau_m$ = 0.01 s")
-
-
-@pytest.mark.parametrize(
-    "law",
-    [{"kind": "identical", "value": 1.0}, {"kind": "rectangular", "lower": 0.5, "upper": 1.5}],
-    ids=["identical", "rectangular"],
-)
-def test_picture_of_every_sort_of_law_is_drawn(law: dict[str, Any], tmp_path: Path) -> None:
-    scene = {"contacts": {"thresholds": law}, "drive": {"to": 2.0, "points": 21}, "master": {}}
-    toolkit.save(toolkit.run(scene), tmp_path)
-    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_what_a_hold_leaves_is_in_the_result() -> None:
-    from matplotlib.figure import Figure
-
-    scene = {
-        "contacts": {
-            "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2},
-            "thermal": {"law": "soft", "temperature": 0.1},
-        },
-        "drive": {"turns": [1.0, 1.0, 2.0], "times": [1.0, 51.0, 52.0], "points": 31},
-        "master": {"tolerance": 1e-4},
-    }
-    found = toolkit.run(scene).master
-    assert found is not None and found.success
-    # ten points to each piece; the hold lets go of most of the force
-    before, after = found.force[10], found.force[20]
-    assert found.path[10] == found.path[20] == 1.0 and before > 0.4 and after < 0.25 * before
-    spring = scene | {"drive": {**scene["drive"], "spring": 2.0}, "master": {"tolerance": 1e-2}}  # type: ignore[dict-item]
-    pulled = toolkit.run(spring)
-    soft = pulled.master
-    assert soft is not None and soft.force[20] < 0.5 * soft.force[10]
-    assert plot_force(Figure().subplots(), pulled).get_title().endswith(r"$K$ = 2 $N_c\langle k\rangle$, slip: reset")

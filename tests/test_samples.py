@@ -2,7 +2,6 @@
 
 import tracemalloc
 
-import mpmath as mp
 import numpy as np
 import pytest
 from scipy import stats
@@ -45,15 +44,10 @@ def squared_error(name: str, law: origins.Thresholds) -> float:
 
 # what interpolating the quantiles (a monotone cubic through 2 n^(1/3) of them) is off by, mean of 20 seeds
 INTERPOLATED = {
-    ("weibull 2.5", 1000): 1.6e-2,
     ("weibull 2.5", 20_000): 1.7e-3,
     ("gaussian", 1000): 1.8e-2,
-    ("gaussian", 20_000): 1.6e-3,
-    ("gamma", 1000): 1.9e-2,
     ("gamma", 20_000): 1.6e-3,
     ("exponential", 1000): 2.3e-2,
-    ("exponential", 20_000): 2.3e-3,
-    ("heavy tail", 1000): 2.4e-2,
     ("heavy tail", 20_000): 2.4e-3,
     ("peaks", 1000): 4.3e-2,
 }
@@ -75,16 +69,6 @@ def test_critical_spring_of_twenty_thousand_samples() -> None:
     assert np.abs([one.critical_spring - exact for one in found]).max() < 0.025
 
 
-def test_solver_is_fast_on_it() -> None:
-    """Few breakpoints, and smooth between them: few nodes, as of a law in closed form."""
-    path = np.linspace(0.0, 5.0, 501)
-    for name in ("weibull 2.5", "gamma", "exponential", "heavy tail"):
-        law = origins.from_samples(draws(name, 20_000))
-        assert law.breakpoints.size <= 6
-        solution = master.solve(origins.Contacts(law), path * law.mean(), 1e-8)
-        assert solution.success and solution.nodes <= 1500
-
-
 SETS = {
     "power": lambda r: r.weibull(2.5, 3000),
     "finite at 0": lambda r: r.exponential(size=300),
@@ -94,12 +78,11 @@ SETS = {
     "decades": lambda r: r.lognormal(0.0, 2.0, 1000),
     "decades, edge": lambda r: 1.0 + r.pareto(2.5, 1000),
     "gaps": lambda r: r.normal(np.repeat([0.5, 1.0, 1.5], 100), 0.01),
-    "one narrow, one broad": lambda r: np.concatenate([r.normal(1.0, 0.005, 1000), r.weibull(2.0, 1000)]),
     "outlier": lambda r: np.append(r.normal(1.0, 0.05, 100), [1e-12, 50.0]),
     "tied": lambda r: np.round(r.weibull(2.0, 3000) + 0.005, 2),
     "half tied": lambda r: np.concatenate([np.ones(300), r.weibull(2.0, 300)]),
     "grid": lambda r: np.linspace(0.3, 2.0, 50),
-    **{f"n = {n}": (lambda r, n=n: r.weibull(2.0, n)) for n in range(2, 11)},
+    **{f"n = {n}": (lambda r, n=n: r.weibull(2.0, n)) for n in (2, 3, 5, 10)},
 }
 
 
@@ -137,27 +120,6 @@ def test_any_samples_give_a_law_that_holds_together(name: str) -> None:
     assert law.beyond[0] + law.beyond[1] < 0.6 if "n =" in name else max(law.beyond) < 10.0 / law.n_samples
 
 
-@pytest.mark.parametrize("name", ["power", "finite at 0", "diverging", "edges", "decades"])
-def test_both_tails_against_the_integral_of_the_density(name: str) -> None:
-    """The logarithm of the density in mpmath from its values at a few points: straight in x above the last sample, m
-    log y and straight below the first; the survival down to 1e-280 to 1e-10."""
-    law = origins.from_samples(SETS[name](np.random.default_rng(1)))
-    if np.isinf(law.support()[1]):
-        x = law.isf(np.array([1e-6 * law.beyond[1], 1e-280]))
-        slope = np.diff(law.logpdf(x))[0] / np.diff(x)[0]
-        np.testing.assert_allclose(law.sf(x), law.pdf(x) / -slope, rtol=1e-10)
-    if law.support()[0] == 0.0:
-        first = law.breakpoints[1] if law.breakpoints.size > 1 and law.cdf(law.breakpoints[1]) < 0.1 else law.isf(0.99)
-        x = float(law.ppf(0.5 * min(law.beyond[0], float(law.cdf(first)))))
-        m = law.onset_power
-        with mp.workdps(30):
-            whole = mp.quad(
-                lambda t: mp.mpf(float(law.pdf(float(x * t ** (1 / (m + 1)))))) * x * t ** (1 / (m + 1) - 1) / (m + 1),
-                np.linspace(0.0, 1.0, 5),
-            )
-        assert law.cdf(x) == pytest.approx(float(whole), rel=1e-10)
-
-
 def test_density_between_the_extremes_is_what_random_samples_leave() -> None:
     """About one sample's weight lies beyond each extreme one, on average over data sets."""
     for name in ("weibull 2.5", "exponential"):
@@ -180,30 +142,79 @@ def test_how_it_begins_and_ends() -> None:
     assert sharp.pdf(sharp.support()).min() > 0.8 and sharp.onset_power == 0.0
 
 
-def test_small_thresholds_get_no_weight_that_is_not_there() -> None:
-    """Below a tenth of the mean a Weibull(2.5) law holds 0.3 %; that, within the scatter, and less below."""
-    x = np.array([0.09, 0.03, 0.01])
-    exact = LAWS["weibull 2.5"].cdf(x)
-    for n in (100, 10_000):
-        for seed in range(5):
-            law = origins.from_samples(draws("weibull 2.5", n, seed))
-            assert (law.cdf(x) < exact + 3.0 * np.sqrt(exact / n) + 2.0 / n).all()
+SHAPES = {
+    "narrow": lambda r, n: r.normal(1.0, 10.0 ** r.uniform(-3.0, -0.7), n),
+    "weibull": lambda r, n: r.weibull(r.uniform(0.8, 6.0), n),
+    "gamma": lambda r, n: r.gamma(r.uniform(0.7, 8.0), size=n),
+    "rectangular": lambda r, n: r.uniform(0.5, 1.5, n),
+    "student": lambda r, n: np.abs(10.0 + r.standard_t(4, n)) + 1e-3,
+    "lognormal": lambda r, n: r.lognormal(0.0, r.uniform(0.1, 2.0), n),
+    "two peaks": lambda r, n: np.where(r.random(n) < 0.4, r.normal(1.0, 0.05, n), r.normal(2.5, 0.1, n)),
+}
 
 
-def test_gaps_hold_nothing() -> None:
-    rng = np.random.default_rng(2)
-    samples = np.concatenate([rng.uniform(0.2, 0.4, 3000), rng.uniform(1.0, 1.5, 7000)])
-    law = origins.from_samples(samples)
-    assert law.cdf(0.99) - law.cdf(0.41) < 1e-4 and law.cdf(0.7) == pytest.approx(0.3, abs=1e-6)
-    x = np.array([0.3, 1.25])
-    np.testing.assert_allclose(law.pdf(x), [1.5, 1.4], rtol=0.05)
+@pytest.mark.parametrize("name", SHAPES)
+def test_mean_is_the_samples_in_any_unit(name: str) -> None:
+    """A score equation of the likelihood: the samples' mean is that of the law, of 10 to 3,000 samples."""
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        x = SHAPES[name](rng, int(10.0 ** rng.uniform(1.0, 3.5)))
+        law, scaled = origins.from_samples(x), origins.from_samples(1e-90 * x)
+        assert abs(law.mean() - x.mean()) < 1e-6 * x.std() / np.sqrt(x.size)
+        q = np.array([1e-6, 0.01, 0.2, 0.5, 0.8, 0.99])
+        np.testing.assert_allclose(scaled.isf(q), 1e-90 * law.isf(q), rtol=1e-8)
 
 
-def test_mean_is_the_samples() -> None:
-    """A score equation: the samples' mean is that of the law, to round-off, where they do not span decades."""
-    for name in ("weibull 2.5", "gamma", "rectangular", "peaks"):
-        samples = draws(name, 500)
-        assert origins.from_samples(samples).mean() == pytest.approx(samples.mean(), rel=1e-10)
+def test_simplest_members_are_exact() -> None:
+    """Of an exponential law without a bend only the mean counts; between edges a Gaussian keeps the width as well."""
+    x = draws("exponential", 300)
+    points = np.array([1e-9, 0.1, 1.0, 5.0, 30.0])
+    np.testing.assert_allclose(origins.from_samples(x).logsf(points), -points / x.mean(), rtol=1e-8)
+    x = np.random.default_rng(0).normal(5.0, 0.3, 2000)
+    law = origins.from_samples(x[np.abs(x - 5.0) < 0.3])
+    inside = x[np.abs(x - 5.0) < 0.3]
+    assert law.support() == (inside.min(), inside.max())
+    assert law.mean() == pytest.approx(inside.mean(), rel=1e-10)
+    assert law.std() == pytest.approx(inside.std(), rel=2e-3)
+
+
+@pytest.mark.parametrize("far", [5, 20])
+def test_groups_keep_their_weight_and_chance_parts_no_tail(far: int) -> None:
+    rng = np.random.default_rng(1)
+    rest = rng.normal(1.0, 0.05, 500)
+    law = origins.from_samples(np.append(rest, rng.normal(5.0, 0.1, far)))
+    assert law.sf(3.0) == pytest.approx(far / (500 + far), rel=1e-6)
+    x = np.linspace(0.9, 1.1, 9)
+    np.testing.assert_allclose(law.pdf(x) * (500 + far) / 500, origins.from_samples(rest).pdf(x), rtol=1e-9)
+    for tail in (stats.expon(), stats.pareto(2.5)):
+        parts = [len(origins.from_samples(tail.rvs(100, random_state=seed)).components) for seed in range(12)]
+        assert parts.count(1) >= 11
+
+
+def test_what_no_density_follows_is_refused() -> None:
+    """Peaks far narrower than the samples' reach, and samples over a hundred decades."""
+    rng = np.random.default_rng(0)
+    for x in (np.append(rng.normal(1.0, 0.002, 1000), rng.weibull(2.0, 1000)), 10.0 ** np.arange(-50.0, 51.0, 5.0)):
+        with pytest.raises(InputError, match="one smooth density does not follow; give each apart, in a mixture"):
+            origins.from_samples(x)
+
+
+@pytest.mark.parametrize("law, power", [(stats.gamma(3.0), 2.0), (stats.weibull_min(2.5), 1.5)])
+def test_error_of_the_onset_holds_the_truth(law, power: float) -> None:
+    """In 68 % and 95 % of 40 sets, less three times what chance takes off; also where x^2.5 is no parabola."""
+    found = [origins.from_samples(law.rvs(500, random_state=seed)) for seed in range(40)]
+    miss = np.array([abs(one.onset_power - power) / one.onset_power_error for one in found])
+    assert (miss < 1.0).mean() > 0.46 and (miss < 2.0).mean() > 0.84
+
+
+def test_density_diverges_only_where_samples_pile_up() -> None:
+    """gamma(1/2) begins as x^(-1/2); a law with many decades above does not."""
+    piled = [origins.from_samples(np.random.default_rng(seed).gamma(0.5, size=1000)).onset_power for seed in range(4)]
+    assert np.mean(piled) == pytest.approx(-0.5, abs=0.05)
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        x = np.append(0.3 + np.round(rng.exponential(size=150), 1), 10.0 ** rng.uniform(1.0, 2.5, 40))
+        assert origins.from_samples(x).onset_power >= 0.0
 
 
 def test_recovers_the_law_within_the_stated_error() -> None:
@@ -219,18 +230,17 @@ def test_recovers_the_law_within_the_stated_error() -> None:
     assert law.cdf_error == pytest.approx(np.sqrt(np.log(40.0) / 600.0))
 
 
-def test_misfit_is_the_largest_distance_from_the_empirical_cdf() -> None:
-    samples = draws("gamma", 57)
-    law = origins.from_samples(samples)
-    assert law.cdf_misfit == pytest.approx(stats.kstest(samples, law.cdf).statistic, rel=1e-12)
-
-
 def test_equal_samples() -> None:
     assert origins.from_samples([2.0]).atoms[0].tolist() == [2.0]
     assert origins.from_samples([2.0, 2.0, 2.0]).support() == (2.0, 2.0)
     assert origins.from_samples([2.0, 2.0 * (1.0 + 1e-12)]).atoms[1].tolist() == [1.0]
     two = origins.from_samples([1.0, 2.0, 2.0])
-    assert two.support() == (1.0, 2.0) and two.mean() == pytest.approx(5.0 / 3.0, rel=1e-12)
+    assert two.support() == (1.0, 2.0) and two.mean() == pytest.approx(5.0 / 3.0, rel=1e-10)
+
+
+@pytest.mark.parametrize("weights", [[1.0, 1e-300], [1e300, 1e-300], [1e-300, 1e-320]])
+def test_a_sample_that_weighs_nothing_is_not_there(weights: list[float]) -> None:
+    assert origins.from_samples([1.0, 2.0], weights=weights).support() == (1.0, 1.0)
 
 
 def test_rounded_samples() -> None:
@@ -252,14 +262,6 @@ def test_weights_count_like_repeated_samples() -> None:
     np.testing.assert_allclose(law.isf(q), repeated.isf(q), rtol=1e-10)
     even, plain = origins.from_samples(samples, weights=np.full(200, 7.0)), origins.from_samples(samples)
     np.testing.assert_allclose(even.isf(q), plain.isf(q), rtol=1e-10)
-
-
-def test_weights_turn_one_law_into_another() -> None:
-    """Samples of gamma(2) that count x/2 are samples of gamma(3)."""
-    samples = stats.gamma(2.0).rvs(20_000, random_state=3)
-    law = origins.from_samples(samples, weights=samples)
-    assert law.onset_power == pytest.approx(2.0, abs=4.0 * law.onset_power_error)
-    assert squared_error("gamma", law) < 1e-3 and 0.6 < law.effective_samples / 20_000 < 0.7
 
 
 def test_forces_by_either_law() -> None:
@@ -311,6 +313,7 @@ def test_millions_of_samples() -> None:
         ({"x_s": [1.0, 2.0], "weights": [1.0]}, "weights = array of shape (1,): must hold one value for each of the 2"),
         ({"x_s": [1.0, 2.0], "weights": [1.0, 0.0]}, "weights[1] = 0.0: must be above zero"),
         ({"x_s": [1.0, 2.0], "weights": [1.0, np.inf]}, "weights[1] = inf: "),
+        ({"x_s": [1.0, 1e-101]}, "x_s[1] = 1e-101: must lie between 1e-100 and 1e+100"),
     ],
 )
 def test_bad_samples_are_named(arguments: dict, begins: str) -> None:

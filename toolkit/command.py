@@ -1,7 +1,7 @@
 """The command `mesofriction`: each subcommand is a module of toolkit.commands, imported when it is called."""
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # else imported within, so that an interrupt of any import is met in `main`
     import argparse
@@ -53,18 +53,29 @@ def _run(words: list[str]) -> int:
 
 def _parse(words: list[str]) -> "argparse.Namespace":
     import argparse
-    from importlib import import_module
 
-    from toolkit import __version__
+    from toolkit.version import __version__
 
     purpose = "Friction at the mesoscale, from thresholds to sliding."
     parser = argparse.ArgumentParser(prog="mesofriction", description=purpose)
     parser.add_argument("--version", action="version", version=f"mesofriction {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, purpose in COMMANDS.items():
-        subparser = subparsers.add_parser(name, help=purpose, description=purpose)
-        if name in words:
-            import_module(f"toolkit.commands.{name}").add_arguments(subparser)
+        own = subparsers.add_parser(name, help=purpose, description=purpose)
+        if name == "scenes":
+            continue
+        many = name == "compare"
+        scene = "a scene file, or the name of a shipped scene"
+        own.add_argument("scene", metavar="SCENE", nargs="+" if many else None, help=scene)
+        folder = "compare-output" if many else "NAME-output"
+        told = f"folder for what is written (default: ./{folder})"
+        own.add_argument("--out", metavar="DIR", help=told)
+        if name == "run":
+            kept = "how often a long ensemble writes what it has found into DIR, from which the same command goes on"
+            seconds: Any = {"metavar": "SECONDS", "type": float, "default": 60.0}
+            own.add_argument("--checkpoint", help=f"{kept} (default: 60)", **seconds)
+            told = "tell work, memory, time and error by small pilots; write nothing"
+            own.add_argument("--dry-run", action="store_true", help=told)
     return parser.parse_args(words)
 
 
@@ -77,4 +88,6 @@ def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
     if module.ALL_RANKS:
         return end_together(lambda comm: int(module.execute(parsed, comm)), launched)
     # the other ranks wait: what rank 0 imports may start MPI, which starts on all or on none
-    return end_together(lambda comm: on_root(comm, lambda: int(module.execute(parsed, None))), launched)
+    return end_together(
+        lambda comm: on_root(comm, lambda: int(module.execute(parsed, None))), launched
+    )

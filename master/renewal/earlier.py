@@ -22,8 +22,9 @@ from master.renewal.table import basis_of
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Gauss nodes of a piece; and of pieces that end wherever the speed changed, where that was often.
-SIZE, SIZE_OF_MANY, MANY_LEGS = 16, 4, 8
+# Gauss nodes of a piece; and of pieces that end wherever the speed changed, where that was often:
+# on so many legs, shorter than a share of the life's grain.
+SIZE, SIZE_OF_MANY, MANY_LEGS, SHORT = 16, 4, 8, 0.1
 # Halvings of a piece: rounding of times ends it before.
 DEPTH = 60
 # Two places nearer than this share of all are one.
@@ -119,6 +120,12 @@ class EarlierBirths:
         """Whether these are the births of a hold, which share one stretch."""
         return bool(self._births.motion.speeds[self._legs[-1]] == 0.0)
 
+    @property
+    def _many_short(self) -> bool:
+        """Whether the speed changed so often that pieces between the changes are short."""
+        short = np.median(np.diff(self._knots)) < SHORT * self._births.life.grain
+        return len(self._legs) >= MANY_LEGS and bool(short)
+
     def seen_from(self, motion: Motion, negligible: float) -> bool:
         """Count times from now on as this motion does, which begins with a later leg at t = 0.
 
@@ -175,7 +182,7 @@ class EarlierBirths:
         """Number and force at times t, shape (n,), all on the later leg; shape (2, n)."""
         out, births = np.zeros((2, t.size)), self._births
         pieces = self._cut(t)
-        basis = basis_of(SIZE if len(self._legs) < MANY_LEGS else SIZE_OF_MANY)
+        basis = basis_of(SIZE_OF_MANY if self._many_short else SIZE)
         inside = _INSIDE if births.life.atoms.size else 0.0
         shares = np.concatenate([[inside], basis.nodes, [1.0 - inside]])
         for halving in range(DEPTH):
@@ -224,7 +231,7 @@ class EarlierBirths:
             goals += [now + r, high + r, low + r]
             cuts = np.sign(self._speed) * np.concatenate(goals, axis=1)
         fixed = np.array([first, last])
-        if len(self._legs) >= MANY_LEGS:
+        if self._many_short:
             fixed = np.concatenate([fixed, self._knots])
         edges = np.concatenate([np.tile(fixed, (t.size, 1)), cuts], axis=1)
         edges = np.sort(np.clip(edges, first, last), axis=1)

@@ -21,6 +21,8 @@ from origins.domains.barrier_curve import (
     pieces_of,
     series,
 )
+from origins.domains.barriers import Climb
+from origins.thresholds.identical import identical
 from origins.thresholds.law import Array, Thresholds
 
 _NODES = 24  # Chebyshev nodes in t on each panel
@@ -125,19 +127,18 @@ class AngleThresholds(Thresholds):
 
 
 def angle_thresholds(
-    barrier: Callable[[Array], Array], fastest: float, scale: float
-) -> AngleThresholds | None:
+    climb: Callable[[Array], Climb], fastest: float, scale: float
+) -> Thresholds | None:
     """The law of scale * barrier(angle); `fastest` is the greatest |G| times the island's reach.
 
-    None where the barrier is the same at all angles, and where the island is so large that its barrier
-    has too many peaks to be followed.
+    None where the island is so large that its barrier has too many peaks to be followed.
     """
-    curve = barrier_curve(barrier, fastest)
+    curve = barrier_curve(lambda angle: climb(angle).barriers, fastest)
     if curve is None:
         return None
-    spread = curve.coefficients[:, 0]
-    if np.ptp(spread) <= _LEVEL * spread.max():
-        return None
+    level = curve.coefficients[:, 0]
+    if np.ptp(level) <= _LEVEL * level.max():
+        return identical(scale * float(climb(np.zeros(1)).barriers[0]))
     return AngleThresholds(curve, scale)
 
 

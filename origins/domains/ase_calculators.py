@@ -1,99 +1,46 @@
-"""The ASE calculators behind origins.calculators. Importing this file imports ase, so only functions do."""
+"""The ASE calculator behind origins.domains.calculators. Importing this file imports ase, so only functions do."""
 
+from collections.abc import Callable
 from typing import Any
 
 import ase
 import numpy as np
-import numpy.typing as npt
 from ase.calculators.calculator import Calculator, all_changes
 
 from origins.domains.substrates import Substrate
-from origins.errors import refuse
 from origins.thresholds.law import Array
 
 
-class _OfPositions(Calculator):
-    """Energy, energies and forces that positions alone decide."""
+class OfPositions(Calculator):
+    """Energies of the atoms at points (n, 3), shape (n,), and the forces on them, shape (n, 3), by one function.
 
-    def __init__(self, **keywords: Any) -> None:
+    Where the points lie on a substrate, `periods` are translations that leave all energies as they are.
+    """
+
+    def __init__(
+        self, function: Callable[[Array], tuple[Array, Array]], substrate: Substrate | None = None
+    ) -> None:
         self.implemented_properties = ["energy", "energies", "forces"]
-        super().__init__(**keywords)
+        super().__init__()
+        self.function, self.substrate = function, substrate
+
+    @property
+    def periods(self) -> Array | None:
+        """Shape (2, 2); None without a substrate, InputError where substrate.cell has none."""
+        return None if self.substrate is None else self.substrate.cell
 
     def check_state(self, atoms: ase.Atoms, tol: float = 0.0) -> list[str]:
         # ASE's own comparison takes longer than the calculation, and overlooks steps below 1e-15
         same = self.atoms is not None and np.array_equal(self.atoms.positions, atoms.positions)
         return [] if same else list(all_changes)
 
-    def get_property(self, name: str, atoms: ase.Atoms | None = None, allow_calculation: bool = True) -> Any:
-        # so do the two copies that ASE keeps of the atoms at each step
-        if atoms is None or self.atoms is None or len(atoms) != len(self.atoms):
-            return super().get_property(name, atoms, allow_calculation)
-        if not np.array_equal(self.atoms.positions, atoms.positions):
-            self.results = {}
-            if name in self.implemented_properties and allow_calculation:
-                self.atoms.positions[:] = atoms.positions
-                self._evaluate()
-        return super().get_property(name, None, allow_calculation)
-
-    def of_positions(self, points: Array) -> tuple[Array, Array]:
-        """Energies of the atoms at points of shape (n, 3), shape (n,), and the forces on them, shape (n, 3)."""
-        raise NotImplementedError
-
     def calculate(
         self,
         atoms: ase.Atoms | None = None,
-        properties: list[str] | None = None,
-        system_changes: list[str] = all_changes,
+        properties: Any = None,
+        system_changes: Any = all_changes,
     ) -> None:
         super().calculate(atoms, properties, system_changes)
-        self._evaluate()
-
-    def _evaluate(self) -> None:
         assert self.atoms is not None  # ASE's own copy
-        energies, forces = self.of_positions(self.atoms.positions)
+        energies, forces = self.function(self.atoms.positions)
         self.results = {"energy": float(energies.sum()), "energies": energies, "forces": forces}
-
-
-class SubstrateCalculator(_OfPositions):
-    """Atoms on a Substrate; made by substrate_calculator."""
-
-    def __init__(self, substrate: Substrate, **keywords: Any) -> None:
-        super().__init__(**keywords)
-        self.substrate = substrate
-
-    @property
-    def periods(self) -> Array:
-        """Translations that leave all energies as they are, shape (2, 2); InputError where substrate.cell has none."""
-        return self.substrate.cell
-
-    def of_positions(self, points: Array) -> tuple[Array, Array]:
-        flat = points[:, :2]
-        energies = self.substrate.energy(flat)
-        forces = np.zeros((len(flat), 3))
-        forces[:, :2] = self.substrate.forces(flat)
-        return np.asarray(energies, dtype=float), forces
-
-
-class HarmonicBonds(_OfPositions):
-    """Springs between given pairs of atoms; made by harmonic_bonds."""
-
-    def __init__(self, stiffness: float, pairs: npt.NDArray[np.intp], lengths: Array, **keywords: Any) -> None:
-        super().__init__(**keywords)
-        self.stiffness, self.pairs, self.lengths = stiffness, pairs, lengths
-
-    def of_positions(self, points: Array) -> tuple[Array, Array]:
-        count = len(points)
-        first, second = self.pairs.T
-        if self.pairs.max() >= count:
-            refuse("atoms", self.atoms, f"must hold at least the {self.pairs.max() + 1} atoms that were bonded")
-        apart = points[second] - points[first]
-        length = np.sqrt((apart * apart).sum(-1))
-        stretch = length - self.lengths
-        # atoms in one place push along no direction
-        pull = (self.stiffness * stretch / np.where(length > 0.0, length, 1.0))[:, None] * apart
-        half = 0.25 * self.stiffness * stretch**2
-        energies = np.bincount(first, half, count).astype(float) + np.bincount(second, half, count)
-        forces = np.column_stack(
-            [np.bincount(first, axis, count) - np.bincount(second, axis, count) for axis in pull.T]
-        )
-        return np.asarray(energies, dtype=float), forces

@@ -10,16 +10,17 @@ import numpy as np
 
 from origins.domains.substrates import Substrate
 from origins.errors import positive, refuse
+from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
     import ase
 
-    from origins.domains.ase_calculators import HarmonicBonds, SubstrateCalculator
+    from origins.domains.ase_calculators import OfPositions
 
 _REACH = 1.2  # between the first and the second neighbours of every plane lattice
 
 
-def substrate_calculator(substrate: Substrate) -> "SubstrateCalculator":
+def substrate_calculator(substrate: Substrate) -> "OfPositions":
     """A Calculator with the energy, energies and forces of atoms on `substrate`, each by its own x and y.
 
     There is no force along z, and cell and boundary conditions of the atoms play no part. The calculator's `periods`
@@ -27,12 +28,19 @@ def substrate_calculator(substrate: Substrate) -> "SubstrateCalculator":
     """
     if not isinstance(substrate, Substrate):
         refuse("substrate", substrate, "must be a Substrate, such as origins.square_substrate()")
-    from origins.domains.ase_calculators import SubstrateCalculator
+    from origins.domains.ase_calculators import OfPositions
 
-    return SubstrateCalculator(substrate)
+    def energies_and_forces(points: Array) -> tuple[Array, Array]:
+        forces = np.zeros_like(points)
+        forces[:, :2] = substrate.forces(points[:, :2])
+        return substrate.energy(points[:, :2]), forces
+
+    return OfPositions(energies_and_forces, substrate)
 
 
-def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None = None) -> "HarmonicBonds":
+def harmonic_bonds(
+    atoms: "ase.Atoms", stiffness: float, *, reach: float | None = None
+) -> "OfPositions":
     """A Calculator of sum over bonds (stiffness/2)(length - length in `atoms`)², free of strain in `atoms` as given.
 
     Parameters
@@ -51,7 +59,9 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
     try:
         points = np.asarray(atoms.get_positions(), dtype=float)
     except AttributeError:
-        refuse("atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
+        refuse(
+            "atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)"
+        )
     if len(points) < 2:
         refuse("atoms", atoms, "must hold at least two atoms, else there is nothing to bond")
     if not np.isfinite(points).all():
@@ -66,6 +76,26 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
     pairs = tree.query_pairs(reach, output_type="ndarray")
     if len(pairs) == 0:
         refuse("reach", reach, f"bonds no atoms; the nearest are {shortest:.6g} apart")
-    from origins.domains.ase_calculators import HarmonicBonds
+    from origins.domains.ase_calculators import OfPositions
 
-    return HarmonicBonds(stiffness, pairs, np.linalg.norm(points[pairs[:, 1]] - points[pairs[:, 0]], axis=1))
+    first, second = pairs.T
+    lengths = np.linalg.norm(points[second] - points[first], axis=1)
+
+    def energies_and_forces(points: Array) -> tuple[Array, Array]:
+        count = len(points)
+        if pairs.max() >= count:
+            refuse(
+                "atoms", points, f"must hold at least the {pairs.max() + 1} atoms that were bonded"
+            )
+        apart = points[second] - points[first]
+        length = np.sqrt((apart * apart).sum(-1))
+        stretch = length - lengths
+        # atoms in one place push along no direction
+        pull = (stiffness * stretch / np.where(length > 0.0, length, 1.0))[:, None] * apart
+        half, forces = 0.25 * stiffness * stretch**2, np.zeros_like(points)
+        np.add.at(forces, first, pull)
+        np.add.at(forces, second, -pull)
+        energies = np.bincount(pairs.ravel(), np.repeat(half, 2), count).astype(float)
+        return energies, forces
+
+    return OfPositions(energies_and_forces)

@@ -1,9 +1,9 @@
 """How high a periodic landscape must be climbed to leave its lowest minimum for a copy of it.
 
-A grid shows the basins of all minima and, between each two of them, where their common edge is lowest.
-Newton's method moves minima and saddles from there to where the gradient vanishes. The minima are then
-joined over their saddles by rising level (union-find with windings): the barrier is the first level
-at which the region around the lowest minimum winds round the torus.
+A triangulated grid shows all minima, and all saddles with the minima on their two sides. Newton's
+method moves both to where the gradient vanishes. The minima are then joined over the saddles by rising
+level: the barrier is the first level at which the region around the lowest minimum winds round the
+torus.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from origins.domains.landscapes import Landscapes, Whole
 from origins.thresholds.law import Array
+
+Whole = npt.NDArray[np.intp]
+Complex = npt.NDArray[np.complex128]
 
 _TURN = 2.0 * np.pi
 _PER_WAVE = 16  # grid nodes on an oscillation: they must tell each basin from the next
@@ -23,12 +25,13 @@ _MOST_NODES = 160  # along each direction of the first grid
 _FINER = (1, 2, 4)  # grids tried until Newton's method finds the saddle beside its node
 _ORIGIN = (0.012345, 0.00789)  # radians: no node falls on a line of symmetry
 _NEWTON_STEPS = 80  # at a quartic minimum each takes a third of the distance
-_APART = 4  # grid steps between two passes that lead the same way
+_LONGEST = 0.5  # Newton step, radians of the fastest wave
 _ARRIVED = 1e-6  # radians: a last step so short changes energies by its square, or less
-_ASTRAY = 2.0  # steps of the first grid: Newton's method has found another point beyond
 _TOGETHER = 64  # landscapes worked on at once, to stay in the cache
-_SAME_LEVEL = 1e-13  # of the largest wave: rounding of an energy
-_NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1), (-1, 0), (0, -1), (-1, -1), (-1, 1))
+_NOTHING = 1e-13  # of the largest wave: smaller ones count as none; also the rounding of an energy
+_NOISE = 4e-15  # of the waves that have a part in it: rounding of a slope
+# the neighbours of a node on a triangulated grid, going round it
+_RING = ((1, 0), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1))
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,75 @@ class Climbs:
 _NAMES = tuple(field.name for field in fields(Climbs))
 
 
+def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> Climbs:
+    """Barriers of U(t) = Re sum_n c_n exp(i K_n·t), t in radians, of period 2 pi in both directions.
+
+    K are whole numbers, shape (n, 2); c energies, shape (landscapes, n). Barriers are known to about
+    1e-13 of the largest wave where Newton's method finds the saddle and all minima below it. Where it
+    does not beside the nodes of the finest grid, as in valleys that are level within rounding or narrow,
+    `errors` holds what a grid may be off.
+    """
+    waves, sizes = np.asarray(indices, dtype=float), np.abs(amplitudes)
+    scale = sizes.max(-1)
+    sizes = sizes / np.where(scale > 0.0, scale, 1.0)[:, None]
+    sizes[sizes <= _NOTHING] = 0.0
+    # the diagonals of the grid are to run along the valleys of the largest oblique wave
+    oblique = waves[:, 0] * waves[:, 1]
+    turned = oblique[(sizes * (oblique != 0.0)).argmax(-1)] > 0.0
+    out = Climbs(*np.empty((3, len(sizes))), *np.empty((2, len(sizes), 2)))
+    for mirror, own in ((1.0, np.flatnonzero(~turned)), (-1.0, np.flatnonzero(turned))):
+        for some in np.split(own, range(_TOGETHER, own.size, _TOGETHER)):
+            if some.size:
+                phases = np.angle(amplitudes[some])
+                found = _searched(_Landscapes(waves * [1.0, mirror], sizes[some], phases))
+                for name in _NAMES:
+                    getattr(out, name)[some] = getattr(found, name)
+        out.minima[own, 1] *= mirror
+        out.saddles[own, 1] *= mirror
+    out.errors[:] += 2.0 * _NOTHING * len(waves)
+    for energy in (out.barriers, out.errors, out.depths):
+        energy *= scale
+    return out
+
+
+@dataclass(frozen=True)
+class _Landscapes:
+    """U(t) = sum_n sizes_n cos(K_n·t + phases_n): K of shape (n, 2), the others (landscapes, n)."""
+
+    waves: Array
+    sizes: Array
+    phases: Array
+
+    def energy(self, which: Whole, t: Array) -> Array:
+        """U of the landscapes `which` (m,) at t (m, 2)."""
+        return (self.sizes[which] * np.cos(t @ self.waves.T + self.phases[which])).sum(-1)
+
+    def newton_step(self, which: Whole, t: Array, to_saddle: bool) -> Array:
+        """Towards the next minimum, or the next saddle, from t, shape (m, 2).
+
+        Every curvature counts as positive, so that the step leads down; to a saddle it leads up along
+        the direction of least curvature.
+        """
+        angle, size = t @ self.waves.T + self.phases[which], self.sizes[which]
+        cos, sin = size * np.cos(angle), size * np.sin(angle)
+        k, m = self.waves.T
+        turn = 0.5 * np.arctan2(-(cos @ (2.0 * k * m)), -(cos @ (k * k - m * m)))
+        # the direction of greatest curvature comes first
+        first = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+        directions = np.stack([first, np.stack([-first[:, 1], first[:, 0]], axis=-1)], axis=1)
+        # wave by wave: where the large waves are flat the small ones keep their digits
+        along = directions @ self.waves.T
+        slopes = -np.einsum("mkn,mn->mk", along, sin)
+        curvatures = -np.einsum("mkn,mn->mk", along * along, cos)
+        slopes[np.abs(slopes) <= _NOISE * np.einsum("mkn,mn->mk", np.abs(along), size)] = 0.0
+        lengths = -slopes / np.maximum(np.abs(curvatures), 1e-15)
+        if to_saddle:
+            lengths[:, 1] *= -1.0
+        step = np.einsum("mk,mkd->md", lengths, directions)
+        fastest = np.abs(step @ self.waves.T).max(-1)
+        return step * np.minimum(1.0, _LONGEST / np.maximum(fastest, 1e-300))[:, None]
+
+
 @dataclass(frozen=True)
 class _Points:
     """Minima or saddles of all landscapes: their energies, places, and whether Newton found them."""
@@ -56,128 +128,115 @@ class _Points:
 
 
 @dataclass(frozen=True)
-class _Passes:
-    """Ways from minimum `one` to the copy of minimum `other` that is `shift` periods away."""
+class _Ways:
+    """Ways over the saddle node `top`: from minimum `one` to the copy of `other`, `shift` periods away."""
 
     one: Whole
     other: Whole
     shift: Whole
-    top: Whole  # the highest node of the way
+    top: Whole
 
 
-def lowest_saddles(land: Landscapes) -> Climbs:
-    """The barriers of all landscapes.
-
-    They are known to about 1e-13 of the largest wave where Newton's method finds the saddle. Where it
-    finds none beside a node of the finest grid, as in valleys that are level within rounding, the level
-    of the node is the answer, and `errors` holds what a grid may be off.
-    """
+def _searched(land: _Landscapes) -> Climbs:
+    """The barriers, on grids as fine as Newton's method needs."""
     count = len(land.sizes)
-    if count > _TOGETHER:
-        parts = [
-            lowest_saddles(Landscapes(land.waves, land.sizes[first:last], land.phases[first:last]))
-            for first, last in pairwise([*range(0, count, _TOGETHER), count])
-        ]
-        return Climbs(*(np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES))
     strength = land.sizes @ (land.waves**2).sum(-1)
-    fastest = np.sqrt((strength / land.sizes.sum(-1)).max())
-    nodes = int(np.clip(np.ceil(_PER_WAVE * fastest), _PER_WAVE, _MOST_NODES))
-    rounding = 4.0 * _SAME_LEVEL * land.sizes.sum(-1)
-    out = Climbs(*np.empty((3, count)), *np.empty((2, count, 2)))
+    total = np.maximum(land.sizes.sum(-1), 1e-300)
+    nodes = int(np.clip(np.ceil(_PER_WAVE * np.sqrt((strength / total).max())), 16, _MOST_NODES))
+    out = Climbs(*np.zeros((3, count)), *np.zeros((2, count, 2)))
     left = np.arange(count)
     for finer in _FINER:
         n = finer * nodes
-        some = Landscapes(land.waves, land.sizes[left], land.phases[left])
-        found = np.zeros(left.size, dtype=bool)
-        part = _on_grid(some, n, _ASTRAY * _TURN / nodes, found)
+        some = _Landscapes(land.waves, land.sizes[left], land.phases[left])
+        part = _on_grid(some, n, 2.0 * _TURN / nodes)
+        exact = part.errors == 0.0
         # half a diagonal from the saddle U may have risen by this
-        part.errors[:] = rounding[left] + np.where(
-            found, 0.0, 0.25 * strength[left] * (_TURN / n) ** 2
-        )
+        part.errors[~exact] = 0.25 * strength[left[~exact]] * (_TURN / n) ** 2
+        part.errors[:] += 4.0 * _NOTHING * total[left]
         for name in _NAMES:
             getattr(out, name)[left] = getattr(part, name)
-        left = left[~found]
+        left = left[~exact]
         if not left.size:
             break
+    # where all waves are parallel there is nothing to climb along the valleys
+    first = land.waves[land.sizes.argmax(-1)]
+    across = first[:, :1] * land.waves[:, 1] - first[:, 1:] * land.waves[:, 0]
+    level = ~((across != 0.0) & (land.sizes > 0.0)).any(-1)
+    out.barriers[level], out.saddles[level], out.errors[level] = 0.0, out.minima[level], 0.0
     return out
 
 
-def lowest_of_parallel(land: Landscapes) -> Climbs:
-    """The same where all waves are parallel: along the valleys there is nothing to climb."""
-    which = np.arange(len(land.sizes))
-    step = land.waves[0] / np.abs(land.waves[0]).max()
-    line = (
-        np.linspace(0.0, _TURN, 1 + round(4 * _PER_WAVE * np.abs(land.waves).max()))[:, None] * step
-    )
-    heights = np.stack([land.energy(which, np.broadcast_to(t, (which.size, 2))) for t in line])
-    t = line[heights.argmin(0)]
-    for _ in range(_NEWTON_STEPS):
-        t = t + land.newton_step(which, t, to_saddle=False)
-    zeros = np.zeros(which.size)
-    return Climbs(zeros, zeros, land.energy(which, t), t, t)
+def _on_grid(land: _Landscapes, n: int, astray: float) -> Climbs:
+    """The barriers by a grid of n x n nodes, with errors of 0 where Newton's method made them exact, else 1.
 
-
-def _on_grid(land: Landscapes, n: int, astray: float, found: npt.NDArray[np.bool_]) -> Climbs:
-    """The barriers by a grid of n x n nodes; `found` becomes True where Newton's method made them exact."""
+    Where it leads further than `astray` (radians) it has found another point.
+    """
     count = len(land.sizes)
     axes = [_TURN * np.arange(n) / n + start for start in _ORIGIN]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
     waves = np.exp(1j * (nodes @ land.waves.T))
-    heights = (waves @ (land.sizes * np.exp(1j * land.phases)).T).real.T.reshape(count, n, n)
-    basin, shift = _basins(heights)
-    minima, number = np.unique(basin, return_inverse=True)
-    ways = _passes(heights, number.reshape(basin.shape), shift)
+    heights = (waves @ (land.sizes * np.exp(1j * land.phases)).T).real.T
+    # ranks in place of heights: no two nodes are level
+    ranks = np.argsort(np.argsort(heights, axis=-1, kind="stable"), axis=-1).reshape(count, n, n)
+    minima, ways = _ways(ranks)
     low = _polished(land, nodes, heights, minima, astray, to_saddle=False)
     top = _polished(land, nodes, heights, ways.top, astray, to_saddle=True)
     # a minimum that only the grid shows, in a narrow oblique valley, may seem to lie above a saddle
     certain = np.where(low.found, low.energies, -np.inf)
     levels = np.maximum(top.energies, np.maximum(certain[ways.one], certain[ways.other]))
-    order = np.argsort(levels, kind="stable")
-    # minima come sorted by landscape; so must the passes, by rising level in each
-    owner = minima // (n * n)
-    order = order[np.argsort(owner[ways.one[order]], kind="stable")]
-    bounds = np.searchsorted(owner[ways.one[order]], np.arange(count + 1))
-    firsts = np.searchsorted(owner, np.arange(count + 1))
     out = Climbs(*np.empty((3, count)), *np.empty((2, count, 2)))
-    for k in range(count):
-        mine = slice(firsts[k], firsts[k + 1])
-        lowest = mine.start + int(low.energies[mine].argmin())
-        ground = mine.start + np.flatnonzero(
-            low.energies[mine] <= low.energies[lowest] + _SAME_LEVEL
-        )
-        deciding = _first_loop(ways, order[bounds[k] : bounds[k + 1]], ground.tolist())
+    # both are sorted by landscape
+    firsts = np.searchsorted(minima // (n * n), np.arange(count + 1))
+    bounds = np.searchsorted(ways.top // (n * n), np.arange(count + 1))
+    for k, (mine, over) in enumerate(zip(pairwise(firsts), pairwise(bounds), strict=True)):
+        energies = low.energies[slice(*mine)]
+        lowest = mine[0] + int(energies.argmin())
+        ground = mine[0] + np.flatnonzero(energies <= energies.min() + _NOTHING)
+        order = over[0] + np.argsort(levels[slice(*over)], kind="stable")
+        deciding = _first_loop(ways, order, ground.tolist())
         out.depths[k] = low.energies[lowest]
         out.barriers[k] = max(levels[deciding] - low.energies[lowest], 0.0)
         out.minima[k], out.saddles[k] = low.places[lowest], top.places[deciding]
-        found[k] = bool(top.found[deciding] and low.found[lowest])
+        # minima that only the grid shows tell of valleys too narrow for it
+        narrow = ~low.found[slice(*mine)] & (energies < levels[deciding])
+        out.errors[k] = float(narrow.any() or not top.found[deciding])
     return out
 
 
-def _basins(heights: Array) -> tuple[Whole, Whole]:
-    """The minimum each node leads down to: its number in the flat array, and the periods in between.
+def _ways(ranks: Whole) -> tuple[Whole, _Ways]:
+    """The nodes (numbers in the flat array) that are minima, and the ways over all saddle nodes.
 
-    heights has shape (m, n, n); the results (m, n, n) and (m, n, n, 2).
+    ranks has shape (m, n, n). Below a saddle the ring of neighbours falls into two parts or more.
     """
-    n = heights.shape[1]
-    lowest = heights.copy()
-    flat = np.arange(heights.size).reshape(heights.shape)
-    leads, crossed = flat.copy(), np.zeros((*heights.shape, 2), dtype=np.intp)
-    for step in _NEIGHBOURS:
-        beside = _moved(heights, step)
-        lower = beside < lowest
-        lowest = np.where(lower, beside, lowest)
-        leads = np.where(lower, _moved(flat, step), leads)
-        crossed = np.where(lower[..., None], _crossed(n, step), crossed)
-    target, shift = leads.reshape(-1), crossed.reshape(-1, 2)
+    n = ranks.shape[-1]
+    flat = np.arange(ranks.size).reshape(ranks.shape)
+    beside = np.stack([_moved(ranks, step) for step in _RING])
+    to = np.stack([_moved(flat, step) for step in _RING])
+    crossed = np.stack([_crossed(n, step) for step in _RING])
+    # the minimum that each node leads down to, and the periods in between
+    steepest = beside.argmin(0)[None]
+    down = np.take_along_axis(beside, steepest, 0)[0] < ranks
+    target = np.where(down, np.take_along_axis(to, steepest, 0)[0], flat).ravel()
+    i, j = np.indices(ranks.shape[1:])
+    shift = (crossed[steepest[0], i, j] * down[..., None]).reshape(-1, 2)
     while True:
         further = target[target]
         if (further == target).all():
-            return target.reshape(heights.shape), shift.reshape(*heights.shape, 2)
-        shift = shift + shift[target]
-        target = further
+            break
+        shift, target = shift + shift[target], further
+    minima, number = np.unique(target, return_inverse=True)
+    lower = beside < ranks
+    begins = (lower & ~np.roll(lower, 1, axis=0)).reshape(len(_RING), -1)
+    top, way = np.nonzero(begins.T & (begins.sum(0) > 1)[:, None])
+    foot = to.reshape(len(_RING), -1)[way, top]
+    periods = crossed.reshape(len(_RING), -1, 2)[way, top % (n * n)] + shift[foot]
+    # from the foot of each part to that of the next one of the same saddle
+    pair = np.flatnonzero(top[1:] == top[:-1])
+    basin = number.ravel()[foot]
+    return minima, _Ways(basin[pair], basin[pair + 1], periods[pair + 1] - periods[pair], top[pair])
 
 
-def _moved(grid: npt.NDArray, step: tuple[int, int]) -> npt.NDArray:
+def _moved(grid: Whole, step: tuple[int, int]) -> Whole:
     """At each node what stands `step` nodes further on."""
     return np.roll(grid, (-step[0], -step[1]), axis=(1, 2))
 
@@ -188,40 +247,8 @@ def _crossed(n: int, step: tuple[int, int]) -> Whole:
     return np.stack(np.broadcast_arrays(along[:, None], across[None, :]), axis=-1)
 
 
-def _passes(heights: Array, basin: Whole, shift: Whole) -> _Passes:
-    """The lowest way between each two basins, and the lowest one that lies apart from it."""
-    n = heights.shape[1]
-    flat = np.arange(heights.size).reshape(heights.shape)
-    rows, tops, levels = [], [], []
-    for step in _NEIGHBOURS[:4]:
-        other = _moved(basin, step)
-        periods = _crossed(n, step) + np.roll(shift, (-step[0], -step[1]), axis=(1, 2)) - shift
-        edge = (other != basin) | periods.any(-1)
-        # each way is listed in one direction: from the lower number, or towards the greater shift
-        swap = (other < basin) | ((other == basin) & ((periods * [4 * n, 1]).sum(-1) < 0))
-        periods = np.where(swap[..., None], -periods, periods)[edge]
-        ends = np.where(swap, other, basin)[edge], np.where(swap, basin, other)[edge]
-        rows.append(np.column_stack([*ends, periods]))
-        beside = _moved(heights, step)
-        tops.append(np.where(beside > heights, _moved(flat, step), flat)[edge])
-        levels.append(np.maximum(beside, heights)[edge])
-    ways, top = np.concatenate(rows), np.concatenate(tops)
-    order = np.argsort(np.concatenate(levels), kind="stable")
-    ways, top = ways[order], top[order]
-    _, first, kind = np.unique(ways, axis=0, return_index=True, return_inverse=True)
-    kind = kind.ravel()
-    # a peak may stand between two passes that lead from one basin to the same other one
-    apart = np.array(np.unravel_index(top, heights.shape)[1:]) - np.array(
-        np.unravel_index(top[first[kind]], heights.shape)[1:]
-    )
-    away = np.flatnonzero((np.abs((apart + n // 2) % n - n // 2) > _APART).any(0))
-    _, second = np.unique(kind[away], return_index=True)
-    chosen = np.concatenate([first, away[second]])
-    return _Passes(ways[chosen, 0], ways[chosen, 1], ways[chosen, 2:], top[chosen])
-
-
 def _polished(
-    land: Landscapes, nodes: Array, heights: Array, flat: Whole, astray: float, to_saddle: bool
+    land: _Landscapes, nodes: Array, heights: Array, flat: Whole, astray: float, to_saddle: bool
 ) -> _Points:
     """The critical points beside nodes, or the nodes themselves where there is none."""
     which, node = np.divmod(flat, len(nodes))
@@ -241,8 +268,8 @@ def _polished(
     return _Points(np.where(found, land.energy(which, t), heights.ravel()[flat]), t, found)
 
 
-def _first_loop(ways: _Passes, order: Whole, ground: list[int]) -> int:
-    """The pass over which the region around one of the minima `ground` first winds round the torus."""
+def _first_loop(ways: _Ways, order: Whole, ground: list[int]) -> int:
+    """The way over which the region around one of the minima `ground` first winds round the torus."""
     parent: dict[int, int] = {}
     offset: dict[int, tuple[int, int]] = {}  # periods from a minimum to its parent's copy
     winding: set[int] = set()

@@ -13,16 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from origins.domains.bands import Ends, Scales, by_bands, flat
-from origins.domains.barriers import climbs_of
+from origins.domains.lowest_saddle import lowest_saddles
+from origins.domains.moving_island import Ends, MovingIsland, Scales, by_bands, flat
 from origins.domains.structure_factors import Complex, Whole
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
     import ase
-
-    from origins.domains.moving_island import MovingIsland
 
 _MOST_FLEXIBLE = 1500  # atoms that move by themselves
 _GRIDS = (16, 32, 64, 128)  # places along each period where a rigid island's energy is asked
@@ -88,7 +86,7 @@ def relaxed_barrier(
 
     Energies are in the unit of the calculator, lengths in that of the atoms. For a rigid planar island the energy over
     one cell becomes a Fourier series, on which the search is as exact as `barrier`. Otherwise minima are sought from 16
-    places by ASE's LBFGS, and climbing-image bands lead over four steps of the lattice: the barrier is the lowest of
+    places by L-BFGS, and ASE's climbing-image bands lead over four steps of the lattice: the barrier is the lowest of
     the ways tried.
 
     With its atoms free both the minimum and the saddle of an island lie no higher than those of the rigid one, as its
@@ -102,44 +100,30 @@ def relaxed_barrier(
             refuse(name, value, "must be True or False")
     for method in ("get_positions", "constraints", "cell"):
         if not hasattr(atoms, method):
-            refuse(
-                "atoms",
-                atoms,
-                "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)",
-            )
+            rule = "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)"
+            refuse("atoms", atoms, rule)
     if not hasattr(calculator, "get_forces"):
-        shown = type(calculator).__name__
-        refuse(
-            "calculator",
-            shown,
-            "must be an ASE calculator, such as origins.substrate_calculator(substrate)",
-        )
+        rule = "must be an ASE calculator, such as origins.substrate_calculator(substrate)"
+        refuse("calculator", type(calculator).__name__, rule)
     if len(atoms) == 0 or not np.isfinite(atoms.get_positions()).all():
         refuse("atoms", atoms, "must hold at least one atom, all at finite positions")
-    from origins.domains.moving_island import MovingIsland
-
     cell = _periods(atoms, calculator, periods)
-    slider = MovingIsland(atoms, calculator, rigid=True, planar=True)
-    if not rigid and len(slider.moving) > _MOST_FLEXIBLE:
-        refuse(
-            "atoms",
-            atoms,
-            f"may hold at most {_MOST_FLEXIBLE} atoms that move by themselves; take rigid=True",
-        )
-    scales = _scales(slider, cell)
-    island = slider if rigid and planar else MovingIsland(atoms, calculator, rigid, planar)
-    ends = _rigid(slider, scales, cell) if island is slider else by_bands(island, scales, cell)
-    minimum, saddle = island.atoms_at(ends.minimum), island.atoms_at(ends.saddle)
+    island = MovingIsland(atoms, calculator, rigid, planar)
+    if not rigid and len(island.moving) > _MOST_FLEXIBLE:
+        rule = f"may hold at most {_MOST_FLEXIBLE} atoms that move by themselves; take rigid=True"
+        refuse("atoms", atoms, rule)
+    scales = _scales(island, cell)
+    ends = (_rigid if rigid and planar else by_bands)(island, scales, cell)
+    minimum, saddle = island.finished(ends.minimum), island.finished(ends.saddle)
     height = float(saddle.get_potential_energy() - minimum.get_potential_energy())
     # forces that remain move a point that is level by themselves over its curvature
-    remain = (
-        max(np.abs(island.evaluate(points)[1]).max() for points in (ends.minimum, ends.saddle))
-        / scales.force
-    )
+    left = [island.free(island.forces(shifts)) for shifts in (ends.minimum, ends.saddle)]
+    together = len(island.moving) if rigid else 1
+    remain = together * np.abs(left).max() / scales.force
     error = ends.error + 2.0 * scales.noise + scales.energy * remain**2 / _LEAST_CURVATURE
-    calls = island.evaluations + (0 if island is slider else slider.evaluations)
+    seconds = perf_counter() - started
     return RelaxedBarrier(
-        max(height, 0.0), float(error), minimum, saddle, calls, perf_counter() - started
+        max(height, 0.0), float(error), minimum, saddle, island.evaluations, seconds
     )
 
 
@@ -151,11 +135,8 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
             flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
             found = flat if len(flat) == 2 else None
         if found is None:
-            refuse(
-                "periods",
-                None,
-                "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell",
-            )
+            rule = "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell"
+            refuse("periods", None, rule)
         given = found
     try:
         periods: Array = np.array(given, dtype=float)
@@ -163,17 +144,14 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
         periods = np.empty(0)
     right = periods.shape == (2, 2) and np.isfinite(periods).all()
     if not right or not abs(np.linalg.det(periods)) > 1e-6 * (periods**2).sum():
-        refuse(
-            "periods",
-            given,
-            "must be two vectors that are not parallel, such as [[2.5, 0.0], [0.0, 2.5]]",
-        )
+        rule = "must be two vectors that are not parallel, such as [[2.5, 0.0], [0.0, 2.5]]"
+        refuse("periods", given, rule)
     return periods
 
 
 def _known_periods(calculator: Any) -> Array | None:
     """Periods of the calculator or of one within a sum of calculators."""
-    if hasattr(calculator, "periods"):
+    if getattr(calculator, "periods", None) is not None:
         return np.asarray(calculator.periods)
     parts = getattr(getattr(calculator, "mixer", None), "calcs", ())
     known = [found for found in map(_known_periods, parts) if found is not None]
@@ -184,39 +162,33 @@ def _known_periods(calculator: Any) -> Array | None:
     return known[0] if known else None
 
 
-def _moved(slider: MovingIsland, shift: Array) -> tuple[float, Array]:
-    energy, forces = slider.evaluate(slider.points + flat(shift))
-    return energy, forces[0, :2]
-
-
-def _scales(slider: MovingIsland, periods: Array) -> Scales:
+def _scales(island: MovingIsland, periods: Array) -> Scales:
+    """Scales of length, force and rounding; InputError where the periods change the energy."""
+    nowhere = np.zeros_like(island.rest)
     places = [np.array([i + 0.37, j + 0.21]) / 3.0 @ periods for i in range(3) for j in range(3)]
-    energies = [_moved(slider, place)[0] for place in places]
-    force = slider.strongest
+    moved = [nowhere + flat(place) for place in places]
+    force = max(float(np.linalg.norm(island.forces(shifts), axis=1).max()) for shifts in moved)
+    energies = [island.energy(shifts) for shifts in moved]
     if force == 0.0:
-        refuse(
-            "calculator", "no force anywhere", "must give forces that change as the island moves"
-        )
+        rule = "must give forces that change as the island moves"
+        refuse("calculator", "no force anywhere", rule)
     radian = float(np.linalg.norm(periods, axis=1).min() / (2.0 * np.pi))
-    count, far = len(slider.moving), float(np.abs(slider.reach).max())
+    count, far = len(island.moving), float(np.abs(island.rest).max())
     eps = float(np.finfo(float).eps)
     noise = 8.0 * eps * (np.abs(energies).max() + count * force * (radian + far))
     for period in periods:
         off = max(
-            abs(_moved(slider, place + period)[0] - was)
-            for place, was in zip(places, energies, strict=True)
+            abs(island.energy(shifts + flat(period)) - was)
+            for shifts, was in zip(moved, energies, strict=True)
         )
         if off > 1e-9 * force * radian + 4.0 * noise:
             shown = f"({period[0]:.6g}, {period[1]:.6g})"
-            refuse(
-                "periods",
-                periods,
-                f"must leave energies as they are; moved by {shown} they change by {off:.2g}",
-            )
+            rule = f"must leave energies as they are; moved by {shown} they change by {off:.2g}"
+            refuse("periods", periods, rule)
     return Scales(radian, force, noise)
 
 
-def _series(slider: MovingIsland, scales: Scales, periods: Array) -> tuple[Whole, Complex]:
+def _series(island: MovingIsland, scales: Scales, periods: Array) -> tuple[Whole, Complex]:
     """Energy of the shifted island as waves of whole numbers: U = Re sum_n c_n exp(2 pi i K_n·share).
 
     Returns K (n, 2) and c (n,). The grid is refined until what it does not resolve is rounding.
@@ -227,7 +199,9 @@ def _series(slider: MovingIsland, scales: Scales, periods: Array) -> tuple[Whole
         energies[::2, ::2] = known if len(known) else np.nan
         for i, j in np.ndindex(count, count):
             if not len(known) or i % 2 or j % 2:
-                energies[i, j] = _moved(slider, np.array([i, j]) / count @ periods)[0]
+                shift = flat(np.array([i, j]) / count @ periods)
+                energies[i, j] = island.energy(np.broadcast_to(shift, island.rest.shape))
+                island.evaluations += 1
         waves = np.fft.fft2(energies) / count**2
         numbers = np.rint(np.fft.fftfreq(count, 1.0 / count)).astype(int)
         K = np.stack(np.meshgrid(numbers, numbers, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -240,23 +214,23 @@ def _series(slider: MovingIsland, scales: Scales, periods: Array) -> tuple[Whole
     return K[kept], 2.0 * waves.ravel()[kept]
 
 
-def _rigid(slider: MovingIsland, scales: Scales, periods: Array) -> Ends:
+def _rigid(island: MovingIsland, scales: Scales, periods: Array) -> Ends:
     """The lowest minimum and the saddle of the easiest way, by the exact search on a Fourier series."""
-    K, c = _series(slider, scales, periods)
+    nowhere = np.zeros_like(island.rest)
+    K, c = _series(island, scales, periods)
     if not len(K):
-        return Ends(slider.points, slider.points, scales.noise)
+        return Ends(nowhere, nowhere, scales.noise)
     share = np.array([0.123, 0.456])
-    force = _moved(slider, share @ periods)[1]
+    force = island.forces(nowhere + flat(share @ periods)).sum(axis=0)[:2]
     slopes = -(c * np.exp(2j * np.pi * (K @ share))).imag @ (2.0 * np.pi * K)
     expected = -np.linalg.solve(periods, slopes)
     if np.abs(force - expected).max() > _FORCES * scales.force:
-        shown = type(slider.calculator).__name__
-        refuse("calculator", shown, "forces must be those of its energy")
-    climbs = climbs_of(K, c[None])
+        name = type(island.calculator).__name__
+        refuse("calculator", name, "forces must be those of its energy")
+    climbs = lowest_saddles(K, c[None])
     size = float(np.abs(c).max())
     on_grid = float(climbs.errors[0]) if climbs.errors[0] > _POLISHED * size else 0.0
-    places = [
-        slider.points + flat(t[0] / (2.0 * np.pi) @ periods)
-        for t in (climbs.minima, climbs.saddles)
-    ]
-    return Ends(places[0], places[1], on_grid + _NOTHING * size)
+    minimum, saddle = (
+        nowhere + flat(t[0] / (2.0 * np.pi) @ periods) for t in (climbs.minima, climbs.saddles)
+    )
+    return Ends(minimum, saddle, on_grid + _NOTHING * size)

@@ -1,7 +1,7 @@
 """Structure factors S(G) = sum_j exp(i G·r_j) of a rigid island, r_j its atoms about their centre of mass.
 
-An island at R has the energy sum_n c_n S(G_n) exp(i G_n·R) on the substrate sum_n c_n exp(i G_n·r): its atoms enter
-by S alone. Turning the island by an angle turns the wavevectors by the opposite one.
+An island at R has the energy sum_n c_n S(G_n) exp(i G_n·R) on the substrate sum_n c_n exp(i G_n·r):
+its atoms enter by S alone. Turning the island by an angle turns the wavevectors by the opposite one.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ _BATCH = 1 << 17  # atoms times waves at once, to stay in the cache
 _TURN, _TURN_REST = 6.28125, 0.0019353071795864769
 
 
-def structure_factors(atoms: ase.Atoms, angle: npt.ArrayLike, wavevectors: npt.ArrayLike = SQUARE) -> Complex:
+def structure_factors(
+    atoms: ase.Atoms, angle: npt.ArrayLike, wavevectors: npt.ArrayLike = SQUARE
+) -> Complex:
     """S(G) of any island turned by `angle` about its centre of mass, summed over the atoms.
 
     Parameters
@@ -47,17 +49,14 @@ def structure_factors(atoms: ase.Atoms, angle: npt.ArrayLike, wavevectors: npt.A
     Raises InputError for other input.
     """
     points = positions_of(atoms)
-    angle = angles_of(angle)
-    turned = _turned(angle, wavevectors).reshape(-1, 2).T
-    total = np.zeros(turned.shape[1], dtype=complex)
-    waves = max(1, min(turned.shape[1], _BATCH // len(points)))
-    for first in range(0, turned.shape[1], waves):
-        few = turned[:, first : first + waves]
-        atoms_at_once = max(1, _BATCH // waves)
-        for start in range(0, len(points), atoms_at_once):
-            phase = few.T @ points[start : start + atoms_at_once].T
-            total[first : first + waves] += np.cos(phase).sum(-1) + 1j * np.sin(phase).sum(-1)
-    return total.reshape(*angle.shape, -1)
+    turned = _turned(angles_of(angle), wavevectors)
+    waves = turned.reshape(-1, 2)
+    few = max(1, _BATCH // len(points))
+    sums = [
+        np.exp(1j * (waves[first : first + few] @ points.T)).sum(-1)
+        for first in range(0, len(waves), few)
+    ]
+    return np.concatenate(sums).reshape(turned.shape[:-1])
 
 
 def triangular_structure_factors(
@@ -67,65 +66,51 @@ def triangular_structure_factors(
     angle: npt.ArrayLike,
     wavevectors: npt.ArrayLike = SQUARE,
 ) -> Complex:
-    """S(G) of triangular_island(lattice_constant, n_i, n_j) turned by `angle`, by geometric sums at a cost free of N_a.
+    """S(G) of triangular_island(lattice_constant, n_i, n_j) turned by `angle`, by geometric sums at a cost
+    free of N_a.
 
-    n_i, n_j and angle (radians) broadcast; the result is complex and has their shape + (n,), n wavevectors (those
-    of sin x + sin y when left out). The sums are those of an island whose angle differs by no more than rounding.
-    Raises InputError unless lattice_constant is above zero and n_i, n_j are whole numbers of at least 1.
+    n_i, n_j and angle (radians) broadcast; the result is complex and has their shape + (n,), n wavevectors
+    (those of sin x + sin y when left out). The sums are those of an island whose angle differs by no more
+    than rounding. Raises InputError unless lattice_constant is above zero and n_i, n_j are whole numbers of
+    at least 1.
     """
-    a, n_i, n_j, angle = checked_island(lattice_constant, n_i, n_j, angle)
+    a = positive("lattice_constant", lattice_constant)
+    angle = angles_of(angle)
+    counts = [_counts(name, value) for name, value in (("n_i", n_i), ("n_j", n_j))]
+    try:
+        np.broadcast_shapes(counts[0].shape, counts[1].shape, angle.shape)
+    except ValueError:
+        shapes = f"n_i of shape {counts[0].shape} and n_j of shape {counts[1].shape}"
+        refuse("angle", angle, f"must broadcast with {shapes}")
     turned = _turned(angle, wavevectors)
-    n_i, n_j = n_i[..., None], n_j[..., None]
-    even, odd = (n_j + 1) // 2, n_j // 2
+    columns, rows = (count[..., None] for count in counts)
+    even, odd = (rows + 1) // 2, rows // 2
     along, up = a * turned[..., 0], 0.5 * sqrt(3.0) * a * turned[..., 1]
     # centres of the even and odd rows against the island's own
-    sideways = 0.5 * along / n_j
+    sideways = 0.5 * along / rows
     upwards = np.where(even == odd, 0.5 * up, 0.0)
-    rows = np.exp(-1j * (sideways * odd + upwards)) * _centred(even, 2.0 * up)
-    rows += np.exp(1j * (sideways * even + upwards)) * _centred(odd, 2.0 * up)
-    return _centred(n_i, along) * rows
+    total = np.exp(-1j * (sideways * odd + upwards)) * row_sum(even, 2.0 * up)
+    total = total + np.exp(1j * (sideways * even + upwards)) * row_sum(odd, 2.0 * up)
+    return row_sum(columns, along) * total
 
 
-def triangular_magnitude(a: float, n_i: Whole, n_j: Whole, g_x: Array, g_y: Array) -> Array:
-    """|S| of the triangular island for wavevectors (g_x, g_y) in its own frame; as triangular_structure_factors."""
-    even, odd = (n_j + 1) // 2, n_j // 2
-    along, up = a * g_x, 0.5 * sqrt(3.0) * a * g_y
-    # equally many even and odd rows: one and the same sum, half a phase apart
-    angle = np.where(even == odd, 0.5 * along + up, 0.5 * along)
-    pairs, turns = reduced(2.0 * up)
-    more = dirichlet(even, pairs)
-    fewer = np.where(even == odd, more, dirichlet(odd, pairs))
-    sign = np.where((even != odd) & (turns % 2.0 == 1.0), -1.0, 1.0)
-    return np.abs(dirichlet(n_i, reduced(along)[0])) * np.hypot(
-        more + sign * np.cos(angle) * fewer, np.sin(angle) * fewer
-    )
-
-
-def reduced(theta: Array) -> tuple[Array, Array]:
-    """theta less whole turns, to [-pi, pi] and the last bit, and the number of turns."""
+def row_sum(n: Whole, theta: Array) -> Array:
+    """sin(n theta/2)/sin(theta/2): the sum of n waves, each theta further on, about the middle of the row."""
     turns = np.rint(theta * (0.5 / pi))
-    return (theta - turns * _TURN) - turns * _TURN_REST, turns
-
-
-def dirichlet(n: Whole, theta: Array) -> Array:
-    """sin(n theta/2)/sin(theta/2), theta within [-pi, pi]."""
-    half = 0.5 * theta
+    # theta less whole turns, to the last bit
+    half = 0.5 * ((theta - turns * _TURN) - turns * _TURN_REST)
     below = np.sin(half)
     flat = below == 0.0
-    return np.where(flat, n, np.sin(n * half) / np.where(flat, 1.0, below))
-
-
-def _centred(n: Whole, theta: Array) -> Array:
-    """sin(n theta/2)/sin(theta/2) for any theta: the sum of n waves about the middle of the row."""
-    near, turns = reduced(theta)
-    return np.where((turns * (n - 1)) % 2.0 == 0.0, 1.0, -1.0) * dirichlet(n, near)
+    sign = np.where((turns * (n - 1)) % 2.0 == 0.0, 1.0, -1.0)
+    return sign * np.where(flat, n, np.sin(n * half) / np.where(flat, 1.0, below))
 
 
 def _turned(angle: Array, wavevectors: npt.ArrayLike) -> Array:
     """Wavevectors in the frame of an island turned by `angle`; shape of angle + (n, 2)."""
     G = np.asarray(wavevectors, dtype=float)
     if G.ndim != 2 or G.shape[1] != 2 or not np.isfinite(G).all():
-        refuse("wavevectors", G, "must be finite and of shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]")
+        rule = "must be finite and of shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]"
+        refuse("wavevectors", G, rule)
     cos, sin = np.cos(angle)[..., None], np.sin(angle)[..., None]
     return np.stack([cos * G[:, 0] + sin * G[:, 1], cos * G[:, 1] - sin * G[:, 0]], axis=-1)
 
@@ -138,21 +123,9 @@ def angles_of(angle: npt.ArrayLike, name: str = "angle") -> Array:
     return finite_array(name, given.ravel()).reshape(given.shape)
 
 
-def checked_island(
-    lattice_constant: object, n_i: npt.ArrayLike, n_j: npt.ArrayLike, angle: npt.ArrayLike
-) -> tuple[float, Whole, Whole, Array]:
-    """The four with n_i, n_j and angle as arrays that broadcast; InputError otherwise."""
-    counts = []
-    for name, value in (("n_i", n_i), ("n_j", n_j)):
-        array = np.asarray(value)
-        if array.dtype.kind not in "iu":
-            refuse(name, value, "must be a whole number of at least 1")
-        if array.size and array.min() < 1:
-            refuse(name, array.min(), "must be a whole number of at least 1")
-        counts.append(array.astype(np.int64))
-    a, angle = positive("lattice_constant", lattice_constant), angles_of(angle)
-    try:
-        np.broadcast_shapes(counts[0].shape, counts[1].shape, angle.shape)
-    except ValueError:
-        refuse("angle", angle, f"must broadcast with n_i of shape {counts[0].shape} and n_j of shape {counts[1].shape}")
-    return a, counts[0], counts[1], angle
+def _counts(name: str, value: npt.ArrayLike) -> Whole:
+    array = np.asarray(value)
+    if array.dtype.kind not in "iu" or (array.size and array.min() < 1):
+        shown = value if array.dtype.kind not in "iu" else array.min()
+        refuse(name, shown, "must be a whole number of at least 1")
+    return array.astype(np.int64)

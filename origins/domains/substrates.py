@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
-from math import isfinite, lcm, pi, sqrt
+from math import isfinite, pi, sqrt
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +12,7 @@ import numpy.typing as npt
 from origins.errors import InputError, finite, positive, refuse
 from origins.thresholds.law import Array
 
-_LARGEST_DENOMINATOR = 64
+_LARGEST_DENOMINATOR = 64  # of the shortest wavevector, whole multiples of the lattice's own
 _AGREEMENT = 1e-9  # how near a wavevector must come to a point of the reciprocal lattice
 
 
@@ -77,25 +76,14 @@ class Substrate:
         G = self.wavevectors
         if self.rank == 1:
             refuse("wavevectors", G, "are all parallel: the substrate has no cell, and islands slide freely along it")
-        lengths = (G * G).sum(-1)
-        first = G[np.argmin(lengths)]
-        area = np.abs(first[0] * G[:, 1] - first[1] * G[:, 0]) / np.sqrt(lengths * (first @ first))
-        second = G[np.argmax(area)]
-        shares = np.linalg.solve(np.array([first, second]).T, G.T).T
-        rational = [[Fraction(float(s)).limit_denominator(_LARGEST_DENOMINATOR) for s in row] for row in shares]
-        if np.abs(np.array(rational, dtype=float) - shares).max() > _AGREEMENT * max(1.0, np.abs(shares).max()):
-            refuse("wavevectors", G, "must be whole multiples of two vectors; this substrate never repeats")
-        common = lcm(*(s.denominator for row in rational for s in row))
-        basis = _row_lattice([[int(s * common) for s in row] for row in rational])
-        whole = np.array([[int(s * common) for s in row] for row in rational])
-        indices = np.rint(whole @ np.linalg.inv(basis)).astype(np.int64)
-        reciprocal = np.linalg.lstsq(indices.astype(float), G, rcond=None)[0]
-        cell, change = _shortest(2.0 * pi * np.linalg.inv(reciprocal).T)
+        reciprocal = _shortest_basis(G)
+        indices = np.rint(G @ np.linalg.inv(reciprocal)).astype(np.int64)
+        # the dual of the two shortest wavevectors are the two shortest translations, in the other order
+        cell = 2.0 * pi * np.linalg.inv(reciprocal).T[::-1]
         signs = np.where(cell @ [1.0, 1e-9] < 0.0, -1.0, 1.0)
         if np.linalg.det(cell) * signs.prod() < 0.0:
             signs[1] *= -1.0
-        cell, change = signs[:, None] * cell, signs[:, None] * change
-        return indices @ np.rint(change.T).astype(np.int64), cell
+        return indices[:, ::-1] * signs.astype(np.int64), signs[:, None] * cell
 
 
 def fourier_substrate(wavevectors: npt.ArrayLike, coefficients: npt.ArrayLike, constant: float = 0.0) -> Substrate:
@@ -179,30 +167,28 @@ def _numbers(name: str, value: npt.ArrayLike, kind: type) -> npt.NDArray:
     return array
 
 
-def _row_lattice(rows: list[list[int]]) -> npt.NDArray[np.int64]:
-    """Basis of all whole combinations of the rows, of rank 2, by Euclid's algorithm on each column."""
-    pivots: list[list[int]] = []
-    for column in (0, 1):
-        pivot, rest = [0, 0], []
-        for row in rows:
-            while row[column]:
-                times = pivot[column] // row[column]
-                pivot, row = row, [pivot[0] - times * row[0], pivot[1] - times * row[1]]
-            rest.append(row)
-        pivots.append(pivot)
-        rows = rest
-    return np.array(pivots)
+def _shortest_basis(vectors: Array) -> Array:
+    """The two shortest of all whole combinations of the vectors (n, 2), as rows, the shortest first (Gauss and Euclid).
 
-
-def _shortest(cell: Array) -> tuple[Array, Array]:
-    """The two shortest vectors of a plane lattice (Gauss), and the whole matrix that makes them of the given rows."""
-    change = np.eye(2)
+    InputError where there is no shortest one: the substrate then never repeats.
+    """
+    nothing = _AGREEMENT * np.hypot(*vectors.T).max()
+    least = np.hypot(*vectors.T).min() / _LARGEST_DENOMINATOR
+    rest = vectors
     while True:
-        new = change @ cell
-        if new[1] @ new[1] < new[0] @ new[0] * (1.0 - 1e-12):
-            change = change[::-1].copy()
-            continue
-        times = np.rint(new[0] @ new[1] / (new[0] @ new[0]))
-        if times == 0.0:
-            return new, change
-        change[1] -= times * change[0]
+        rest = rest[np.argsort((rest * rest).sum(-1), kind="stable")]
+        first, others = rest[0], rest[1:]
+        if np.hypot(*first) < least:
+            refuse("wavevectors", vectors, "must be whole multiples of two vectors; this substrate never repeats")
+        reduced = others - np.rint(others @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
+        left = reduced[np.hypot(*reduced.T) > nothing]
+        if len(left) == 1 and (left == others).all():
+            return np.array([first, left[0]])
+        if len(left) > 1:
+            # take out of the others what the second shortest holds of them
+            second = left[np.argmin((left * left).sum(-1))]
+            if second @ second >= first @ first * (1.0 - 1e-12):
+                whole = np.rint(left @ np.linalg.inv(np.array([first, second])))
+                away = left - whole @ np.array([first, second])
+                left = np.vstack([second, away[np.hypot(*away.T) > nothing]])
+        rest = np.vstack([first, left])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from decimal import Decimal, localcontext
-
 import numpy as np
 import numpy.typing as npt
 
@@ -17,8 +15,6 @@ from origins.thresholds.quadrature import gauss
 _FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m)
 _STEPS = 100
 _LEAST = 1e-300
-_FEWEST = 1e-10
-_SEEN = 400
 
 
 class GrainContact:
@@ -76,26 +72,6 @@ class GrainContact:
         out[held] = hazard_beyond(q, 1.0 / largest, excess[held] / largest)
         return out[()]
 
-    def rise(self, x: npt.ArrayLike, age: npt.ArrayLike, velocity: float) -> Array:
-        """d hazard/dx, per length, of contacts of `age` at stretch x > 0 that slide at `velocity`: below zero where
-        thresholds grow faster than the stretch, inf where none holds; shapes broadcast."""
-        stretch, since = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(age, dtype=float))
-        first, root_b = self.growth.first_pinning_time, np.sqrt(self.growth.B)
-        excess = np.expm1(np.log1p(np.maximum(since - first, 0.0) / first) / 3.0)
-        s = root_b * stretch
-        k, largest = np.hypot(1.0, s), 1.0 + excess
-        left = excess - s * (s / (1.0 + k))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = 3.0 * k * k / ((2.0 * largest + k) * left * left)  # psi' over the largest size, at the threshold
-            all_of_them = 3.0 / ((2.0 * largest + 1.0) * excess * excess)  # and where a grain just spans the film
-            grown = (slope * k - all_of_them) / (3.0 * velocity * since)
-            out = slope * (root_b * (s / k)) - grown
-        return np.where(left > 0.0, out, np.inf)[()]
-
-    def holds_at(self, velocity: float) -> bool:
-        """Whether any fraction to speak of beside 1 holds at all where sliding begins as they pin."""
-        return float(np.exp(-self.lost_hazard(velocity))) >= _FEWEST
-
     def lost_hazard(self, velocity: float) -> float:
         """(9/2) B (velocity tau_m)²: exp(-this) is the fraction of contacts that hold at all where sliding begins as
         they pin."""
@@ -144,16 +120,6 @@ class GrainContact:
         law = self._sliding(velocity, rest)
         return np.where(np.asarray(x) < 0.0, 1.0, law.held_fraction * law.sf(x))[()]
 
-    def first_meeting(self, u: npt.ArrayLike, velocity: float, rest: float = 0.0) -> Array:
-        """Stretch (a length) at which the contact of quantile u in [0, 1] breaks; 0 where it never holds."""
-        law = self._sliding(velocity, rest)
-        with np.errstate(divide="ignore"):
-            hazard = -np.log1p(-_ranks(u)) - law.lost_hazard
-        out = np.where(hazard > 0.0, law.support()[1], 0.0)
-        inner = (hazard > 0.0) & np.isfinite(hazard)
-        out[inner] = law._from_hazard(hazard[inner])
-        return out[()]
-
     def _sliding(self, velocity: float, rest: float) -> SlidingGrains:
         return SlidingGrains(self.growth, positive("velocity", velocity), non_negative("rest", rest))
 
@@ -187,32 +153,13 @@ class SlidingGrains(Thresholds):
         self.lost_hazard = GrainContact(growth).lost_hazard(velocity) if rest == 0.0 else 0.0
         self.held_fraction = float(np.exp(-self.lost_hazard))
         self.onset_power = 0.0 if rest == 0.0 else 1.0
-        with localcontext(prec=50):
-            # one more step, in digits: beside the end a distance is a difference, whose rest is kept
-            x = Decimal(self._reach * self._end())
-            age = 1 + (Decimal(rest) + x / Decimal(velocity)) / Decimal(first)
-            largest = (age.ln() / 3).exp()
-            value = Decimal(growth.B) * x * x + 1 - largest * largest
-            slope = 2 * Decimal(growth.B) * x - 2 / (3 * largest * Decimal(velocity) * Decimal(first))
-            end = x - value / slope
-            self._upper = float(end)
-            self._upper_rest = float(end - Decimal(self._upper))
-        self._upper_size = float(largest)
-
-    def _end(self) -> float:
-        """The stretch, in units of velocity tau_m, at which even the largest grain breaks; to floating point."""
-        beta, rest = self._beta, self._rest
-        # two bounds from above; the equation is convex, so that Newton comes down from them
-        least = (1.0 / 3.0 + np.sqrt(1.0 / 9.0 + 2.0 / 3.0 * beta * rest)) / beta
-        x = min(least, max(1.0 + rest, np.sqrt(2.0) * beta**-0.75))
-        for _ in range(_STEPS):
-            log_age = np.log1p(rest + x)
-            value = beta * x * x - np.expm1(2.0 / 3.0 * log_age)
-            step = value / (2.0 * beta * x - 2.0 / 3.0 * np.exp(-log_age / 3.0))
-            x -= step
-            if not step > 1e-15 * x:
-                break
-        return float(x)
+        exact = np.longdouble(velocity) * np.longdouble(first)
+        furthest = _end(np.longdouble(growth.B) * exact * exact, np.longdouble(rest) / np.longdouble(first))
+        end = exact * furthest
+        self._upper = float(end)
+        # beside the end a distance is a difference: what the float lacks is kept
+        self._upper_rest = float(end - np.longdouble(self._upper))
+        self._upper_size = float(np.cbrt(1.0 + self._rest + furthest))
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._upper
@@ -276,19 +223,26 @@ class SlidingGrains(Thresholds):
     def _logsf(self, x: Array) -> Array:
         return -self._hazard(x)
 
-    def rough_quantiles(self, below: Array, above: Array) -> tuple[Array, Array]:
-        near = np.geomspace(1e-30, 0.5, _SEEN)
-        x = self._upper * np.concatenate([near, 1.0 - near[-2::-1]])
-        with np.errstate(divide="ignore"):
-            hazard = np.log(self._hazard(np.unique(x)))
-            goals = np.log(-np.log1p(-below)), np.log(-np.log(above))
-        low, high = (np.interp(goal, hazard, np.unique(x)) for goal in goals)
-        return low, high
-
     def _from_hazard(self, hazard: Array) -> Array:
         flat = hazard.ravel()
         ends = np.zeros(flat.shape), np.full(flat.shape, self._upper)
         return invert_hazard(self, flat, *ends, 0.5 * ends[1]).reshape(hazard.shape)
+
+
+def _end(beta: np.longdouble, rest: np.longdouble) -> np.longdouble:
+    """The stretch, in units of velocity tau_m, at which even the largest grain breaks; beta = B (velocity tau_m)²."""
+    # two bounds from above; the equation is convex, so that Newton comes down from them
+    least = (1.0 / 3.0 + np.sqrt(1.0 / 9.0 + 2.0 / 3.0 * beta * rest)) / beta
+    x = min(least, max(1.0 + rest, np.sqrt(2.0) * beta**-0.75))
+    two_thirds = np.longdouble(2.0) / 3.0
+    for _ in range(_STEPS):
+        log_age = np.log1p(rest + x)
+        value = beta * x * x - np.expm1(two_thirds * log_age)
+        step = value / (2.0 * beta * x - two_thirds * np.exp(-0.5 * two_thirds * log_age))
+        x -= step
+        if not step > 1e-18 * x:
+            break
+    return x
 
 
 def _ranks(u: npt.ArrayLike) -> Array:

@@ -16,7 +16,6 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 _SMALL = 0.4
 _STEPS = 60
-_ROWS = 1 << 15
 _MISS = 1e-5  # Halley's step leaves the cube of what is missing
 
 
@@ -47,17 +46,12 @@ def _closed(q: Array, gap: Array, y0: Array | float, e0: Array | float) -> Array
 
 
 def invert_beyond(hazard: Array, y0: Array | float, e0: Array | float) -> Array:
-    """q >= 0 with psi(y) - psi(y0) = hazard >= 0, finite; shapes broadcast to that of hazard."""
-    start, free = (np.broadcast_to(np.asarray(end, dtype=float), hazard.shape).ravel() for end in (y0, e0))
-    flat, out = hazard.ravel(), np.empty(hazard.size)
-    for i in range(0, flat.size, _ROWS):
-        rows = slice(i, i + _ROWS)
-        out[rows] = _invert(flat[rows], start[rows], free[rows])
-    return out.reshape(hazard.shape)
+    """q >= 0 with psi(y) - psi(y0) = hazard >= 0, finite; shapes broadcast to that of hazard.
 
-
-def _invert(goal: Array, y0: Array, e0: Array) -> Array:
-    """Halley's steps; they come down on the root from the first guess, since the hazard is convex in q."""
+    Halley's steps come down on the root from the first guess, since the hazard is convex in q.
+    """
+    goal = hazard.ravel()
+    y0, e0 = (np.broadcast_to(np.asarray(end, dtype=float), hazard.shape).ravel() for end in (y0, e0))
     slope = 3.0 * y0 * y0 / (2.0 + y0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         straight = np.where(slope > 0.0, goal / slope, np.inf)
@@ -73,7 +67,7 @@ def _invert(goal: Array, y0: Array, e0: Array) -> Array:
         step /= 1.0 - 0.5 * step * left * left * (4.0 + y) / (y * (2.0 + y))
         q[place] = np.maximum(now - step, 0.125 * now)
         place = place[np.abs(step) > _MISS * now]
-    return q
+    return q.reshape(hazard.shape)
 
 
 class LifshitzSlyozov(Thresholds):

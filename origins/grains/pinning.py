@@ -8,13 +8,8 @@ from origins.grains.lifshitz_slyozov import closed_hazard, hazard_beyond, invert
 from origins.thresholds.law import Array, Thresholds
 
 
-class PinningGrains(Thresholds):
-    """Exact Jacobian: the survival is that of the sizes, S = S_LS(u(x))/S_LS(1/rho).
-
-    `excess` = 3 rho/2 - 1 > 0; its float may be as small as floats are.
-    """
-
-    onset_power = 1.0
+class Film(Thresholds):
+    """Stretches at which grains break; `excess` = 3 rho/2 - 1 > 0, whose float may be as small as floats are."""
 
     def __init__(self, excess: Fraction, B: float) -> None:
         self.excess, self.B = float(excess), B
@@ -36,17 +31,17 @@ class PinningGrains(Thresholds):
         left = self._root_b * ((self._upper - x) + self._upper_rest)
         return k, s * (s / (1.0 + k)), left * (self._root_b * (self._upper + x) / (self._m0 + k))
 
+
+class PinningGrains(Film):
+    """Exact Jacobian: the survival is that of the sizes, S = S_LS(u(x))/S_LS(1/rho)."""
+
+    onset_power = 1.0
+
     def _beyond(self, x: Array) -> Array:
         """q, how far the grain lies towards the largest."""
         _, gap, left = self._stretch(x)
         with np.errstate(divide="ignore"):
             return gap / (self._e0 * left)
-
-    def _where(self, hazard: Array) -> Array:
-        """x at which the exact integrated hazard is `hazard`."""
-        q = invert_beyond(hazard, self._y0, self._e0)
-        gap = self._m0 * self._e0 * (q * self._e0 / (1.0 + q * self._e0))
-        return np.minimum(np.sqrt(gap) * np.sqrt(gap + 2.0) / self._root_b, self._upper)
 
     def _hazard(self, x: Array) -> Array:
         return hazard_beyond(self._beyond(x), self._y0, self._e0)
@@ -73,4 +68,6 @@ class PinningGrains(Thresholds):
         return -self._hazard(x)
 
     def _from_hazard(self, hazard: Array) -> Array:
-        return self._where(hazard)
+        q = invert_beyond(hazard, self._y0, self._e0)
+        gap = self._m0 * self._e0 * (q * self._e0 / (1.0 + q * self._e0))
+        return np.minimum(np.sqrt(gap) * np.sqrt(gap + 2.0) / self._root_b, self._upper)

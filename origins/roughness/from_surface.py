@@ -1,10 +1,9 @@
 """From a rough surface to thresholds in metres: contact model times threshold law."""
 
-from os import PathLike
-
 import numpy as np
+from scipy.special import erf
 
-from origins.errors import InputError, between, positive, refuse, whole
+from origins.errors import InputError, between, one_of, positive, refuse, whole
 from origins.roughness.greenwood_williamson import (
     SummitContact,
     critical_compression,
@@ -15,7 +14,7 @@ from origins.roughness.greenwood_williamson import (
 )
 from origins.roughness.interface import Interface
 from origins.roughness.material import Material
-from origins.roughness.persson_contact import stressed, thresholds_of_stress
+from origins.roughness.persson_contact import on_patches, spread_of_stress, thresholds_of_stress
 from origins.roughness.power_law import Bend
 from origins.roughness.spectral_moments import SpectralMoments, spectral_moments
 from origins.roughness.topography import as_topography
@@ -92,7 +91,6 @@ def from_topography(
 
     Raises InputError for values outside these and for combinations without meaning, with what to write instead.
     """
-    _no_file_name(heights)
     moments = spectral_moments(heights, pixel_size, detrend=detrend, periodic=periodic, step=step)
     return from_moments(
         moments,
@@ -120,10 +118,8 @@ def from_moments(
     """from_topography for a surface known by its moments alone: moments_of_spectrum, moments_of_summits."""
     if not isinstance(moments, SpectralMoments):
         refuse("moments", moments, "must be SpectralMoments, such as origins.moments_of_summits(...)")
-    if model not in MODELS:
-        refuse("model", model, 'must be "gw" or "persson"')
-    if law not in LAWS:
-        refuse("law", law, 'must be "paper", "amontons" or "strength"')
+    one_of("model", model, MODELS)
+    one_of("law", law, LAWS)
     if not isinstance(material, Material):
         refuse("material", material, "must be origins.Material(contact_modulus=..., ...)")
     if law == "paper" and material.contact_stiffness is not None:
@@ -138,8 +134,8 @@ def from_moments(
     if regime != "elastic":
         refuse("regime", regime, 'model = "persson" has elastic stresses; leave it out, or write model = "gw"')
     if patch_area is None:
-        such = _mean_area_of_summits(moments, material, pressure)
-        refuse("patch_area", patch_area, f'model = "persson" needs the area of one contact in m², such as {such}')
+        such = 'such as interface.mean_area of model = "gw" here'
+        refuse("patch_area", patch_area, f'model = "persson" needs the area of one contact in m², {such}')
     return _on_patches(moments, law, material, pressure, between("patch_area", patch_area, *_PATCHES, "it is in m²"))
 
 
@@ -170,16 +166,9 @@ def resolution_study(
         refuse("factors", factors, "must be a tuple of whole numbers, such as (1, 2, 4, 8)")
     if "step" in options:
         refuse("step", options["step"], "is what the study varies; write factors=(1, 2, 4, 8)")
-    _no_file_name(heights)
     surface = as_topography(heights, pixel_size)
     steps = [whole("factors", factor, 1) for factor in factors]
     return tuple(from_topography(surface, step=step, **options) for step in steps)  # type: ignore[arg-type]
-
-
-def _no_file_name(heights: object) -> None:
-    if isinstance(heights, str | PathLike):
-        rule = f"is a file's name; write SurfaceTopography.read_topography({str(heights)!r}) in its place"
-        refuse("heights", heights, rule)
 
 
 def _on_summits(
@@ -219,36 +208,26 @@ def _on_summits(
     return thresholds
 
 
-def _mean_area_of_summits(moments: SpectralMoments, material: Material, pressure: float) -> str:
-    """The area of a contact as model "gw" has it, in words."""
-    try:
-        contact = pressed(summits_of(moments, material, "elastic", "gaussian"), pressure)
-    except InputError:  # more load than summits apart can bear
-        return "patch_area = 1e-14"
-    area = contact.area_fraction / contact.contact_density
-    return f'the mean one of model = "gw" here, patch_area = {area:.3g}'
-
-
 def _on_patches(
     moments: SpectralMoments, law: str, material: Material, pressure: float, patch_area: float
 ) -> Thresholds:
     threshold, force = thresholds_of_stress(law, material, patch_area)
-    contact = stressed(moments, material.contact_modulus, pressure)
-    thresholds = contact.thresholds(threshold)
+    width = spread_of_stress(moments, material.contact_modulus, pressure)
+    thresholds, area_fraction = on_patches(pressure, width, threshold), float(erf(pressure / width))
     of_threshold = force.after(threshold.inverse)
     mean_force = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent))
     stiffness = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent - 1.0))
     plastic = None
     if material.hardness is not None:
         plastic = float(thresholds.sf(threshold(material.hardness)))
-    density = contact.area_fraction / patch_area
+    density = area_fraction / patch_area
     thresholds.interface = Interface(
         model="persson",
         law=law,
         material=material,
         moments=moments,
         pressure=pressure,
-        area_fraction=contact.area_fraction,
+        area_fraction=area_fraction,
         contact_density=density,
         mean_radius=float(np.sqrt(patch_area / np.pi)),
         mean_threshold=thresholds.mean(),

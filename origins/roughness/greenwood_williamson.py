@@ -11,16 +11,16 @@ from functools import cached_property
 
 import numpy as np
 
-from origins.errors import InputError, finite, positive, refuse
-from origins.roughness.height_integrals import (
-    check_height_law,
-    log_common_density,
-    log_touching_integral,
-)
+from origins.errors import InputError, finite, one_of, positive, refuse
 from origins.roughness.material import Material
 from origins.roughness.power_law import Bend, PowerLaw
 from origins.roughness.spectral_moments import SpectralMoments
-from origins.roughness.summit_thresholds import SummitThresholds, log_sum
+from origins.roughness.summits import (
+    SummitThresholds,
+    log_common_density,
+    log_sum,
+    log_touching_integral,
+)
 from origins.thresholds.law import Thresholds
 from origins.thresholds.weibull import Weibull
 
@@ -42,19 +42,6 @@ def plasticity_index(std: float, material: Material, radius: float) -> float | N
     if material.hardness is None:
         return None
     return float(3.0 * material.contact_modulus / material.hardness * np.sqrt(std / radius))
-
-
-def bend_of_index(index: float) -> float:
-    """Critical compression over sigma_h, (9 pi/(4 psi))²; inf where floating point ends, and nothing is plastic."""
-    with np.errstate(over="ignore"):
-        return float(np.float64(2.25 * np.pi / index) ** 2)
-
-
-def check_regime(regime: object) -> str:
-    """`regime` if it names one, else InputError."""
-    if regime not in REGIMES:
-        refuse("regime", regime, 'must be "elastic", "plastic" or "mixed"')
-    return str(regime)
 
 
 @dataclass(frozen=True)
@@ -106,8 +93,8 @@ def summits_of(moments: SpectralMoments, material: Material, regime: str, height
 
     Raises InputError for other names, and for a regime that needs the hardness where the material has none.
     """
-    check_regime(regime)
-    check_height_law(heights)
+    one_of("regime", regime, REGIMES)
+    one_of("height_law", heights, ("gaussian", "exponential"))
     radius = moments.summit_radius
     hertz = PowerLaw(4.0 / 3.0 * material.contact_modulus * np.sqrt(radius), 1.5)
     if regime == "elastic":

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from origins.errors import between, finite, positive, refuse
-from origins.roughness.greenwood_williamson import bend_of_index, check_regime
+from origins.errors import between, finite, one_of, positive, refuse
+from origins.roughness.greenwood_williamson import REGIMES
 from origins.roughness.power_law import Bend, PowerLaw
-from origins.roughness.summit_thresholds import SummitThresholds
+from origins.roughness.summits import SummitThresholds
 from origins.thresholds.law import Thresholds
 
 # b of x_s ~ delta^b, elastic and plastic, for k ~ A^(1/2)
@@ -54,17 +54,16 @@ def gw_gaussian(
     if not _DEEPEST <= z <= _HIGHEST:
         refuse("separation", separation, f"is h0/sigma_h and must lie between {_DEEPEST:g} and {_HIGHEST:g}")
     scale = between("scale", scale, _SHORTEST, _LONGEST, "choose another unit of length")
-    if not isinstance(law, str) or law not in EXPONENTS:
-        refuse("law", law, 'must be "paper", "amontons" or "strength"')
-    elastic, plastic = EXPONENTS[law]
-    if check_regime(regime) != "mixed":
+    elastic, plastic = EXPONENTS[one_of("law", law, tuple(EXPONENTS))]
+    if one_of("regime", regime, REGIMES) != "mixed":
         if plasticity_index is not None:
             refuse("plasticity_index", plasticity_index, 'belongs to regime = "mixed" alone; leave it out')
         part = PowerLaw(scale, elastic if regime == "elastic" else plastic)
         return SummitThresholds(Bend(part, part, np.inf), 1.0, z)
     if plasticity_index is None:
         refuse("plasticity_index", plasticity_index, 'regime = "mixed" needs it, such as plasticity_index = 5.0')
-    at = bend_of_index(positive("plasticity_index", plasticity_index))
+    with np.errstate(over="ignore"):
+        at = float(np.float64(2.25 * np.pi / positive("plasticity_index", plasticity_index)) ** 2)
     if not 0.0 < at < np.inf:
         return gw_gaussian(z, scale, law, "plastic" if at == 0.0 else "elastic")
     # the part that holds at delta = sigma_h is the one that `scale` belongs to

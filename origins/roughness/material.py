@@ -60,19 +60,9 @@ class Material:
     contact_stiffness: PowerLaw | None = None
 
     def __post_init__(self) -> None:
-        _check("contact_modulus", self.contact_modulus)
-        for name in (
-            "local_friction",
-            "shear_modulus",
-            "density",
-            "sound_velocity",
-            "hardness",
-            "shear_strength",
-            "force_coefficient",
-        ):
-            value = getattr(self, name)
-            if value is not None:
-                _check(name, value)
+        for name, value in vars(self).items():
+            if name == "contact_modulus" or (value is not None and name != "contact_stiffness"):
+                between(name, value, 1.0 / _LARGEST, _LARGEST, "it is in SI units")
         other = self.density is not None or self.sound_velocity is not None
         if self.shear_modulus is not None and other:
             refuse("shear_modulus", self.shear_modulus, f"given twice; {_ONE_OF}")
@@ -105,7 +95,3 @@ class Material:
         if self.shear_modulus is None:
             raise InputError(f'material.shear_modulus = None: law = "{law}" needs it; {_ONE_OF}')
         return PowerLaw(self.shear_modulus, 0.5)
-
-
-def _check(name: str, value: object) -> None:
-    between(name, value, 1.0 / _LARGEST, _LARGEST, "it is in SI units")

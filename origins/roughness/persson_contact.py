@@ -1,9 +1,6 @@
 """Persson's contact: the stress of a rough surface, cut into patches of one area (paper, Sec. VI B)."""
 
-from dataclasses import dataclass
-
 import numpy as np
-from scipy.special import erf
 
 from origins.errors import refuse
 from origins.roughness.material import Material
@@ -16,34 +13,11 @@ from origins.thresholds.powered import Powered
 _FURTHEST = 1e12  # pressure over width; a root of it is the furthest that persson() takes
 
 
-@dataclass(frozen=True)
-class StressedContact:
-    """Normal stresses in the real contact: P(s) ~ exp[-((s-p)/D)²] - exp[-((s+p)/D)²], s > 0 (paper, Eq. PcPersson).
+def spread_of_stress(moments: SpectralMoments, contact_modulus: float, pressure: float) -> float:
+    """D in Pa of the stresses P(s) ~ exp[-((s-p)/D)²] - exp[-((s+p)/D)²], s > 0 (paper, Eq. PcPersson), under p.
 
-    `pressure` is p, `width` is D, both in Pa.
-    """
-
-    pressure: float
-    width: float
-
-    @property
-    def area_fraction(self) -> float:
-        """Real over nominal area of contact, erf(p/D): the norm of P(s), whose first moment is p itself."""
-        return float(erf(self.pressure / self.width))
-
-    def thresholds(self, threshold: PowerLaw) -> Thresholds:
-        """P_c where a patch under the stress s breaks at threshold(s), exponent 1/2 (PcPersson3) or 1."""
-        scale = threshold.coefficient
-        if threshold.exponent == 0.5:
-            return persson(centre=scale * np.sqrt(self.pressure), width=scale * np.sqrt(self.width))
-        root = np.sqrt(scale)
-        return Powered(persson(centre=root * np.sqrt(self.pressure), width=root * np.sqrt(self.width)), 1.0, 2.0)
-
-
-def stressed(moments: SpectralMoments, contact_modulus: float, pressure: float) -> StressedContact:
-    """The surface under a nominal pressure (Pa); the width is E* h'_rms/2^(1/2) = E* m2^(1/2).
-
-    Raises InputError for a pressure so far above the width that all stresses are one value to round-off.
+    It is E* h'_rms/2^(1/2) = E* m2^(1/2). The norm of P(s) is erf(p/D), the real over the nominal area of contact.
+    Raises InputError for a pressure so far above it that all stresses are one value to round-off.
     """
     width = float(contact_modulus * np.sqrt(moments.m2))
     if pressure > _FURTHEST * width:
@@ -52,16 +26,29 @@ def stressed(moments: SpectralMoments, contact_modulus: float, pressure: float) 
             pressure,
             f"is over {_FURTHEST:g} times the spread of the stresses, {width:.3g} Pa: all patches bear it; lower it",
         )
-    return StressedContact(pressure=pressure, width=width)
+    return width
 
 
-def thresholds_of_stress(law: str, material: Material, patch_area: float) -> tuple[PowerLaw, PowerLaw]:
+def on_patches(pressure: float, width: float, threshold: PowerLaw) -> Thresholds:
+    """P_c where a patch under the stress s breaks at threshold(s), exponent 1/2 (PcPersson3) or 1."""
+    root = threshold.coefficient if threshold.exponent == 0.5 else np.sqrt(threshold.coefficient)
+    law = persson(centre=root * np.sqrt(pressure), width=root * np.sqrt(width))
+    return law if threshold.exponent == 0.5 else Powered(law, 1.0, 2.0)
+
+
+def thresholds_of_stress(
+    law: str, material: Material, patch_area: float
+) -> tuple[PowerLaw, PowerLaw]:
     """x_s in m and f_s in N against the stress in Pa, under a threshold law; see rough_contact.from_topography.
 
     Raises InputError for "strength": patches of one area would all break at one threshold.
     """
     if law == "strength":
-        value = material.needed("shear_strength", law) * patch_area / float(material.stiffness(law)(patch_area))
+        value = (
+            material.needed("shear_strength", law)
+            * patch_area
+            / float(material.stiffness(law)(patch_area))
+        )
         refuse(
             "law",
             law,

@@ -32,7 +32,7 @@ def self_affine_surface(
 
     Nearest-neighbour differences see a mode with q_x dx (2 sin(q_x dx/2)/(q_x dx)) in place of q_x dx: the mean
     square slope by differences is the sum over modes of |a_q|² [(2 sin(q_x dx/2)/dx)² + (2 sin(q_y dy/2)/dy)²],
-    exactly, where differences go round the edges (spectral_moments with periodic=True); see difference_moments.
+    exactly, where differences go round the edges (spectral_moments with periodic=True).
 
     Parameters
     ----------
@@ -62,30 +62,6 @@ def self_affine_surface(
     generator = np.random.Generator(np.random.Philox(key=seed))
     noise = np.fft.rfft2(generator.standard_normal(shape))
     return np.fft.irfft2(amplitude * noise / np.abs(noise), s=shape) * (shape[0] * shape[1])
-
-
-def difference_moments(
-    shape: tuple[int, int],
-    pixel_size: float | tuple[float, float],
-    *,
-    hurst: float,
-    rms_slope: float,
-    long_cutoff: float | None = None,
-    short_cutoff: float | None = None,
-) -> tuple[float, float, float]:
-    """(m0, m2, m4) that periodic nearest-neighbour differences find on every such surface, whatever its seed.
-
-    Sums over modes with the differences' own transfer factors; m2 and m4 are averages over both axes, m2 of the
-    squared profile slope and m4 of the squared profile curvature.
-    """
-    amplitude = mode_amplitudes(shape, pixel_size, hurst, rms_slope, long_cutoff, short_cutoff)
-    dx, dy = pixel_sizes(pixel_size)
-    power = amplitude**2 * _weights(shape)
-    slope_x = (2.0 * np.sin(np.pi * np.fft.fftfreq(shape[0])) / dx) ** 2
-    slope_y = (2.0 * np.sin(np.pi * np.fft.rfftfreq(shape[1])) / dy) ** 2
-    m2 = 0.5 * float((power * (slope_x[:, None] + slope_y[None, :])).sum())
-    m4 = 0.5 * float((power * (slope_x[:, None] ** 2 + slope_y[None, :] ** 2)).sum())
-    return float(power.sum()), m2, m4
 
 
 def mode_amplitudes(
@@ -123,7 +99,9 @@ def mode_amplitudes(
     kept[n_x // 2, :] &= n_x % 2 == 1
     kept[:, n_y // 2] &= n_y % 2 == 1
     if not kept.any():
-        raise InputError(f"short_cutoff = {shortest:g}: no mode of the grid is longer; the surface would be flat")
+        raise InputError(
+            f"short_cutoff = {shortest:g}: no mode of the grid is longer; the surface would be flat"
+        )
     # in units of the roll-off, so that no unit of length overflows the power; none beyond the box is met
     relative = np.maximum(q * min(longest, box) / (2.0 * np.pi), 1.0)
     amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origins.errors import InputError, positive, refuse, whole
-from origins.roughness.topography import Array, Topography, as_topography, detrended
+from origins.roughness.topography import Array, as_topography, detrended
 
 _LEAST_USED = 0.5
 _BANDWIDTH_LIMIT = 0.8968  # below it McCool's summit variance is negative
@@ -143,16 +143,24 @@ def spectral_moments(
     """
     surface = as_topography(heights, pixel_size)
     if periodic and detrend != "centre":
-        refuse("detrend", detrend, 'a periodic surface has neither tilt nor curvature; write detrend = "centre"')
+        refuse(
+            "detrend",
+            detrend,
+            'a periodic surface has neither tilt nor curvature; write detrend = "centre"',
+        )
     step = whole("step", step, 1)
     least = 2 * step + 1
     if min(surface.heights.shape) < least:
-        refuse("step", step, f"the scan of {surface.heights.shape} points needs at least 2 step + 1 along each axis")
+        refuse(
+            "step",
+            step,
+            f"the scan of {surface.heights.shape} points needs at least 2 step + 1 along each axis",
+        )
     level = detrended(surface, detrend)
     sizes = (step * level.pixel_size[0], step * level.pixel_size[1])
-    slopes = _slopes(level, step, periodic)
-    curvatures = _curvatures(level, step, periodic)
-    used = float(np.isfinite(curvatures[0]).mean())
+    slopes, curvatures = _differences(level.heights, step, periodic)
+    inside = [n if periodic else n - 2 * step for n in level.heights.shape]
+    used = float(np.isfinite(curvatures[0]).sum()) / (inside[0] * inside[1])
     if used < _LEAST_USED:
         refuse(
             "heights",
@@ -163,12 +171,18 @@ def spectral_moments(
     return SpectralMoments(
         m0=float(np.nanmean(level.heights**2)),
         m2_axes=(_mean_square(slopes[0], sizes[0]), _mean_square(slopes[1], sizes[1])),
-        m4_axes=(_mean_square(curvatures[0], sizes[0] ** 2), _mean_square(curvatures[1], sizes[1] ** 2)),
+        m4_axes=(
+            _mean_square(curvatures[0], sizes[0] ** 2),
+            _mean_square(curvatures[1], sizes[1] ** 2),
+        ),
         step=step,
         pixel_size=sizes,
         missing_fraction=level.missing_fraction,
         used_fraction=used,
-        size=(level.heights.shape[0] * level.pixel_size[0], level.heights.shape[1] * level.pixel_size[1]),
+        size=(
+            level.heights.shape[0] * level.pixel_size[0],
+            level.heights.shape[1] * level.pixel_size[1],
+        ),
     )
 
 
@@ -176,28 +190,17 @@ def _mean_square(differences: Array, unit: float) -> float:
     return float(np.nanmean((differences / unit) ** 2))
 
 
-def _both(first: Array, second: Array) -> tuple[Array, Array]:
-    """NaN in both where either is missing."""
-    lost = np.isnan(first) | np.isnan(second)
-    return np.where(lost, np.nan, first), np.where(lost, np.nan, second)
-
-
-def _slopes(surface: Topography, step: int, periodic: bool) -> tuple[Array, Array]:
-    h = surface.heights
-    if periodic:
-        return _both(np.roll(h, -step, 0) - h, np.roll(h, -step, 1) - h)
-    here = h[:-step, :-step]
-    return _both(h[step:, :-step] - here, h[:-step, step:] - here)
-
-
-def _curvatures(surface: Topography, step: int, periodic: bool) -> tuple[Array, Array]:
-    h = surface.heights
-    if periodic:
-        return _both(
-            np.roll(h, -step, 0) - 2.0 * h + np.roll(h, step, 0), np.roll(h, -step, 1) - 2.0 * h + np.roll(h, step, 1)
-        )
-    inner = slice(step, -step)
-    here = 2.0 * h[inner, inner]
-    return _both(
-        h[2 * step :, inner] - here + h[: -2 * step, inner], h[inner, 2 * step :] - here + h[inner, : -2 * step]
+def _differences(h: Array, step: int, periodic: bool) -> tuple[list[Array], list[Array]]:
+    """First and second differences of heights along both axes, NaN in both where either is missing."""
+    wide = np.pad(h, step, mode="wrap") if periodic else np.pad(h, step, constant_values=np.nan)
+    inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
+    ahead, behind = (
+        (wide[after, inner], wide[inner, after]),
+        (wide[before, inner], wide[inner, before]),
     )
+    slopes = [one - h for one in ahead]
+    curvatures = [one - 2.0 * h + other for one, other in zip(ahead, behind, strict=True)]
+    for pair in (slopes, curvatures):
+        lost = np.isnan(pair[0] + pair[1])
+        pair[0][lost] = pair[1][lost] = np.nan
+    return slopes, curvatures

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import positive, refuse
+from origins.errors import one_of, positive, refuse
 
 Array = npt.NDArray[np.float64]
 
@@ -88,8 +88,7 @@ def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
 
     Raises InputError for any other name and where nothing but the trend is there.
     """
-    if detrend not in DETRENDS:
-        refuse("detrend", detrend, 'must be "curvature", "tilt" or "centre"')
+    one_of("detrend", detrend, DETRENDS)
     heights = surface.heights
     x, y = (np.linspace(-1.0, 1.0, n) for n in heights.shape)
     x, y = np.meshgrid(x, y, indexing="ij")
@@ -115,7 +114,8 @@ def _height_array(heights: object) -> Array:
     try:
         values: Array = np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan)
     except (TypeError, ValueError):
-        refuse("heights", heights, "must be a two-dimensional array of heights in metres")
+        such = "SurfaceTopography.read_topography(file)"
+        refuse("heights", heights, f"must be a two-dimensional array of heights in metres, or {such}")
     if values.ndim != 2 or min(values.shape) < 3:
         refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
     infinite = np.argwhere(np.isinf(values))

@@ -69,10 +69,14 @@ def bootstrap(
     laws = bootstrap_laws(thresholds, whole("resamples", resamples, 2), seed)
     value = _checked(statistic(thresholds), None)
     resampled = np.stack([_checked(statistic(law), value.shape) for law in laws])
-    return Bootstrapped(value, resampled.std(axis=0, ddof=1), resampled.mean(axis=0) - value, resampled)
+    return Bootstrapped(
+        value, resampled.std(axis=0, ddof=1), resampled.mean(axis=0) - value, resampled
+    )
 
 
-def bootstrap_laws(thresholds: Thresholds, resamples: int = 100, seed: int = 0) -> Iterator[Thresholds]:
+def bootstrap_laws(
+    thresholds: Thresholds, resamples: int = 100, seed: int = 0
+) -> Iterator[Thresholds]:
     """Laws that other samples would have given: as many as the effective ones, drawn from the smooth law `thresholds`
     itself and smoothed in the same way (smoothed bootstrap, Silverman and Young, Biometrika 74, 469, 1987).
 
@@ -87,7 +91,11 @@ def bootstrap_laws(thresholds: Thresholds, resamples: int = 100, seed: int = 0) 
         rule = "must come from from_samples, or be a mixture with such a law, with at least two different values"
         refuse("thresholds", thresholds, rule)
     if isinstance(thresholds, ContinuousMixture):
-        refuse("thresholds", thresholds, "must not be a continuous mixture: its laws may all be of the same samples")
+        refuse(
+            "thresholds",
+            thresholds,
+            "must not be a continuous mixture: its laws may all be of the same samples",
+        )
     count, seed = whole("resamples", resamples, 1), whole("seed", seed, 0)
     return (_anew(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))
 
@@ -108,7 +116,11 @@ def _anew(thresholds: Thresholds, generator: np.random.Generator) -> Thresholds:
 def _checked(found: npt.ArrayLike, shape: tuple[int, ...] | None) -> Array:
     values = np.asarray(found, dtype=float)
     if not np.isfinite(values).all():
-        refuse("statistic", values[~np.isfinite(values)].flat[0], "must be finite for the law and all resampled ones")
+        refuse(
+            "statistic",
+            values[~np.isfinite(values)].flat[0],
+            "must be finite for the law and all resampled ones",
+        )
     if shape is not None and values.shape != shape:
         refuse("statistic", values.shape, f"must keep its shape {shape} for the resampled laws")
     return values

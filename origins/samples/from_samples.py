@@ -7,7 +7,6 @@ import numpy.typing as npt
 
 from origins.errors import InputError, finite_array, positive, refuse
 from origins.samples.repeats import distinct, exact
-from origins.samples.smoothed import Smoothed
 from origins.samples.smoothing import smooth
 from origins.thresholds.identical import identical
 from origins.thresholds.law import Array, Thresholds
@@ -16,6 +15,8 @@ from origins.thresholds.mixture import Mixture
 _DOUBT = 0.05
 _NARROWEST = 1e-9  # of the largest sample: what is closer together is one value
 _SMALLEST, _LARGEST = 1e-100, 1e100
+_LEAST_GROUP = 5  # samples of a group beyond a gap
+_GAP = 10.0  # width of a gap beside those around it, beyond the log of the number of samples
 _NOTHING = 1e-6  # of one effective sample
 
 
@@ -29,18 +30,16 @@ def from_samples(
 ) -> Thresholds:
     """A smooth P_c through threshold values of your own; one value, or all equal to within 1e-9, gives identical().
 
-    Values that repeat are exact, atoms of the law, where rounding does not explain it: where one is there at least
-    10 times more often than 5 times what is beside it (the least of the two values to either side; on a grid, of
-    lengths or of forces c x_s^2, the larger of its two neighbours), and where there are at most 8 values in all, each
-    10 times or more, that do not follow each other at one step, or at most 3. Equal means to within 1e-12. Samples
-    rounded to a grid, whose neighbours repeat alike, stay smooth.
+    Values that repeat are exact, atoms of the law, where rounding does not explain it: where one is there at least 10
+    times more often than 5 times the second largest number among the two values to either side of it; and where there
+    are at most 8 values in all, each 10 times or more, that do not follow each other at one step, or at most 3. Equal
+    means to within 1e-12. Samples rounded to a grid, whose neighbours repeat alike, stay smooth.
 
-    Samples beyond a gap wider than chance leaves keep their weight and mean: each group has a law of its own, and fewer
-    than five different values beyond a gap get a narrow bell each, of the relative width of the law next to them. Wider
-    than chance is a gap that an exponential and a power-law tail both leave once in 90 times or less (once in 20 where
-    one law across it would miss <x_s^2>/2<x_s> of the samples by over two sampling errors); samples that rounding makes
-    equal count each. P_c diverges at 0 only where the samples pile up there: half of the lowest tenth below half of
-    its reach.
+    Five samples or more beyond a gap that is 10 + log(n) times as wide as those around it are a group with a law of its
+    own. Through each group goes one smooth law; fewer far samples keep their part of the mean, though not always their
+    place. Where a law misplaces a tenth of the samples more than sampling explains, they are refused: give each
+    narrow peak or group apart, in a mixture. P_c diverges at 0 only where the samples pile up there: half of the lowest
+    tenth below half of its reach.
 
     x_s : array of shape (n,), lengths from 1e-100 to 1e100; or instead of it
     f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
@@ -54,10 +53,12 @@ def from_samples(
     Sampled), and `origins.bootstrap` gives that of any number derived from it.
     Raises InputError for values that are missing, not finite or not above zero, for arrays of different lengths,
     unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given, and for samples
-    over more decades (some tens) than a logspline can follow.
+    that no smooth density follows.
     """
     if (x_s is None) == (f_s is None):
-        raise InputError("from_samples: give either x_s, the thresholds as lengths, or f_s, as forces, and not both")
+        raise InputError(
+            "from_samples: give either x_s, the thresholds as lengths, or f_s, as forces, and not both"
+        )
     if x_s is not None:
         for name, value in (("coefficient", coefficient), ("stiffness", stiffness)):
             if value is not None:
@@ -69,7 +70,9 @@ def from_samples(
             refuse(f"x_s[{bad[0]}]", lengths[bad[0]], rule)
     else:
         lengths = _lengths(_above_zero("f_s", f_s), coefficient, stiffness)
-    counts = np.ones(lengths.size) if weights is None else _one_each("weights", weights, lengths.size)
+    counts = (
+        np.ones(lengths.size) if weights is None else _one_each("weights", weights, lengths.size)
+    )
     lengths, shares = _that_count(lengths, counts)
     if lengths[-1] - lengths[0] <= _NARROWEST * lengths[-1]:
         return identical(float(shares @ lengths))
@@ -108,7 +111,11 @@ def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None
         lengths = forces / _one_each("stiffness", stiffness, forces.size)
     bad = np.flatnonzero(~_measurable(lengths))
     if bad.size:
-        refuse(f"f_s[{bad[0]}]", forces[bad[0]], f"makes a length of {lengths[bad[0]]:g}; choose other units")
+        refuse(
+            f"f_s[{bad[0]}]",
+            forces[bad[0]],
+            f"makes a length of {lengths[bad[0]]:g}; choose other units",
+        )
     return lengths
 
 
@@ -119,7 +126,9 @@ def _one_each(name: str, value: object, size: int) -> Array:
     return array
 
 
-def _above_zero(name: str, value: object, why: str = ": a contact holds until its threshold") -> Array:
+def _above_zero(
+    name: str, value: object, why: str = ": a contact holds until its threshold"
+) -> Array:
     array = finite_array(name, value)
     bad = np.flatnonzero(array <= 0.0)
     if bad.size:
@@ -127,15 +136,31 @@ def _above_zero(name: str, value: object, why: str = ": a contact holds until it
     return array
 
 
-class Sampled(Mixture):
-    """Logspline density: log P_c = m log x + a cubic spline with few knots, by maximum likelihood.
+def _groups(x: Array, shares: Array) -> list[tuple[Array, Array]]:
+    """Samples (distinct, sorted) and shares of each group, parted where a gap is far wider than those beside it."""
+    place = np.arange(_LEAST_GROUP, x.size - _LEAST_GROUP + 1)
+    if not place.size:
+        return [(x, shares)]
+    many = max(int(np.sqrt(x.size)), _LEAST_GROUP)
+    low, high = np.maximum(place - 1 - many, 0), np.minimum(place + many, x.size - 1)
+    below, above = (
+        (x[place - 1] - x[low]) / (place - 1 - low),
+        (x[high] - x[place]) / (high - place),
+    )
+    wider = (x[place] - x[place - 1]) / np.maximum(below, above)
+    if wider.max() < _GAP + np.log(x.size):
+        return [(x, shares)]
+    cut = int(place[wider.argmax()])
+    return _groups(x[:cut], shares[:cut]) + _groups(x[cut:], shares[cut:])
 
-    How many knots, and whether P_c begins as a power x^m, at a finite value at x = 0 or with an edge at the smallest
-    sample, and ends as an exponential or with an edge at the largest, is what Schwarz' criterion makes of the samples;
-    thresholds over many decades are counted by log(1 + x/median). Each side of a gap is a law of its own, a few samples
-    beyond one are narrow bells, and exact values atoms. Beyond the extreme samples there is about as much weight as
-    random samples leave there, one sample's worth. <x_s> is that of the samples to 1e-8: where the likeliest law has
-    another mean, it is tilted by e^{tilt x}.
+
+class Sampled(Mixture):
+    """A smooth law through samples, beside their exact values.
+
+    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/likelihood.py). Whether it
+    begins as a power x^m, at a finite value at x = 0 or with an edge at the smallest sample, and ends as an
+    exponential or with an edge at the largest, is what the samples make likeliest; thresholds over decades are counted
+    by log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is that of the samples.
 
     n log n in the number of samples; memory for a few copies of them.
 
@@ -156,46 +181,47 @@ class Sampled(Mixture):
     smooth_part : Thresholds or None
         The law without its atoms.
     onset_power, onset_power_error : float
-        m and its error over all models that the samples allow. Where P_c begins at a finite value, m = 0, and the error
-        is how far from 0 a fitted power would be, and its own; inf where the samples are too far from 0, or begin too
-        sharply, to tell.
+        m and its error. Where P_c begins at a finite value, m = 0, and the error is how far from 0 a fitted power would
+        be, and its own; inf where the samples are too far from 0, or begin too sharply, to tell.
     """
 
     def __init__(
-        self, ordered: Array, shares: Array, n_samples: int, effective_samples: float, known: Array | None = None
+        self,
+        ordered: Array,
+        shares: Array,
+        n_samples: int,
+        effective_samples: float,
+        known: Array | None = None,
     ) -> None:
         """ordered : values, sorted, at least two of them different; shares : what each counts, of sum 1; known : which
         values are exact, where that need not be found out."""
         self.n_samples, self.effective_samples = n_samples, effective_samples
-        self.cdf_error = float(np.sqrt(np.log(2.0 / _DOUBT) / (2.0 * self.effective_samples)))
+        self.cdf_error = float(np.sqrt(np.log(2.0 / _DOUBT) / (2.0 * effective_samples)))
         values, shares, counts = distinct(ordered, shares)
         atom = exact(values, counts) if known is None else np.isin(values, known)
         if (~atom).sum() == 1:  # nothing tells how wide it might be
             atom[:] = True
         laws: list[Thresholds] = [identical(float(value)) for value in values[atom]]
-        weights = shares[atom].tolist()
-        self.onset_power_error = 0.0
+        weights = shares[atom]
         self.smooth_part: Thresholds | None = None
         if not atom.all():
-            rest = float(shares[~atom].sum())
-            try:
-                with np.errstate(over="raise", divide="raise", invalid="raise"):
-                    pieces = smooth(values[~atom], shares[~atom] / rest, counts[~atom], self.effective_samples * rest)
-            except (FloatingPointError, np.linalg.LinAlgError):
-                ends, rule = f"{values[0]:g} to {values[-1]:g}", "that is more than one density can follow; split them"
-                raise InputError(f"from_samples: the samples reach from {ends}; {rule}, in a mixture") from None
-            inner = np.array([piece.share for piece in pieces])
-            self.smooth_part = Mixture([piece.law for piece in pieces], inner / inner.sum())
-            laws += self.smooth_part.components
-            weights += (rest * self.smooth_part.weights).tolist()
-        super().__init__(laws, np.array(weights) / np.sum(weights))
+            groups = _groups(values[~atom], shares[~atom])
+            own = np.array([share.sum() for _, share in groups])
+            found = [
+                smooth(x, share / share.sum(), effective_samples * float(share.sum()))
+                for x, share in groups
+            ]
+            self.smooth_part = found[0] if len(found) == 1 else Mixture(found, own / own.sum())
+            laws += found
+            weights = np.append(weights, own)
+        super().__init__(laws, weights / weights.sum())
         self.parts = ((1.0, self),)
         self.samples, self.shares = values, shares
-        if not atom.all() and self.support()[0] == min(piece.law.support()[0] for piece in pieces):
-            # a piece above a gap reaches down to 0 as well, with next to nothing
-            lowest = pieces[0].law
-            self.onset_power = lowest.onset_power
-            self.onset_power_error = lowest.onset_power_error if isinstance(lowest, Smoothed) else np.inf
+        self.onset_power_error = 0.0
+        if self.smooth_part is not None and self.smooth_part.support()[0] == self.support()[0]:
+            # a group above a gap reaches down to 0 as well, with next to nothing
+            self.onset_power = found[0].onset_power
+            self.onset_power_error = found[0].onset_power_error
         up_to, steps = self.cdf(values), np.cumsum(shares)
         below = up_to.copy()
         below[atom] -= self.atoms[1]

@@ -1,205 +1,212 @@
-"""Likelihood of densities y^m exp(spline(y)) for one sample, and its maximum for given knots."""
+"""The most likely log-polynomial density of one form, smoothed by a penalty.
 
-from dataclasses import dataclass
+The penalty is the integral of the squared third derivative, so that samples alone decide the mean, the width and what
+else a parabola can say, and each further bend must be paid for (B. W. Silverman, Ann. Stat. 10, 795, 1982; P. Eilers
+and B. Marx, Stat. Sci. 11, 89, 1996).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import laguerre, legendre
 
-from origins.samples.spline import Places, average, cardinals, tangents
+from origins.samples.log_polynomial import Columns, Form
 from origins.thresholds.law import Array
 
-_CANDIDATES = 64
-_APART = 3  # distinct samples from one candidate to the next: rounded values must not look like structure
-_PANELS = 32
-_OCTAVES = 40.0  # below the first sample, of an integral over a power
-_LEAST_POWER = -0.95
-_LEAST_FALL = 0.75  # of a tail: its length must not exceed 4/3 of that of all samples
-_LARGE_POWER = 10.0  # a power costs (m/10)^2/2 of the log-likelihood: what begins far from 0 does not begin as a power
-_LOWEST = 1e-4  # of the third sample: what is less counts as this for the power
-_STEPS = 100
-_DONE = 1e-11  # log-likelihood still to be gained when the last Newton step is taken
-_ROUNDING = 1e-13
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_MOST_DEGREE = 48  # a peak of 1/30 of the samples' reach is resolved
+_PENALTIES = 10.0 ** np.arange(2.0, -10.5, -1.0)
+_STRAIGHT = 1e10  # penalty that leaves no bend at all
+_NO_BETTER = 6.0  # in score: where a smaller penalty is worse by this, the search ends
+_HEAVY = 3.0  # log-likelihood that a long tail must gain
+# Length on which a tail falls by e, of the last sample: from where it must gain, and at most. At 1/2 it is as heavy as
+# x^-2, which has no mean.
+_LONG, _LONGEST = 0.5, 4.0 / 3.0
+_LARGE_POWER = 10.0  # m of this size costs 1/2 of the log-likelihood, so that its error is finite
+_LEAST_POWER = -0.95  # nearer to 1/x nearly all weight would lie below what floating point holds
+_QUARTERS = 20  # factors of 4 below the first sample, down to which integrals look at the density
+_ENDS = 16  # extreme samples, each an edge of panels: far ones may pull the density up between them
+_CHUNK = 1 << 14  # samples whose rows are held at once
+_STEPS, _DONE = 100, 1e-13  # Newton's, and the log-likelihood left to gain at its end
+_NODES, _WEIGHTS = legendre.leggauss(8)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
-# a tail is exponential and everything in it linear: two nodes are exact for all that Newton's method needs
-_TAIL_NODES, _TAIL_WEIGHTS = np.polynomial.laguerre.laggauss(2)
+# along an exponential tail all rows are straight: two nodes are exact for value, gradient and curvature
+_TAIL_NODES, _TAIL_WEIGHTS = laguerre.laggauss(2)
+
+
+def cost(size: float) -> float:
+    """Penalty for each parameter, in log-likelihood: log(size)/2 (Schwarz) up to 55 samples, then 2, twice Akaike's.
+
+    A larger one would leave biases of many standard errors in large samples.
+    """
+    return min(0.5 * float(np.log(size)), 2.0)
 
 
 @dataclass(frozen=True)
-class Ends:
-    """How a density y^m exp(spline(y)) goes on beyond the extreme samples.
+class Fit:
+    """The most likely density of one form; lengths in units of the median.
 
-    from_zero : down to y = 0, the spline straight; else it stops at the first sample.
-    power : m is fitted (only with from_zero), else 0.
-    open_above : beyond the last sample without end, log-density and y straight lines in x with the slopes they have
-        there, that of the log-density less by `bent` in units of y (it is -d log(dy/dx)/dy); else it stops there.
+    score : log-likelihood less what the parameters cost; akaike : less one for each of them; power_error : standard
+    error of m; beyond : weights below the first sample and above the last.
     """
 
-    from_zero: bool
-    power: bool
-    open_above: bool
-    bent: float
+    columns: Columns
+    coefficients: Array
+    score: float
+    akaike: float
+    power_error: float
+    beyond: tuple[float, float]
+
+    @property
+    def power(self) -> float:
+        """m of P_c ~ x^m."""
+        return float(self.coefficients[-1]) if self.columns.form.power else 0.0
 
 
 @dataclass(frozen=True)
-class Model:
-    """The most likely density with given knots.
+class _State:
+    """Penalised log-likelihood per sample at some coefficients, and what Newton's method needs there."""
 
-    kept : places of the knots among the candidates.
-    coefficients : log-density at the knots and, if there is one, the power.
-    value : log-likelihood per sample, what a large power costs taken off.
-    density, away : at all nodes, those of the tail at the end: probabilities, and derivatives of the log-density by
-        the coefficients less their means.
-    tail : distances of the tail's nodes from the last sample.
-    information : minus the second derivatives of `value`.
-    """
-
-    kept: Places
     coefficients: Array
     value: float
-    density: Array
-    away: Array
-    tail: Array
-    information: Array
+    likelihood: float
+    shares: Array
+    rows: Array
 
-    def solve(self, right: Array) -> Array:
-        """information^-1 right; right does not change when a constant is added to all heights."""
-        return _solve(self.information, right, self.kept.size)
+    def covariance(self) -> Array:
+        """Of the columns under the density: minus the curvature of the log-likelihood."""
+        away = self.rows - self.shares @ self.rows
+        return (away * self.shares[:, None]).T @ away
 
 
 class Likelihood:
-    """What all densities for one sample share: y of shape (n,), distinct and sorted, with shares (sum 1) that are
-    worth `size` samples.
+    """The penalised likelihood of one form for samples x (sorted, distinct, in units of their median) with `shares`
+    (sum 1) that are worth `size` samples."""
 
-    Attributes
-    ----------
-    knots : array of shape (k,)
-        Candidates for knots; a density keeps the first, the last and some between.
-    nodes : array
-        Where integrals look at the density, the tail beyond the last sample apart.
-    mean : array of shape (k,)
-        Row from heights at all candidates to the spline's average over the samples.
-    """
-
-    def __init__(self, y: Array, shares: Array, size: float, ends: Ends) -> None:
-        self.size, self.ends = size, ends
-        self.knots = knots = _candidates(y, shares, size)
-        self.mean = average(knots, y, shares)
-        self._middle = float(shares @ y)
-        self._variance = float(shares @ (y - self._middle) ** 2)
-        # a sample that is as good as 0 beside all others must not decide the power
-        self._mean_log = float(shares @ np.log(np.maximum(y, _LOWEST * y[min(2, y.size - 1)]))) if ends.power else 0.0
-        edges = np.union1d(knots, np.linspace(knots[0], knots[-1], _PANELS + 1))
-        if ends.from_zero:
-            steps = np.arange(max(np.ceil(np.log2(knots[0] / (edges[1] - edges[0]))), 0.0) + 1.0)
-            edges = np.concatenate([[0.0], knots[0] * (1.0 - 0.5**steps[1:]), edges])
-        if ends.power:
-            octaves = np.arange(0.0, _OCTAVES + np.log2(knots[-1] / knots[0]), 0.5)
-            edges = np.union1d(edges[1:], knots[-1] * 0.5**octaves)
+    def __init__(self, x: Array, shares: Array, size: float, form: Form) -> None:
+        self._size, self._form, self._bends = size, form, x.size > 2
+        degree = int(np.clip(round(4.0 * size**0.3), 4, _MOST_DEGREE))
+        self._columns = columns = Columns(form, float(x[0]), float(x[-1]), degree)
+        starts = range(0, x.size, _CHUNK)
+        self._mean: Array = np.sum(
+            [shares[i : i + _CHUNK] @ columns.rows(x[i : i + _CHUNK]) for i in starts], axis=0
+        )
+        # where samples lie dense the density may change within little
+        dense = np.linspace(0, x.size - 1, min(x.size, degree)).astype(int)
+        edges = np.concatenate([columns.grid(), x[dense], x[:_ENDS], x[-_ENDS:]])
+        edges = np.unique(np.append(edges, [columns.first, columns.last]))
+        # towards 0, and to either side of the first sample, where the density may be steep
+        down = 0.25 ** np.arange(_QUARTERS + np.ceil(np.log2(columns.last / columns.first) / 2))
+        if form.from_zero:
+            beside = columns.first * (1.0 - down[1:])
+            edges = np.concatenate([[0.0], columns.last * down, beside, edges])
+        else:
+            beside = (columns.last - columns.first) * down[1:]
+            edges = np.concatenate([edges, columns.first + beside, columns.last - beside])
+        edges = np.unique(edges)
         width = np.diff(edges)[:, None]
-        self.nodes = (edges[:-1, None] + width * _NODES).ravel()
+        self._nodes = (edges[:-1, None] + width * _NODES).ravel()
         self._log_weights = np.log((width * _WEIGHTS).ravel())
+        self._rows = columns.rows(self._nodes)
+        self._end, self._slope = columns.rows(np.array([columns.last]))[0], columns.end_slope()
+        self._ridge = np.zeros((self._mean.size,) * 2)
+        if form.power:
+            self._ridge[-1, -1] = _LARGE_POWER**-2 / size
 
-    def straight(self) -> Model | None:
-        """The density without a bend; None where it would be an exponential with too long a tail."""
-        mean = self._middle - (0.0 if self.ends.from_zero else float(self.knots[0]))
-        if self.ends.open_above and 1.0 / mean + self.ends.bent <= _LEAST_FALL:
-            return None
-        heights = (self.knots[0] - self.knots[[0, -1]]) / mean
-        return self._maximise(np.array([0, self.knots.size - 1]), np.append(heights, np.zeros(int(self.ends.power))))
-
-    def maximise(self, kept: Places, *starts: Array) -> Model:
-        """The likeliest density with at least three knots, by Newton's method from the likeliest of the starting
-        coefficients; a Gaussian with the samples' mean and variance is always one of them."""
-        heights = -0.5 * (self.knots[kept] - self._middle) ** 2 / self._variance
-        return self._maximise(kept, np.append(heights, np.zeros(int(self.ends.power))), *starts)
-
-    def _maximise(self, kept: Places, *starts: Array) -> Model:
-        knots, power, open_above = self.knots[kept], self.ends.power, self.ends.open_above
-        first, last = tangents(knots)
-        basis = cardinals(knots, np.maximum(self.nodes, knots[0]))
-        basis += np.outer(np.minimum(self.nodes - knots[0], 0.0), first)
-        mean = cardinals(knots, self.knots).T @ self.mean
-        end = np.append(np.zeros(kept.size - 1), 1.0)
-        ridge = np.zeros(kept.size)
-        if power:
-            basis, mean = np.column_stack([basis, np.log(self.nodes)]), np.append(mean, self._mean_log)
-            end, last = np.append(end, np.log(knots[-1])), np.append(last, 1.0 / knots[-1])
-            ridge = np.append(ridge, _LARGE_POWER**-2 / self.size)
-
-        def slope(coefficients: Array) -> float:
-            return float(last @ coefficients) - self.ends.bent
-
-        def density(coefficients: Array) -> tuple[float, Array, Array] | None:
-            """Log-likelihood, probabilities of all nodes, their rows of the basis; None where there is no density."""
-            log, rows = basis @ coefficients + self._log_weights, basis
-            if power and coefficients[-1] <= _LEAST_POWER:
-                return None
-            if open_above:
-                rise = slope(coefficients)
-                if rise >= -_LEAST_FALL:
-                    return None
-                rows = np.concatenate([basis, end - np.outer(_TAIL_NODES / rise, last)])
-                log = np.append(log, np.log(_TAIL_WEIGHTS / -rise) + end @ coefficients)
-            top = float(log.max())
-            shares = np.exp(log - top)
-            whole = float(shares.sum())
-            value = float(mean @ coefficients - 0.5 * ridge @ coefficients**2) - top - float(np.log(whole))
-            return value, shares / whole, rows
-
-        found = [(density(start), start) for start in starts]
-        possible = [(now, start) for now, start in found if now is not None]
-        now, coefficients = max(possible, key=lambda pair: pair[0][0])
-        done = False
-        for _ in range(_STEPS):
-            value, shares, rows = now
-            expected = shares @ rows
-            away = rows - expected
-            information = (away * shares[:, None]).T @ away + np.diag(ridge)
-            gradient = mean - expected - ridge * coefficients
-            step = _solve(information, gradient, kept.size)
-            gain, length = float(gradient @ step), 1.0
-            if open_above:
-                length = _within(length, slope(coefficients) + _LEAST_FALL, float(last @ step))
-            if power:
-                length = _within(length, _LEAST_POWER - coefficients[-1], -step[-1])
-            if done or not gain * length * self.size > 0.0:
+    def best(self) -> Fit:
+        """The fit of largest score, from a straight line on through ever smaller penalties."""
+        start = np.zeros(self._mean.size)
+        first = 0.0 if self._form.from_zero else self._columns.first
+        at = self._columns.degree if self._form.decades else 0
+        start[at] = -(self._slope[at] ** -1) / max(1.0 - first, 0.1) if at == 0 else -1.0
+        fits: list[Fit] = []
+        for penalty in self._penalties():
+            state = self._newton(start, penalty + self._ridge)
+            found, start = self._scored(state, penalty + self._ridge), state.coefficients
+            if fits and -np.inf < found.score < max(fit.score for fit in fits) - _NO_BETTER:
                 break
-            done = gain * length * self.size < _DONE
-            trial = density(coefficients + length * step)
-            while trial is None or not (done or trial[0] > value + 1e-4 * length * gain - _ROUNDING):
-                length, done = 0.5 * length, length < 1e-9
-                trial = density(coefficients + length * step)
-            coefficients, now = coefficients + length * step, trial
-        tail = -_TAIL_NODES / slope(coefficients) if open_above else np.empty(0)
-        return Model(kept, coefficients, value, shares, away, tail, information)
+            fits.append(found)
+        best = max(fits, key=lambda fit: fit.score)
+        # penalties that are as likely give other powers: what the polynomial takes on itself near 0 differs
+        likely = np.exp([fit.akaike - max(fit.akaike for fit in fits) for fit in fits])
+        squares = [fit.power_error**2 + (fit.power - best.power) ** 2 for fit in fits]
+        return replace(best, power_error=float(np.sqrt(likely @ squares / likely.sum())))
+
+    def _penalties(self) -> Iterator[Array]:
+        bends = self._columns.penalty()
+        bent = np.arange(1, self._columns.degree)
+        straight = bends.copy()
+        straight[bent, bent] += _STRAIGHT
+        yield straight
+        for penalty in _PENALTIES if self._bends else ():
+            yield penalty * bends
+
+    def _state(self, coefficients: Array, penalty: Array) -> _State | None:
+        """None where there is no density: its tail does not fall, its power is below -0.95, or it overflows."""
+        log, rows = self._rows @ coefficients + self._log_weights, self._rows
+        if self._form.power and coefficients[-1] <= _LEAST_POWER:
+            return None
+        if self._form.open_above:
+            rise = float(self._slope @ coefficients)
+            if rise >= 0.0:
+                return None
+            rows = np.concatenate([rows, self._end - np.outer(_TAIL_NODES / rise, self._slope)])
+            log = np.append(log, np.log(_TAIL_WEIGHTS / -rise) + self._end @ coefficients)
+        top = float(log.max())
+        if not np.isfinite(top):
+            return None
+        shares = np.exp(log - top)
+        whole = float(shares.sum())
+        likelihood = float(self._mean @ coefficients) - top - float(np.log(whole))
+        value = likelihood - 0.5 * float(coefficients @ penalty @ coefficients)
+        return _State(coefficients, value, likelihood, shares / whole, rows)
+
+    def _newton(self, start: Array, penalty: Array) -> _State:
+        """The maximum, which is the only one: the penalised log-likelihood is concave."""
+        now = self._state(start, penalty)
+        assert now is not None
+        for _ in range(_STEPS):
+            gradient = self._mean - now.shares @ now.rows - penalty @ now.coefficients
+            step = _inverse(now.covariance() + penalty) @ gradient
+            gain, length = float(gradient @ step), 1.0
+            if not gain * self._size > _DONE:
+                # one step more, and the mean is that of the samples to round-off
+                last = self._state(now.coefficients + step, penalty)
+                return now if last is None else last
+            trial = self._state(now.coefficients + step, penalty)
+            while trial is None or not trial.value > now.value + 1e-4 * length * gain - 1e-14:
+                length *= 0.5
+                if length < 1e-9:
+                    return now
+                trial = self._state(now.coefficients + length * step, penalty)
+            now = trial
+        return now
+
+    def _scored(self, state: _State, penalty: Array) -> Fit:
+        """The fit, its score with the effective number of parameters and Hurvich's correction for few samples."""
+        covariance = state.covariance()
+        spread = _inverse(covariance + penalty)
+        count = float(np.trace(spread @ covariance))
+        correction = self._size / max(self._size - count - 1.0, 1.0)
+        score = self._size * state.likelihood - cost(self._size) * count * correction
+        fall = -float(self._slope @ state.coefficients)
+        length = 1.0 / (fall * self._columns.last) if self._form.open_above else 0.0
+        if length > _LONG:
+            score -= _HEAVY if length < _LONGEST else np.inf
+        inner, tail = np.split(state.shares, [self._nodes.size])
+        return Fit(
+            columns=self._columns,
+            coefficients=state.coefficients,
+            score=score,
+            akaike=self._size * state.likelihood - count,
+            power_error=float(np.sqrt(spread[-1, -1] / self._size)) if self._form.power else np.inf,
+            beyond=(float(inner[self._nodes < self._columns.first].sum()), float(tail.sum())),
+        )
 
 
-def _within(length: float, negative: float, change: float) -> float:
-    """`length`, or less of it so that negative + length * change stays below 0."""
-    return min(length, -0.9 * negative / change) if change > 0.0 else length
-
-
-def _solve(information: Array, right: Array, heights: int) -> Array:
-    diagonal = np.diag(information)
-    scale = 1.0 / np.sqrt(np.maximum(diagonal, 1e-30 * diagonal.max() + 1e-300))
-    # the information says nothing of a constant added to all heights
-    constant = np.append(np.ones(heights), np.zeros(scale.size - heights)) / scale
-    constant /= np.sqrt(constant @ constant)
-    scaled = information * scale * scale[:, None] + np.outer(constant, constant) + 1e-13 * np.eye(scale.size)
-    return (np.linalg.solve(scaled, (right.T * scale).T).T * scale).T
-
-
-def _candidates(y: Array, shares: Array, size: float) -> Array:
-    """Where knots may be: quantiles of the samples, closer towards the extreme ones, which are the first and last."""
-    if y.size == 2:
-        return y
-    count = int(np.clip(np.round(4.0 * size**0.3), 3, _CANDIDATES))
-    below = np.cumsum(shares) - 0.5 * shares
-    below = (below - below[0]) / (below[-1] - below[0])
-    wanted = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1)))
-    kept = [0]
-    for place in np.searchsorted(below, wanted).tolist():
-        if kept[-1] + _APART <= place <= y.size - 1 - _APART:
-            kept.append(place)
-    inner = y[kept[1:]] if len(kept) > 1 else 0.5 * (y[:1] + y[-1:])
-    return np.concatenate([y[:1], inner, y[-1:]])
+def _inverse(matrix: Array) -> Array:
+    scale = 1.0 / np.sqrt(np.diag(matrix) + 1e-300)
+    scaled = matrix * scale * scale[:, None] + 1e-12 * np.eye(scale.size)
+    return np.linalg.inv(scaled) * scale * scale[:, None]

@@ -1,1 +1,1 @@
-"""The subcommands: each module says its arguments, whether all ranks work on it, and what it does."""
+"""The subcommands: each module says whether all ranks work on it, and what it does."""

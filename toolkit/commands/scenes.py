@@ -9,10 +9,6 @@ ALL_RANKS = False
 _COLUMNS = 100
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """None."""
-
-
 def execute(arguments: argparse.Namespace, comm: Any) -> int:
     """Print the names in one column and the titles in another, 100 columns in all; long titles go on below."""
     from toolkit.scene.scene import SHIPPED, shipped_scenes

@@ -1,20 +1,20 @@
 """Scenes side by side: how prone to stick-slip each is, by the master equation, with the ensemble's evidence beside."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 from origins.errors import InputError
+from toolkit.judge.describe import PROPENSITY, Description, conditions, describe
 from toolkit.judge.deviation import why_not_compared, worst_deviation
-from toolkit.results.describe import conditions
-from toolkit.results.records import Result, SimulatedRecord
+from toolkit.results.records import Result, Simulated
 from toolkit.running.ranks import on_root
-from toolkit.running.runner import run
-from toolkit.scene.interfaces import HEIGHT_INTEGRALS, remarks, why_infinite, with_error
-from toolkit.scene.sampling import RESAMPLES, sampling_errors, unseen
+from toolkit.running.runner import solve, until
+from toolkit.scene.interfaces import with_error
+from toolkit.scene.sampling import RESAMPLES
 from toolkit.scene.scene import Scene
 
 
@@ -75,16 +75,15 @@ class Verdict:
     result: Result
 
 
-def compare(
-    scenes: Sequence[Scene], comm: Any = None, progress: Callable[[int, int], None] | None = None
-) -> list[Verdict]:
+def compare(scenes: Sequence[Scene], comm: Any = None, told: bool = False) -> list[Verdict]:
     """A verdict per scene, the one most prone to stick-slip (largest K*) first.
 
     Parameters
     ----------
     scenes : checked scenes; their own [master] and [eq] are run too, for the picture and the evidence, but where a
         spring pulls or the slider turns: forces along such paths are not compared, and a caution says so.
-    comm, progress : as for toolkit.run.
+    comm : as for toolkit.run.
+    told : whether progress is told on stderr.
 
     Raises InputError, with the name of the scene, for thresholds of infinite <x_s^2>: there is no kinetic force to
     compare with.
@@ -92,10 +91,8 @@ def compare(
     verdicts = []
     for scene in scenes:
         with naming(scene.name):
-            verdicts.append(_judge(scene, comm, progress))
-    return sorted(
-        verdicts, key=lambda verdict: (-verdict.critical_spring, -verdict.static_to_kinetic)
-    )
+            verdicts.append(_judge(scene, comm, told))
+    return sorted(verdicts, key=lambda one: (-one.critical_spring, -one.static_to_kinetic))
 
 
 @contextmanager
@@ -109,171 +106,137 @@ def naming(scene: str) -> Iterator[None]:
         raise InputError(f"{scene}: {error}") from error
 
 
-def _judge(scene: Scene, comm: Any, progress: Callable[[int, int], None] | None) -> Verdict:
-    import master
+def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
+    contacts, speed, unit = scene.contacts, scene.sliding, scene.contacts.mean_threshold
 
-    speed = scene.sliding
+    def measure() -> Description:
+        with until(scene.deadline(), scene, "K*"):
+            return describe(contacts, speed.value, speed.chosen)
 
-    def measures() -> tuple[Any, Any, dict[str, float]]:
-        found = master.propensity(scene.contacts, velocity=speed.value)
-        return (
-            found,
-            master.steady_state(scene.contacts, velocity=speed.value),
-            sampling_errors(scene.contacts),
-        )
-
-    found, steady, sampled = on_root(comm, measures)
-
-    def with_sampling(name: str, error: float) -> float:
-        return float(np.hypot(error, sampled.get(name, 0.0)))
-
+    found = on_root(comm, measure)
+    if "critical_spring" not in found.numbers:
+        raise InputError("; ".join(found.notes))
+    numbers: dict[str, Any] = {"friction_coefficient": None, "friction_coefficient_error": None}
+    for name in ("onset_power", "kinetic_force", *PROPENSITY, "friction_coefficient"):
+        if (number := found.numbers.get(name)) is not None:
+            scale = unit if number.unit else 1.0
+            numbers[name] = number.value / scale
+            numbers[f"{name}_error"] = (number.error or 0.0) / scale
+    held = tuple(conditions(contacts, speed.value, speed.chosen))
     apart = _not_drawn(scene)
-    result = run(
-        replace(scene, master=None, eq=None) if apart else scene, comm=comm, progress=progress
-    )
-    unit = scene.contacts.mean_threshold
-    interface = scene.contacts.interface
-    friction = None if interface is None else interface.friction_coefficient
-    relative = steady.force_error * unit / steady.force
-    infinite = [why_infinite(scene.contacts)] if np.isinf(found.critical_spring) else []
+    result = solve(replace(scene, master=None, eq=None) if apart else scene, comm, told=told)[0]
+    kinetic = numbers["kinetic_force"] * unit
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
-        onset_power=found.onset_power,
-        onset_power_error=found.onset_power_error,
-        critical_spring=found.critical_spring,
-        critical_spring_error=with_sampling("critical_spring", found.critical_spring_error),
-        static_to_kinetic=found.static_to_kinetic,
-        static_to_kinetic_error=with_sampling("static_to_kinetic", found.static_to_kinetic_error),
-        decoherence_length=found.decoherence_length / unit,
-        decoherence_length_error=with_sampling("decoherence_length", found.decoherence_length_error)
-        / unit,
-        kinetic_force=steady.force / unit,
-        kinetic_force_error=with_sampling("kinetic_force", steady.force_error * unit) / unit,
-        friction_coefficient=friction,
-        friction_coefficient_error=None
-        if friction is None
-        else friction * (relative + HEIGHT_INTEGRALS),
+        **numbers,
         mean_threshold=unit,
         unit=result.thresholds.unit,
-        sampled=bool(sampled),
-        cautions=(
-            *apart,
-            *infinite,
-            *unseen(sampled, found.critical_spring),
-            *remarks(scene.contacts.thresholds),
-        ),
+        sampled=found.sampled,
+        cautions=(*apart, *(note for note in found.notes if note not in held)),
         velocity=speed.value,
-        conditions=tuple(conditions(scene.contacts, speed.value, speed.chosen)),
+        conditions=held,
         run_time=found.run_time,
-        evidence=None if result.eq is None else _evidence(result, result.eq, steady.force),
+        evidence=None if result.eq is None else _evidence(result, result.eq, kinetic),
         result=result,
     )
 
 
 def _not_drawn(scene: Scene) -> list[str]:
     """Why this scene's force is not drawn among the others' in words; nothing where it is."""
-    if scene.given_drive is None:
-        return []
     try:
-        scene.only_forward("the picture of forces")
+        if scene.given_drive is not None:
+            scene.only_forward("the picture of forces")
     except InputError as error:
         return [f"F(X) is left out: {error}"]
     return []
 
 
-def _evidence(result: Result, eq: SimulatedRecord, kinetic: float) -> Evidence:
-    curve = eq if result.master is None else result.master
-    at = int(np.argmax(curve.force))
-    expected = deviation = reason = None
-    if result.master is not None:
-        expected = float(result.master.force[at] / kinetic)
-        deviation, reason = worst_deviation(result), why_not_compared(result)
+def _evidence(result: Result, eq: "Simulated", kinetic: float) -> Evidence:
+    solved = result.master
+    at = int(np.argmax((eq if solved is None else solved).force))
     return Evidence(
         static_to_kinetic=float(eq.force[at] / kinetic),
         static_to_kinetic_error=float(eq.force_standard_error[at] / kinetic),
-        expected=expected,
-        worst_deviation=deviation,
-        not_compared=reason,
+        expected=None if solved is None else float(solved.force[at] / kinetic),
+        worst_deviation=None if solved is None else worst_deviation(result),
+        not_compared=None if solved is None else why_not_compared(result),
         run_time=eq.run_time,
         contacts=eq.contacts,
     )
 
 
+def plain_numbers(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
+    """What a file keeps of the verdicts: all but the results."""
+    names = [field.name for field in fields(Verdict) if field.name not in ("result", "evidence")]
+    return [
+        {name: getattr(verdict, name) for name in names}
+        | {"evidence": None if verdict.evidence is None else asdict(verdict.evidence)}
+        for verdict in verdicts
+    ]
+
+
+_HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
+_WIDTHS = (15, 17, 17, 17, 17, 17, 7, 16, 8, 7, 7)
+_SHOWN = "critical_spring static_to_kinetic decoherence_length kinetic_force friction_coefficient"
+
+
 def table(verdicts: Sequence[Verdict]) -> list[str]:
     """The comparison as lines of text, every number with its error and what it took to compute."""
     names = max([len("scene"), *(len(verdict.name) for verdict in verdicts)])
-    head = (
-        f"   {'scene':{names}}  {'onset m':>15}  {'K*/(N<k>)':>17}  {'F_s/F_k':>17}  {'X*/<x_s>':>17}  "
-        f"{'F_k/<x_s>':>17}  {'F_k/load':>17}  {'time':>7}  "
-        f"{'EQ at the peak':>16}  {'ME there':>8}  {'max |z|':>7}  {'EQ time':>7}"
-    )
+
+    def line(begin: str, cells: Sequence[str]) -> str:
+        shown = (f"{cell:>{width}}" for cell, width in zip(cells, _WIDTHS, strict=False))
+        return "  ".join([begin, *shown]).rstrip()
+
+    head = line(f"   {'scene':{names}}", _HEADS.split(","))
     lines = [head, "-" * len(head)]
     for rank, verdict in enumerate(verdicts, start=1):
-        friction = ""
-        if (
-            verdict.friction_coefficient is not None
-            and verdict.friction_coefficient_error is not None
-        ):
-            friction = _with_error(verdict.friction_coefficient, verdict.friction_coefficient_error)
-        line = (
-            f"{rank:2d} {verdict.name:{names}}  {_with_error(verdict.onset_power, verdict.onset_power_error, 4):>15}  "
-            f"{_with_error(verdict.critical_spring, verdict.critical_spring_error):>17}  "
-            f"{_with_error(verdict.static_to_kinetic, verdict.static_to_kinetic_error):>17}  "
-            f"{_with_error(verdict.decoherence_length, verdict.decoherence_length_error):>17}  "
-            f"{_with_error(verdict.kinetic_force, verdict.kinetic_force_error):>17}  {friction:>17}  "
-            f"{_seconds(verdict.run_time):>7}"
-        )
-        if verdict.evidence is not None:
-            evidence = verdict.evidence
-            measured = with_error(evidence.static_to_kinetic, evidence.static_to_kinetic_error, 6)
-            deviation = "none" if evidence.not_compared is not None else ""
-            deviation = (
-                deviation if evidence.worst_deviation is None else f"{evidence.worst_deviation:.1f}"
-            )
-            there = "" if evidence.expected is None else f"{evidence.expected:.5f}"
-            line += (
-                f"  {measured:>16}  {there:>8}  {deviation:>7}  {_seconds(evidence.run_time):>7}"
-            )
-        lines.append(line.rstrip())
-    lines += _notes(verdicts)
-    return lines
+        cells = [_with_error(verdict.onset_power, verdict.onset_power_error, 4)]
+        for name in _SHOWN.split():
+            cells.append(_with_error(getattr(verdict, name), getattr(verdict, f"{name}_error")))
+        cells.append(_seconds(verdict.run_time))
+        if (seen := verdict.evidence) is not None:
+            apart = "none" if seen.not_compared is not None else ""
+            cells += [
+                with_error(seen.static_to_kinetic, seen.static_to_kinetic_error, 6),
+                "" if seen.expected is None else f"{seen.expected:.5f}",
+                apart if seen.worst_deviation is None else f"{seen.worst_deviation:.1f}",
+                _seconds(seen.run_time),
+            ]
+        lines.append(line(f"{rank:2d} {verdict.name:{names}}", cells))
+    return lines + _notes(verdicts)
 
 
 def _notes(verdicts: Sequence[Verdict]) -> list[str]:
     notes = []
     if any(verdict.evidence is not None for verdict in verdicts):
-        notes.append(
-            "EQ at the peak, ME there: both solvers' F/F_k where the master's is largest on the path;"
-        )
-        notes.append(
-            "max |z|: their largest difference over the path in standard errors, about 3 by chance"
-        )
+        notes += [
+            "EQ at the peak, ME there: both solvers' F/F_k where the master's is largest on the path;",
+            "max |z|: their largest difference over the path in standard errors, about 3 by chance",
+        ]
     if any(verdict.friction_coefficient is not None for verdict in verdicts):
         notes.append(
             "F_k/load: k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest"
         )
     named: dict[str, list[str]] = {}
     for verdict in verdicts:
-        evidence = verdict.evidence
-        apart = [] if evidence is None or evidence.not_compared is None else [evidence.not_compared]
-        apart = [f"EQ and ME not compared: {reason}" for reason in apart]
+        reason = None if verdict.evidence is None else verdict.evidence.not_compared
+        apart = [] if reason is None else [f"EQ and ME not compared: {reason}"]
         for note in (*verdict.conditions, *apart, *verdict.cautions):
             named.setdefault(note, []).append(verdict.name)
-    everyone = len(verdicts) if len(verdicts) > 1 else 0
-    notes += [
-        f"{'all' if len(names) == everyone else ', '.join(names)}: {note}"
-        for note, names in named.items()
-    ]
-    if any(verdict.sampled for verdict in verdicts):
-        names = ", ".join(verdict.name for verdict in verdicts if verdict.sampled)
-        notes.append(
-            f"{names}: thresholds from samples; errors are sampling errors, by {RESAMPLES} resampled laws"
-        )
+    for note, names in named.items():
+        everyone = len(names) == len(verdicts) > 1
+        notes.append(f"{'all' if everyone else ', '.join(names)}: {note}")
+    if sampled := ", ".join(verdict.name for verdict in verdicts if verdict.sampled):
+        from_samples = "thresholds from samples; errors are sampling errors"
+        notes.append(f"{sampled}: {from_samples}, by {RESAMPLES} resampled laws")
     return notes
 
 
-def _with_error(value: float, error: float, digits: int = 6) -> str:
+def _with_error(value: float | None, error: float | None, digits: int = 6) -> str:
+    if value is None or error is None:
+        return ""
     return with_error(value, error, digits) if np.isfinite(value) else "infinite"
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from toolkit.results.records import CoupledRecord, Result, SimulatedRecord
+from toolkit.results.records import Result, Simulated, is_coupled
 
 Array = npt.NDArray[np.float64]
 
@@ -22,22 +22,17 @@ def deviation(result: Result) -> tuple[Array, Array]:
     if solved is None or eq is None:
         raise ValueError("a result of both solvers is needed")
     tell = np.flatnonzero(telling(result))
-    allowed = (
-        eq.force_standard_error[tell]
-        + eq.step_error[tell]
-        + solved.force_error * result.mean_threshold
-    )
+    own = solved.force_error * result.mean_threshold
+    allowed = eq.force_standard_error[tell] + eq.step_error[tell] + own
     return eq.path[tell], (eq.force[tell] - solved.force[tell]) / allowed
 
 
 def telling(result: Result) -> npt.NDArray[np.bool_]:
     """Which points of the path tell; none without an ensemble."""
     eq = result.eq
-    if eq is None:
-        return np.empty(0, dtype=bool)
-    if isinstance(eq, CoupledRecord):
+    if eq is None or is_coupled(eq):
         # a slip comes at another X_T in each replica: in between their mean force is that of none of them
-        return np.zeros(eq.path.size, dtype=bool)
+        return np.zeros(0 if eq is None else eq.path.size, dtype=bool)
     enough = eq.force_standard_error > np.sqrt(_FEWEST) * _of_one_contact(result, eq)
     if result.master is not None:
         # the paper's closure of ageing may end before the path does
@@ -45,7 +40,7 @@ def telling(result: Result) -> npt.NDArray[np.bool_]:
     return np.isfinite(eq.force_standard_error) & enough
 
 
-def _of_one_contact(result: Result, eq: SimulatedRecord) -> Array:
+def _of_one_contact(result: Result, eq: "Simulated") -> Array:
     """About what a single broken contact changes the force by, a length, at each point of the path."""
     return np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
 
@@ -58,17 +53,15 @@ def worst_deviation(result: Result) -> float | None:
 
 def why_not_compared(result: Result) -> str | None:
     """Why no point of the path tells, in words; None where one does."""
-    path, _ = deviation(result)
     eq = result.eq
-    if path.size or eq is None:
+    if eq is None or deviation(result)[0].size:
         return None
     if eq.breaks == 0:
         return "no contact breaks on this path"
-    if isinstance(eq, CoupledRecord):
+    if is_coupled(eq):
         return "slips are compared one by one, not the force between them"
-    error = eq.force_standard_error
-    if not np.isfinite(error).any():
+    if not np.isfinite(eq.force_standard_error).any():
         return "a single contact has no standard error"
-    if not (error > _NONE * _of_one_contact(result, eq)).any():
+    if not (eq.force_standard_error > _NONE * _of_one_contact(result, eq)).any():
         return "all contacts break at once, so that there is no standard error"
     return f"too few contacts or breaks: below some {_FEWEST} standard errors mean little"

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolkit.results.references import Reference, reference
+from toolkit.judge.references import Reference, reference
 from toolkit.scene import laws
-from toolkit.scene.scene import EqTable, Scene
+from toolkit.scene.scene import Scene
 
 Array = npt.NDArray[np.float64]
 Work = Callable[[float], tuple[Array, float | None]]
@@ -70,7 +70,9 @@ class Precision:
     notes: list[str]
 
 
-def precision(scene: Scene, ladders: Ladders | None = None, report: Callable[[Point], None] | None = None) -> Precision:
+def precision(
+    scene: Scene, ladders: Ladders | None = None, report: Callable[[Point], None] | None = None
+) -> Precision:
     """Measure the master equation and the paper's explicit scheme (scenes with [master]), the ensemble and the paper's
     closest-contact algorithm (scenes with [eq]).
 
@@ -108,40 +110,36 @@ def precision(scene: Scene, ladders: Ladders | None = None, report: Callable[[Po
 
 
 def _methods(scene: Scene, ladders: Ladders) -> Iterator[tuple[str, Sequence[float], Work]]:
+    """Each method's name, rungs and work; the name and place of a bad key are the scene's."""
+    contacts, path, unit = scene.contacts, scene.path, scene.contacts.mean_threshold
     if scene.master is not None:
-        yield "master", ladders.tolerances, lambda tolerance: _master(scene, tolerance)
-        yield "explicit", ladders.steps, lambda steps: _explicit(scene, steps)
-    if scene.eq is not None:
-        eq = scene.eq
-        yield "ensemble", ladders.sizes, lambda size: _ensemble(scene, eq, size)
-        yield "closest", ladders.closest_sizes, lambda size: _closest(scene, eq, size)
+        import master
+        from master.paper.explicit import explicit
 
+        def solve(tolerance: float) -> tuple[Array, float]:
+            solved = master.solve(contacts, path, tolerance=tolerance)
+            return solved.force, float(solved.force_error) * unit
 
-def _master(scene: Scene, tolerance: float) -> tuple[Array, float]:
-    import master
+        yield "master", ladders.tolerances, solve
+        yield (
+            "explicit",
+            ladders.steps,
+            lambda n: (explicit(contacts, path, step=unit / n).force, None),
+        )
+    if (eq := scene.eq) is not None:
+        import eq_model
+        from eq_model.closest import closest
 
-    solved = master.solve(scene.contacts, scene.path, tolerance=tolerance)
-    return solved.force, float(solved.force_error) * scene.contacts.mean_threshold
+        def simulate(size: float) -> tuple[Array, float]:
+            with laws.inside("eq", {"seed": "seed"}):
+                found = eq_model.simulate(contacts, path, n_contacts=int(size), seed=eq.seed)
+            return found.force, float(found.force_standard_error.max())
 
+        def follow(size: float) -> tuple[Array, None]:
+            return closest(contacts, path, n_contacts=int(size), seed=eq.seed)[0], None
 
-def _explicit(scene: Scene, steps: float) -> tuple[Array, None]:
-    from master.paper.explicit import explicit
-
-    return explicit(scene.contacts, scene.path, step=scene.contacts.mean_threshold / steps).force, None
-
-
-def _ensemble(scene: Scene, eq: EqTable, size: float) -> tuple[Array, float]:
-    import eq_model
-
-    with laws.inside("eq", {"seed": "seed"}):
-        simulated = eq_model.simulate(scene.contacts, scene.path, n_contacts=int(size), seed=eq.seed)
-    return simulated.force, float(simulated.force_standard_error.max())
-
-
-def _closest(scene: Scene, eq: EqTable, size: float) -> tuple[Array, None]:
-    from eq_model.closest import closest
-
-    return closest(scene.contacts, scene.path, n_contacts=int(size), seed=eq.seed)[0], None
+        yield "ensemble", ladders.sizes, simulate
+        yield "closest", ladders.closest_sizes, follow
 
 
 def _time(work: Work, setting: float) -> tuple[float, int, tuple[Array, float | None]]:
@@ -163,27 +161,21 @@ def _notes(scene: Scene, against: Reference) -> list[str]:
         f"* below {TELLING:g} times that: the reference's own error is part of it",
         "run time: wall time, best of the warm runs; compilation is not in it",
     ]
+    lowest = scene.contacts.start.span[0]
     if scene.master is not None:
         notes.append("explicit: the paper's scheme, Eqs. (Q2)-(Q4), which claims no error")
-        if _under_hazard_below_zero(scene):
+        if lowest < 0.0 and float(scene.contacts.thresholds.cdf(-lowest)) > 1e-12:
             notes.append(
                 "explicit: as in the paper, contacts that start at x < 0 are under P(x) from x = 0 on, not from |x|, "
                 "so it does not tend to the model's force"
             )
     if scene.eq is not None:
-        notes.append(
+        notes += [
             f"ensemble, closest: statistical, of the one seed {scene.eq.seed}; the ensemble claims its largest "
-            "standard error, which the worst of many positions exceeds"
-        )
-        notes.append(
-            "closest: the paper's algorithm, which claims no error; it errs as an ensemble of as many contacts"
-        )
+            "standard error, which the worst of many positions exceeds",
+            "closest: the paper's algorithm, which claims no error; it errs as an ensemble of as many contacts",
+        ]
     return notes
-
-
-def _under_hazard_below_zero(scene: Scene) -> bool:
-    lowest = scene.contacts.start.span[0]
-    return lowest < 0.0 and float(scene.contacts.thresholds.cdf(-lowest)) > 1e-12
 
 
 def table_head() -> list[str]:
@@ -201,7 +193,9 @@ def table_line(point: Point) -> str:
     setting = settings.get(point.method, f"{point.setting:,.0f} contacts")
     mark = "*" if point.at_reference else " "
     claimed = "" if point.claimed_error is None else f"{point.claimed_error:.1e}"
-    run_time = f"{1e3 * point.run_time:.2f} ms" if point.run_time < 1.0 else f"{point.run_time:.2f} s "
+    run_time = (
+        f"{1e3 * point.run_time:.2f} ms" if point.run_time < 1.0 else f"{point.run_time:.2f} s "
+    )
     return f"{point.method:9} {setting:>19}  {point.error:9.1e}{mark}  {claimed:>8}  {run_time:>10}  {point.runs:4d}"
 
 

@@ -1,4 +1,4 @@
-"""Axes that can be read: lengths with the prefix of their unit, densities that peak or span decades."""
+"""Axes that can be read: lengths in metres with a prefix, densities that peak or span decades."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,11 +11,9 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
 
 INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
-_PREFIXES = {-12: "pm", -9: "nm", -6: "µm", -3: "mm", 0: "m"}
-_PLAIN = (-2, 4)  # powers of ten of a number that is written out
 _DECADES = 1e3  # a quantity that spans more is drawn on a logarithmic axis
-_SPIKE = 10.0
-_SHARE = 0.05
+_SPIKE = 10.0  # times what 95 % of the contacts see: a higher end of a density is cut off
+_SHARE = 0.05  # of the contacts, above and below what the limits are made for
 
 
 def plain(text: str) -> str:
@@ -29,64 +27,13 @@ def plain(text: str) -> str:
     return text
 
 
-@dataclass(frozen=True)
-class Lengths:
-    """How lengths up to some size are written: in units of 10^power, whose name, for metres, is `prefixed`."""
+def name_lengths(axis: "Axis", name: str, metres: bool) -> None:
+    """Label an axis of lengths; ticks in metres have a prefix, such as 25 nm."""
+    from matplotlib.ticker import EngFormatter
 
-    power: int
-    prefixed: str
-
-    @classmethod
-    def of(cls, largest: float, metres: bool) -> "Lengths":
-        """Numbers from 1 to 1000: always for metres, for other units where the numbers would be long."""
-        order = int(np.floor(np.log10(largest))) if 0.0 < largest < np.inf else 0
-        if metres:
-            power = min(max(3 * (order // 3), min(_PREFIXES)), max(_PREFIXES))
-            return cls(power, _PREFIXES[power])
-        return cls(0 if _PLAIN[0] <= order < _PLAIN[1] else 3 * (order // 3), "")
-
-    def write(self, axis: "Axis", name: str) -> None:
-        """Label and tick labels of an axis of lengths; the data stay as they are."""
-        self._write(axis, name, self.prefixed, self.power)
-
-    def write_inverse(self, axis: "Axis", name: str) -> None:
-        """The same for an axis of inverse lengths."""
-        self._write(axis, name, f"1/{self.prefixed}" if self.prefixed else "", -self.power)
-
-    def _write(self, axis: "Axis", name: str, unit: str, power: int) -> None:
-        if unit:
-            name = f"{name} ({unit})"
-        elif power:
-            name = f"{name} / $10^{{{power}}}$"
-        axis.set_label_text(name)
-        axis.set_major_formatter(_formatter(power, logarithmic=axis.get_scale() == "log"))
-
-
-def _formatter(power: int, logarithmic: bool) -> Any:
-    from matplotlib.ticker import Formatter, LogFormatterSciNotation
-
-    class Plain(Formatter):
-        """Numbers in units of 10^power with as many digits as tell the ticks apart, and no common offset."""
-
-        def __call__(self, value: float, position: int | None = None) -> str:
-            return self.fix_minus(f"{value * 10.0**-power:.6g}")
-
-        def format_ticks(self, values: list[float]) -> list[str]:
-            steps = np.diff(np.sort(np.asarray(values, dtype=float))) * 10.0**-power
-            if not steps.size or not steps.min() > 0.0:
-                return [self(value) for value in values]
-            step = float(steps.min())
-            decimals = max(0, int(np.ceil(-np.log10(step) - 1e-6)))
-            # 2.5 needs a digit more than 2
-            if abs(round(step * 10.0**decimals) - step * 10.0**decimals) > 0.01:
-                decimals += 1
-            return [self.fix_minus(f"{value * 10.0**-power:.{decimals}f}") for value in values]
-
-    class Logarithmic(LogFormatterSciNotation):
-        def __call__(self, value: float, position: int | None = None) -> str:
-            return super().__call__(value * 10.0**-power, position)
-
-    return Logarithmic() if logarithmic else Plain()
+    axis.set_label_text(name)
+    if metres:
+        axis.set_major_formatter(EngFormatter(unit="m"))
 
 
 @dataclass(frozen=True)
@@ -105,15 +52,12 @@ def heights(curve: ThresholdCurve, values: Any) -> Heights:
     """
     values = np.asarray(values, dtype=float)
     shown = np.isfinite(values) & (values > 0.0)
-    weight = -np.diff(curve.survival, append=0.0)[shown]
-    seen = values[shown]
+    weight, seen = -np.diff(curve.survival, append=0.0)[shown], values[shown]
     if not seen.size or not weight.sum() > 0.0:
         return Heights(0.0, float(seen.max(initial=1.0)), False)
     order = np.argsort(seen)
     sums = np.cumsum(weight[order]) / weight.sum()
-    low, high = (
-        float(seen[order][np.searchsorted(sums, share)]) for share in (_SHARE, 1.0 - _SHARE)
-    )
+    low, high = seen[order][np.searchsorted(sums, [_SHARE, 1.0 - _SHARE])].tolist()
     top = float(seen.max())
     if high > _DECADES * low:
         return Heights(low / 10.0, high * 10.0, True)

@@ -1,11 +1,11 @@
 """The picture of precision: true error against run time, one marker per method, what it claims as a hollow one."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toolkit.judge.precision import TELLING, Point, Precision
+from toolkit.judge.precision import TELLING, Precision
 from toolkit.pictures.axes import plain
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ _STYLES = {
     "ensemble": ("^", "#c0392b", "EQ ensemble, one seed", "its standard error"),
     "closest": ("v", "#e59866", "the paper's closest contact, one seed", ""),
 }
-_LEAST = 1e-17
+_LEAST = 1e-17  # an error of 0 has no place on a logarithmic axis
 
 
 def save_precision(measured: Precision, path: Path) -> None:
@@ -29,63 +29,46 @@ def save_precision(measured: Precision, path: Path) -> None:
     figure.savefig(path, dpi=130, format="png")
 
 
-def _once(points: list[Point]) -> list[Point]:
-    """The fastest of those that tolerances share: one answer, whose run times differ by chance."""
-    fastest: dict[tuple[float, float | None], Point] = {}
-    for point in points:
-        known = fastest.setdefault((point.error, point.claimed_error), point)
-        if point.run_time < known.run_time:
-            fastest[point.error, point.claimed_error] = point
-    return list(fastest.values())
-
-
 def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
     """True error in units of <x_s> against run time in s, both as logarithms; grey is where the reference errs too.
 
-    Tolerances that give one and the same answer are drawn once. Points in the grey are drawn faint, and no lower than
-    the reference's own error.
+    Tolerances that give one and the same answer are drawn once, by the fastest: their run times differ by chance.
+    Points in the grey are drawn faint, and no lower than the reference's own error.
     """
     own = max(measured.reference.error, _LEAST)
     for method, (marker, ink, label, claim) in _STYLES.items():
         points = [point for point in measured.points if point.method == method]
         if not points:
             continue
-        once = _once(points) if method == "master" else points
-        shown = f"{label}, equal results once" if len(once) < len(points) else label
-        points = once
+        if method == "master":
+            slowest_first = sorted(points, key=lambda point: -point.run_time)
+            fastest = {(point.error, point.claimed_error): point for point in slowest_first}
+            once = [point for point in points if point in fastest.values()]
+            label += ", equal results once" if len(once) < len(points) else ""
+            points = once
         run_time = np.array([point.run_time for point in points])
         error = np.maximum([point.error for point in points], own)
         faint = np.array([point.at_reference for point in points])
-        axes.plot(run_time[~faint], error[~faint], marker + "-", color=ink, lw=1, ms=6, label=shown)
+        axes.plot(run_time[~faint], error[~faint], marker + "-", color=ink, lw=1, ms=6, label=label)
         axes.plot(run_time[faint], error[faint], marker, color=ink, ms=6, alpha=0.3)
-        claimed = np.array(
-            [np.nan if point.claimed_error is None else point.claimed_error for point in points]
-        )
+        claimed = np.array([point.claimed_error or np.nan for point in points])
         if claim and (claimed > 0.0).any():
             claimed[claimed < own] = np.nan
-            axes.plot(
-                run_time,
-                claimed,
-                marker,
-                mfc="none",
-                mec=ink,
-                ms=6,
-                mew=0.9,
-                label=f"{label}: {claim}",
-            )
-    axes.set(
-        xscale="log",
-        yscale="log",
-        xlabel="run time (s)",
-        ylabel=r"largest error of $F$ over the path, in $\langle x_s\rangle$",
-    )
+            hollow: dict[str, Any] = {
+                "mfc": "none",
+                "mec": ink,
+                "ms": 6,
+                "mew": 0.9,
+                "label": f"{label}: {claim}",
+            }
+            axes.plot(run_time, claimed, marker, **hollow)
+    axes.set(xscale="log", yscale="log", xlabel="run time (s)")
+    axes.set_ylabel(r"largest error of $F$ over the path, in $\langle x_s\rangle$")
     bottom = own / 3.0
     axes.axhspan(bottom, TELLING * own, color="0.93", zorder=0, label="the reference errs too")
     axes.set_ylim(bottom=bottom)
     axes.grid(alpha=0.3)
-    axes.set_title(
-        f"{plain(measured.title)}\nagainst {measured.reference.source}, good to {own:.0e}",
-        fontsize="medium",
-    )
+    against = f"against {measured.reference.source}, good to {own:.0e}"
+    axes.set_title(f"{plain(measured.title)}\n{against}", fontsize="medium")
     axes.legend(fontsize="small")
     return axes

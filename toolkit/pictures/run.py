@@ -1,5 +1,4 @@
-"""Pictures: functions that take matplotlib axes and return them. Data are in the unit of the thresholds; tick labels
-have its prefix, or the power of ten that the axis names."""
+"""Pictures: functions that take matplotlib axes and return them. Data are in the unit of the thresholds."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,49 +16,20 @@ from toolkit.pictures.abscissa import (
     with_slips,
     write_along,
 )
-from toolkit.pictures.axes import INK, Lengths, plain
-from toolkit.pictures.coupled import plot_replicas, plot_slips
+from toolkit.pictures.axes import INK, name_lengths, plain
 from toolkit.pictures.sweep import plot_sweep, sweep_panels
-from toolkit.pictures.thresholds import (
-    final_law,
-    in_metres,
-    plot_density,
-    plot_final,
-    plot_hazard,
-    plot_samples,
-    plot_survival,
-    save_thresholds_picture,
-)
-from toolkit.results.records import (
-    AgeingRecord,
-    CoupledRecord,
-    Result,
-    SoftRecord,
-)
-from toolkit.running.coupled import slips_beside
+from toolkit.pictures.thresholds import plot_density
+from toolkit.results.records import AgeingRecord, Result, Simulated, SoftRecord, is_coupled
+from toolkit.results.slips import slips_beside
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-__all__ = [
-    "plot",
-    "plot_defects",
-    "plot_density",
-    "plot_deviation",
-    "plot_force",
-    "plot_hazard",
-    "plot_holding",
-    "plot_position",
-    "plot_samples",
-    "plot_survival",
-    "save_picture",
-    "save_thresholds_picture",
-]
 
 _NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
 _ALL = 1e-9  # of the contacts
 _LEGEND = 0.13  # of the height, room for each of its rows above the curve
 _BARS = 61  # as many error bars as leave the line in sight
+_REPLICAS = 5  # as many curves as can be told from one another
 
 
 def plot(result: Result, axes: Any = None) -> Any:
@@ -82,67 +52,49 @@ def plot(result: Result, axes: Any = None) -> Any:
     if axes is None:
         from matplotlib import pyplot
 
-        _, axes = pyplot.subplots(
-            1, 2, figsize=(10, 4), width_ratios=(2.2, 1), layout="constrained"
-        )
-    if curves(result):
-        plot_force(axes[0], result)
-    else:
-        plot_sweep(axes[0], result)
+        size: dict[str, Any] = {"figsize": (10, 4), "width_ratios": (2.2, 1)}
+        _, axes = pyplot.subplots(1, 2, layout="constrained", **size)
+    (plot_force if curves(result) else plot_sweep)(axes[0], result)
     plot_density(axes[1], result.thresholds)
-    if (final := final_law(result)) is not None:
-        plot_final(axes[1], result.thresholds, final)
     if grows(result):
-        axes[1].set_title(
-            f"thresholds at $X$ = 0, age {result.asked.contacts.thresholds['age']:.3g}"
-        )
+        age = result.asked.contacts.thresholds["age"]
+        axes[1].set_title(f"thresholds at $X$ = 0, age {age:.3g}")
     return axes
 
 
 def plot_force(axes: "Axes", result: Result) -> "Axes":
     """F/(N_c<k>) against X, or t where the drive keeps time: the master equation as a line, the ensemble as error bars,
-    one standard error, under it."""
-    if result.master is not None:
-        path, force = along(result, result.master), result.master.force
+    one standard error, under it; on a soft slider some replicas, since their mean over a slip is the force of none."""
+    solved, eq = result.master, result.eq
+    if solved is not None:
+        path, force = along(result, solved), solved.force
         label, dashes = "master equation", "-"
-        if not result.master.success:
-            label, dashes = (
-                f"{label}, error {result.master.force_error:.1e} $\\langle x_s\\rangle$: not as asked",
-                "--",
-            )
-        if isinstance(result.master, SoftRecord):
-            path, force = with_slips(path, force, result.master)
+        if not solved.success:
+            dashes = "--"
+            label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
+        if isinstance(solved, SoftRecord):
+            path, force = with_slips(path, force, solved)
         axes.plot(path, force, color=INK["master"], lw=1.4, ls=dashes, zorder=3, label=label)
-        if isinstance(result.master, AgeingRecord) and result.master.outrun < path[-1]:
-            axes.axvspan(
-                result.master.outrun,
-                path[-1],
-                color="0.9",
-                lw=0,
-                label="contacts outrun $P_c$ (Q15)",
-            )
-    if isinstance(result.eq, CoupledRecord):
-        plot_replicas(axes, result, result.eq)
-    elif result.eq is not None:
-        eq = result.eq
-        shown = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
-        axes.errorbar(
-            along(result, eq)[shown],
-            eq.force[shown],
-            yerr=eq.force_standard_error[shown],
-            fmt="o",
-            ms=3,
-            capsize=2,
-            lw=1,
-            color=INK["eq"],
-            zorder=2,
-            label="EQ ensemble, ±1 standard error",
-        )
-    highest = max((float(np.abs(curve.force).max()) for curve in curves(result)), default=0.0)
+        if isinstance(solved, AgeingRecord) and solved.outrun < path[-1]:
+            outrun: dict[str, Any] = {
+                "color": "0.9",
+                "lw": 0,
+                "label": "contacts outrun $P_c$ (Q15)",
+            }
+            axes.axvspan(solved.outrun, path[-1], **outrun)
+    if is_coupled(eq):
+        number = min(_REPLICAS, len(eq.forces))
+        each = f"{eq.contacts // len(eq.forces):,} contacts"
+        style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
+        lines = axes.plot(along(result, eq), eq.forces[:number].T, **style)
+        lines[0].set_label(f"EQ, {number} of {len(eq.forces)} replicas of {each}")
+    elif eq is not None:
+        some = _some(eq)
+        bars: dict[str, Any] = {"ms": 3, "capsize": 2, "lw": 1, "color": INK["eq"], "zorder": 2}
+        bars |= {"yerr": eq.force_standard_error[some], "label": "EQ ensemble, ±1 standard error"}
+        axes.errorbar(along(result, eq)[some], eq.force[some], fmt="o", **bars)
     write_along(axes, result)
-    Lengths.of(highest, in_metres(result.thresholds)).write(
-        axes.yaxis, r"force $F/(N_c\langle k\rangle)$"
-    )
+    name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.in_metres)
     axes.set_title(
         "\n".join(filter(None, [plain(result.title or result.name), conditions(result)]))
     )
@@ -156,41 +108,26 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
 
 def plot_position(axes: "Axes", result: Result) -> "Axes":
     """Where the drive, or the rigid slider, and a soft slider are at each time."""
-    curve = curves(result)[0]
-    soft = isinstance(curve, SoftRecord | CoupledRecord)
+    curve, name = curves(result)[0], "slider\nposition $X$"
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
-    if isinstance(curve, SoftRecord | CoupledRecord):
+    if isinstance(curve, SoftRecord) or is_coupled(curve):
         axes.plot(along(result, curve), curve.position, color=INK["master"], lw=1.2, label="slider")
         axes.legend(fontsize="small")
+        name = "position"
     write_along(axes, result)
-    name = "position" if soft else "slider\nposition $X$"
-    Lengths.of(float(np.abs(curve.path).max()), in_metres(result.thresholds)).write(
-        axes.yaxis, name
-    )
+    name_lengths(axes.yaxis, name, result.in_metres)
     return axes
 
 
 def plot_holding(axes: "Axes", result: Result) -> "Axes":
     """The fraction of the contacts that hold; the others wait to form again."""
-    if result.master is not None:
-        axes.plot(
-            along(result, result.master),
-            result.master.holding,
-            color=INK["master"],
-            lw=1.2,
-            label="ME",
-        )
-    if result.eq is not None:
-        some = np.unique(np.linspace(0, result.eq.path.size - 1, _BARS).round().astype(int))
-        axes.plot(
-            along(result, result.eq)[some],
-            result.eq.holding[some],
-            ".",
-            ms=4,
-            color=INK["eq"],
-            label="EQ",
-        )
-    if result.master is not None and result.eq is not None:
+    solved, eq = result.master, result.eq
+    if solved is not None:
+        axes.plot(along(result, solved), solved.holding, color=INK["master"], lw=1.2, label="ME")
+    if eq is not None:
+        some = _some(eq)
+        axes.plot(along(result, eq)[some], eq.holding[some], ".", ms=4, color=INK["eq"], label="EQ")
+    if solved is not None and eq is not None:
         axes.legend(fontsize="small", ncols=2, loc="lower right", borderpad=0.2)
     axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
     write_along(axes, result)
@@ -201,9 +138,8 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
     off = deviation(result)[1]
     if (reason := why_not_compared(result)) is not None:
-        axes.text(
-            0.5, 0.5, f"not compared: {reason}", transform=axes.transAxes, ha="center", va="center"
-        )
+        middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}
+        axes.text(0.5, 0.5, f"not compared: {reason}", **middle)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     if result.eq is not None:
         axes.plot(along(result, result.eq)[telling(result)], off, ".", ms=3.5, color=INK["eq"])
@@ -213,36 +149,40 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
+def plot_slips(axes: "Axes", result: Result) -> "Axes":
+    """How late the slips of the replicas come, mean and standard error; N contacts slip late by some N^(-2/3)."""
+    eq, beside = result.eq, slips_beside(result)
+    if is_coupled(eq) and beside:
+        unit = result.mean_threshold
+        late = np.array([slip.mean_drive - slip.drive for slip in beside]) / unit
+        error = np.array([slip.drive_error for slip in beside]) / unit
+        at = np.interp([slip.drive for slip in beside], eq.path, along(result, eq))
+        axes.errorbar(at, late, yerr=error, fmt="o", ms=3, capsize=2, lw=1, color=INK["eq"])
+        scale = (eq.contacts / len(eq.forces)) ** (-2.0 / 3.0)
+        axes.axhspan(0.0, scale, color="0.92", zorder=0, label="$N^{-2/3}$")
+        axes.legend(fontsize="small", loc="upper left", borderpad=0.2)
+    axes.axhline(0.0, color="0.6", lw=0.8, zorder=1)
+    axes.set_ylabel("slips late\nby $X_T/\\langle x_s\\rangle$")
+    write_along(axes, result)
+    return axes
+
+
 def plot_defects(axes: "Axes", result: Result) -> "Axes":
     """What the paper's closure of ageing does not keep: mass of P_c less 1, and weight below 0."""
-    if isinstance(result.master, AgeingRecord):
-        path = along(result, result.master)
-        axes.plot(
-            path,
-            result.master.mass_defect,
-            color=INK["master"],
-            lw=1.2,
-            label="mass of $P_c$ less 1",
-        )
-        axes.plot(
-            path,
-            result.master.positivity_defect,
-            color=INK["eq"],
-            lw=1.2,
-            ls="--",
-            label="weight below 0",
-        )
-        largest = max(
-            float(np.abs(result.master.mass_defect).max()),
-            float(result.master.positivity_defect.max()),
-        )
-        axes.set(
-            ylabel="defects\nof (Q15)",
-            ylim=(-0.15 * max(largest, _NO_DEFECT), 1.3 * max(largest, _NO_DEFECT)),
-        )
+    if isinstance(solved := result.master, AgeingRecord):
+        path, below = along(result, solved), solved.positivity_defect
+        axes.plot(path, solved.mass_defect, color=INK["master"], label="mass of $P_c$ less 1")
+        axes.plot(path, below, "--", color=INK["eq"], label="weight below 0")
+        most = max(float(np.abs(solved.mass_defect).max()), float(below.max()), _NO_DEFECT)
+        axes.set(ylabel="defects\nof (Q15)", ylim=(-0.15 * most, 1.3 * most))
         axes.legend(fontsize="small")
         write_along(axes, result)
     return axes
+
+
+def _some(eq: "Simulated") -> Any:
+    """Indices of the points that are drawn of an ensemble."""
+    return np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
 
 
 def _waits(result: Result) -> bool:
@@ -268,16 +208,13 @@ def save_picture(result: Result, path: Path) -> None:
     swept = [draw for draw, there in sweep_panels(result) if there]
     if not curves(result):
         swept = swept[1:]  # the first of them heads the picture
-    names = [draw.__name__ for draw in (*below, *swept)]
     heights = [3, *(1 for _ in below), *(2 for _ in swept)]
     figure = Figure(figsize=(10, 1 + sum(heights)), layout="constrained")
-    rows: list[Any] = [["F", "P"], *([name, "P"] for name in names)]
+    rows: list[Any] = [["F", "P"], *([draw.__name__, "P"] for draw in (*below, *swept))]
     places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=heights)
     plot(result, [places["F"], places["P"]])
-    for number, draw in enumerate(swept):
-        own = draw(places[draw.__name__], result)
-        if number:
-            own.sharex(places[swept[0].__name__])
+    for draw in swept:
+        draw(places[draw.__name__], result)
     above = places["F"]
     for draw in below:
         own = draw(places[draw.__name__], result)

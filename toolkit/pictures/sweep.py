@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toolkit.pictures.abscissa import conditions
-from toolkit.pictures.axes import Lengths, plain
-from toolkit.results.records import OWN_UNIT, Result
+from toolkit.pictures.axes import name_lengths, plain
+from toolkit.results.records import Result
 from toolkit.scene.sweep import SweepRecord
 
 if TYPE_CHECKING:
@@ -25,27 +25,18 @@ _NAMES = {
 }
 _DECADES = 30.0  # a quantity that spans more is drawn on a logarithmic axis
 _LINES = 8  # as many as are told apart; of more some are drawn
-_FLAT = 1e-4
 _ALL = 1e-9  # of the contacts
 
 
 def plot_sweep(axes: "Axes", result: Result) -> "Axes":
     """F_k/(N_c<k>) along the sweep, a line for each value of its second quantity."""
-    if result.sweep is not None:
-        _draw(axes, result, result.sweep, result.sweep.force)
-        force = Lengths.of(
-            float(np.abs(result.sweep.force).max()), result.thresholds.unit != OWN_UNIT
-        )
-        force.write(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$")
+    if (sweep := result.sweep) is not None:
+        _draw(axes, result, sweep, sweep.force)
+        name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.in_metres)
         if result.master is None and result.eq is None:
-            axes.set_title(
-                "\n".join(
-                    filter(
-                        None, [plain(result.title or result.name), conditions(result, result.sweep)]
-                    )
-                )
-            )
-        if len(result.sweep.along) > 1:
+            head = [plain(result.title or result.name), conditions(result, sweep)]
+            axes.set_title("\n".join(filter(None, head)))
+        if len(sweep.along) > 1:
             axes.legend(fontsize="small")
     return axes
 
@@ -59,16 +50,12 @@ def plot_swept_holding(axes: "Axes", result: Result) -> "Axes":
 
 
 def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
-    """K*/(N_c<k>) along the sweep: below it stick-slip."""
+    """K*/(N_c<k>) along the sweep, from 0: below it stick-slip. What is infinite is not drawn."""
     if result.sweep is not None and result.sweep.critical_spring is not None:
-        values = np.where(
-            np.isfinite(result.sweep.critical_spring), result.sweep.critical_spring, np.nan
-        )
-        _draw(axes, result, result.sweep, values)
+        spring = result.sweep.critical_spring
+        _draw(axes, result, result.sweep, np.where(np.isfinite(spring), spring, np.nan))
         axes.set_ylabel(r"$K^*/(N_c\langle k\rangle)$")
-        low, high = np.nanmin(values, initial=np.inf), np.nanmax(values, initial=0.0)
-        if not high - low > _FLAT * high:  # rounding is no shape
-            axes.set_ylim(0.0, 1.05 * float(high) or None)
+        axes.set_ylim(bottom=0.0)
     return axes
 
 
@@ -86,22 +73,27 @@ def _draw(axes: "Axes", result: Result, sweep: SweepRecord, values: Array) -> No
     """Lines against the sweep's first quantity, named by its second."""
     from matplotlib import colormaps
 
-    si = result.thresholds.unit != OWN_UNIT
     first, *second = sweep.along
     x: Any = getattr(sweep, first)
     rows = x.reshape(x.shape[0], -1)[:, 0]
     table = values.reshape(rows.size, -1)
     some = np.unique(np.linspace(0, table.shape[1] - 1, _LINES).round().astype(int))
-    marks = "." if rows.size < 2 * _LINES else ""
     for k, column in enumerate(some):
-        label = None
+        label: str | None = None
+        ink: Any = "#1f4e79"
         if second:
             _, symbol, unit = _NAMES[second[0]]
             here = float(getattr(sweep, second[0])[0, column])
-            label = f"${symbol}$ = {here:.3g}" + (f" {unit}" if si or unit == "K" else "")
-        ink = colormaps["viridis"](0.85 * k / max(some.size - 1, 1)) if second else "#1f4e79"
+            label = f"${symbol}$ = {here:.3g} {_unit(result, unit)}".rstrip()
+            ink = colormaps["viridis"](0.85 * k / max(some.size - 1, 1))
+        marks = "." if rows.size < 2 * _LINES else ""
         axes.plot(rows, table[:, column], color=ink, lw=1.4, marker=marks, label=label)
     name, symbol, unit = _NAMES[first]
-    axes.set_xlabel(f"{name} ${symbol}$" + (f" ({unit})" if si or unit == "K" else ""))
+    axes.set_xlabel(f"{name} ${symbol}$ ({_unit(result, unit)})".removesuffix(" ()"))
     if rows.min() > 0.0 and rows.max() > _DECADES * rows.min():
         axes.set_xscale("log")
+
+
+def _unit(result: Result, unit: str) -> str:
+    """An SI unit, where lengths are in metres or it is that of a temperature; else nothing."""
+    return unit if result.in_metres or unit == "K" else ""

@@ -7,20 +7,14 @@ import numpy as np
 
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
-from toolkit.pictures.axes import INK, Lengths, heights, plain, spans_decades
-from toolkit.results.records import OWN_UNIT, Result, ThresholdCurve, sample_curve
-from toolkit.scene import laws
+from toolkit.pictures.axes import INK, heights, name_lengths, plain, spans_decades
+from toolkit.results.records import ThresholdCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_ELSEWHERE = (
-    "from-topography",
-    "from-samples",
-    "domains",
-    "mixture",
-)  # files, or work, of their own
 _STEPS = 2000  # as many as a picture can show
+_STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
 
 
 def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
@@ -28,61 +22,22 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     finite = np.isfinite(curve.density)
     if curve.density[finite].any():
         _upright(axes, curve, curve.density)
-        axes.fill_between(
-            curve.x[finite], curve.density[finite], color=INK["thresholds"], alpha=0.25, lw=0
-        )
-        axes.plot(curve.x[finite], curve.density[finite], color=INK["thresholds"], lw=1.2)
+        x, density = curve.x[finite], curve.density[finite]
+        axes.fill_between(x, density, color=INK["thresholds"], alpha=0.25, lw=0)
+        axes.plot(x, density, **_STYLE)
     _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
     if curve.atoms.size:
         # a weight is no density: beside one it has an axis of its own
         own = axes.twinx() if curve.density[finite].any() else axes
         own.vlines(curve.atoms, 0.0, curve.atom_weights, color=INK["thresholds"], lw=2)
-        own.set_ylabel("weight at one value")
-        own.set_ylim(0.0, 1.05 * float(curve.atom_weights.max()))
-        own.yaxis.set_major_formatter("{x:g}")
+        top = 1.05 * float(curve.atom_weights.max())
+        own.set(ylabel="weight at one value", ylim=(0.0, top))
     return axes
-
-
-def final_law(result: Result) -> ThresholdCurve | None:
-    """The law of old contacts, where they age and the scene's text alone says what it is."""
-    ageing = result.asked.contacts.ageing
-    if ageing is None or ageing["final"].get("kind") in _ELSEWHERE or "file" in ageing["final"]:
-        return None
-    return sample_curve(
-        laws.build(laws.THRESHOLDS, ageing["final"], "contacts.ageing.final", Path())
-    )
-
-
-def plot_final(axes: "Axes", new: ThresholdCurve, final: ThresholdCurve) -> None:
-    """What the thresholds of new contacts become, dashed beside them."""
-    shown = np.isfinite(final.density)
-    if (
-        not final.density[shown].any()
-        or not np.isfinite(new.density).all()
-        or axes.get_yscale() == "log"
-    ):
-        return
-    (line,) = axes.get_lines()
-    line.set_label("new")
-    axes.plot(
-        final.x[shown],
-        final.density[shown],
-        color=INK["thresholds"],
-        lw=1.2,
-        ls="--",
-        label="final",
-    )
-    first, last = (ends for ends in zip(reach_of(new), reach_of(final), strict=True))
-    axes.set_xlim(min(first), max(last))
-    bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, max(top, heights(final, final.density).top))
-    Lengths.of(max(last), in_metres(new)).write(axes.xaxis, "threshold $x$")
-    axes.legend(fontsize="small")
 
 
 def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     """S(x), the probability that a threshold exceeds x."""
-    axes.plot(curve.x, curve.survival, color=INK["thresholds"], lw=1.2)
+    axes.plot(curve.x, curve.survival, **_STYLE)
     axes.set(ylabel="$S(x)$", ylim=(0, 1.05))
     _label(axes, curve, "survival", "threshold $x$")
     return axes
@@ -93,14 +48,8 @@ def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
     if isinstance(thresholds, Sampled):
         x, above = thresholds.samples, 1.0 - np.cumsum(thresholds.shares)
         some = np.unique(np.linspace(0, x.size - 1, _STEPS).round().astype(int))
-        axes.step(
-            x[some],
-            above[some],
-            where="post",
-            color="0.25",
-            lw=0.6,
-            label=f"{thresholds.n_samples} samples",
-        )
+        label = f"{thresholds.n_samples} samples"
+        axes.step(x[some], above[some], where="post", color="0.25", lw=0.6, label=label)
         axes.legend()
     return axes
 
@@ -111,7 +60,7 @@ def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     hazard = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
     if shown.any():
         _upright(axes, curve, hazard)
-    axes.plot(curve.x[shown], hazard[shown], color=INK["thresholds"], lw=1.2)
+    axes.plot(curve.x[shown], hazard[shown], **_STYLE)
     _label(axes, curve, "hazard", "stretch $x$", "$P_c(x)/S(x)$")
     return axes
 
@@ -132,16 +81,9 @@ def _label(
         first = float(curve.x[curve.x > 0.0].min())
         axes.set_xscale("log")
     axes.set_xlim(first, last)
-    if last - first < 1e-2 * last:
-        axes.locator_params(axis="x", nbins=3)  # long numbers
-    lengths = Lengths.of(last, in_metres(curve))
-    lengths.write(axes.xaxis, name)
+    name_lengths(axes.xaxis, name, curve.in_metres)
     if inverse is not None:
-        lengths.write_inverse(axes.yaxis, inverse)
-
-
-def in_metres(curve: ThresholdCurve) -> bool:
-    return curve.unit != OWN_UNIT
+        axes.set_ylabel(f"{inverse} (1/m)" if curve.in_metres else inverse)
 
 
 def reach_of(curve: ThresholdCurve) -> tuple[float, float]:

@@ -1,123 +1,181 @@
-"""Result folders: result.h5, summary.json and a picture, and their way back."""
+"""Result folders: result.h5, summary.json, a picture and a sweep's table, and their way back."""
 
+import csv
 import json
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, fields
+import tomllib
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import MISSING, fields, is_dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from origins.errors import refuse
+from origins.errors import InputError, refuse
 from toolkit.results.folders import write_folder
-from toolkit.results.opened import RESULT, opened
 from toolkit.results.records import (
-    OWN_UNIT,
     AgeingRecord,
-    CoupledRecord,
     Result,
-    SimulatedRecord,
+    Simulated,
     SoftRecord,
     SolvedRecord,
     ThresholdCurve,
 )
-from toolkit.results.sealed import write_sealed
+from toolkit.results.sealed import opened, write_sealed
 from toolkit.results.summary import summary
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
+from toolkit.scene.tables import read_table
 
 if TYPE_CHECKING:
     import h5py
 
-    from eq_model.histogram import Histogram
-
-SUMMARY, PICTURE, TABLE = "summary.json", "picture.png", "sweep.csv"
-
+RESULT, SUMMARY, PICTURE, TABLE = "result.h5", "summary.json", "picture.png", "sweep.csv"
+_THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
+BARRIERS = "barriers.png"  # of islands
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = (
     *("path", "position", "force", "force_standard_error", "step_error"),
-    *("position_standard_error", "positions", "forces"),
-    *("x", "atoms", "stretch_edges", "threshold_edges"),
-    *(f"slip_{name}" for name in ("drive", "before", "after", "force_before", "force_after")),
+    *("position_standard_error", "positions", "forces", "x", "atoms"),
+    *("stretch_edges", "threshold_edges", "slip_drive", "slip_before", "slip_after"),
+    *("slip_force_before", "slip_force_after"),
 )
 
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
-    """Write result.h5, summary.json and picture.png into `folder`, and of a sweep sweep.csv, whole or not at all.
+    """Write result.h5, summary.json and picture.png into `folder`, of a sweep sweep.csv and of islands barriers.png,
+    whole or not at all.
 
-    What this package wrote there earlier and would be taken for this run's is removed: the sweep.csv of a result that
-    had a sweep where this has none, and thresholds.json and .png of other contacts.
+    What this package wrote there earlier and would be taken for this run's is removed: sweep.csv where this result has
+    no sweep, and thresholds.json, its .png and barriers.png beside another scene's result.
 
     result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
     array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
     cannot be written.
     """
     from toolkit.pictures.run import save_picture
-    from toolkit.results.sweep_table import write_csv
-    from toolkit.running.leftovers import left_over
 
     writers: dict[str, Callable[[Path], None]] = {
         RESULT: lambda path: _write_result(result, path),
         SUMMARY: lambda path: write_json(summary(result), path),
         PICTURE: lambda path: save_picture(result, path),
     }
+    if (islands := result.domains) is not None:
+        from toolkit.pictures.islands import save_barriers
+
+        writers[BARRIERS] = lambda path: save_barriers(islands, path)
     if (sweep := result.sweep) is not None:
-        units = _units("length" if result.thresholds.unit == OWN_UNIT else "m") | {
-            "force_error": "<x_s>"
-        }
-        writers[TABLE] = lambda path: write_csv(sweep, units, path)
-    write_folder(folder, writers, left_over(folder, result))
+        units = _units(result, short=True) | {"force_error": "<x_s>"}
+        writers[TABLE] = lambda path: _write_csv(sweep, units, path)
+    before = _earlier(folder)
+    gone = [TABLE] if before is not None and before.swept and result.sweep is None else []
+    if another(folder, result.name, result.text) is not None:
+        gone += [name for name in (*_THRESHOLDS, BARRIERS) if name not in writers]
+    write_folder(folder, writers, gone)
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
     """The Result that `save`, or the command `run`, wrote into `folder`.
 
     Its fields, where they were asked for: `master.path`, `.force`, `.force_error`, `.holding`, `.success`; `eq.path`,
-    `.force`, `.force_standard_error`, `.breaks`, `.histograms`, each read when it is asked for; `thresholds.x`,
-    `.density`, `.survival`, `.unit`; `mean_threshold`; `notes`; `interface["contact_density"].value` and more; `text`,
+    `.force`, `.force_standard_error`, `.breaks`, `.histograms`; `thresholds.x`, `.density`, `.survival`, `.unit`;
+    `mean_threshold`; `notes`; `interface["contact_density"].value` and more; `text`,
     the scene. Raises InputError where there is none.
     """
     file = Path(folder) / RESULT
     if Path(folder).is_file():
         refuse("folder", str(folder), f"is a file; give the folder, {str(Path(folder).parent)!r}")
     if not file.is_file():
-        refuse(
-            "folder",
-            str(folder),
-            f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one",
-        )
+        rule = f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one"
+        refuse("folder", str(folder), rule)
     with opened(file) as store:
+        told: dict[str, Any] = {name: str(store.attrs[name]) for name in ("name", "title", "version")}
         return Result(
-            name=str(store.attrs["name"]),
-            title=str(store.attrs["title"]),
+            **told,
             text=str(store.attrs["scene"]),
-            version=str(store.attrs["version"]),
             mean_threshold=float(store.attrs["mean_threshold"]),
             thresholds=_read(store["thresholds"], ThresholdCurve),
-            master=_read_solved(store["master"]) if "master" in store else None,
-            eq=_read_simulated(store["eq"], file) if "eq" in store else None,
+            master=_read_master(store["master"]) if "master" in store else None,
+            eq=_read_eq(store["eq"]) if "eq" in store else None,
             notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
             interface=_read_interface(store["interface"]) if "interface" in store else None,
             sweep=_read(store["sweep"], SweepRecord) if "sweep" in store else None,
         )
 
 
+class Earlier(NamedTuple):
+    """Of which scene a result is, by its name and TOML text, and whether it has a sweep."""
+
+    name: str
+    text: str
+    swept: bool
+
+
+def _earlier(folder: str | os.PathLike[str]) -> Earlier | None:
+    """What a folder holds; None where that is no result, or none that can be read."""
+    file = Path(folder) / RESULT
+    with suppress(InputError):
+        if file.is_file():
+            with opened(file) as store:
+                return Earlier(
+                    str(store.attrs["name"]), str(store.attrs["scene"]), "sweep" in store
+                )
+    return None
+
+
+def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
+    """In words, whose result `folder` holds; None where that is of this scene, by name and contacts, or none is."""
+    before = _earlier(folder)
+    if before is None:
+        return None
+    if before.name != name:
+        return f"another scene, {before.name}"
+    with suppress(ValueError):  # the scene of an older package
+        one, other = (read_table(tomllib.loads(own)).contacts for own in (before.text, text))
+        if one == other:
+            return None
+    return "this scene with other contacts"
+
+
 def write_json(content: dict[str, Any], path: Path) -> None:
     """Write `content` as indented JSON; what is not finite becomes null, since JSON has no word for it."""
-    path.write_text(
-        json.dumps(_speakable(content), indent=2, allow_nan=False) + "\n", encoding="utf-8"
-    )
+
+    def speakable(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: speakable(item) for key, item in value.items()}
+        if isinstance(value, list):
+            return [speakable(item) for item in value]
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    text = json.dumps(speakable(content), indent=2, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
 
 
-def _speakable(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _speakable(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_speakable(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+def write_lines(lines: list[str], path: Path) -> None:
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _write_csv(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
+    """A line for each point, a column for each array that the sweep has, its unit in brackets, with all digits."""
+    arrays = {field.name: getattr(sweep, field.name) for field in fields(sweep)}
+    arrays = {name: value for name, value in arrays.items() if isinstance(value, np.ndarray)}
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(f"{name} [{units[name]}]" if name in units else name for name in arrays)
+        writer.writerows(zip(*(value.ravel().tolist() for value in arrays.values()), strict=True))
+
+
+def _units(result: Result, short: bool = False) -> dict[str, str]:
+    """Of all arrays that have one, by name; an own unit of length is named in full unless it shall be `short`."""
+    unit = "length" if short and not result.in_metres else result.thresholds.unit
+    clock = "s" if result.in_metres else "time"
+    units = {**dict.fromkeys(_LENGTHS, unit), "density": f"1 / {unit}", "notes": "text"}
+    units |= dict.fromkeys(("thresholds", "stretches"), f"1 / {unit}")
+    units |= dict.fromkeys(("threshold_error", "stretch_error"), f"1 / {unit}")
+    units |= {"delay": clock, "time": clock, "kelvin": "K", "velocity": f"{unit} / {clock}"}
+    return units | {"temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
 
 
 def _write_result(result: Result, path: Path) -> None:
@@ -132,148 +190,93 @@ def _write_result(result: Result, path: Path) -> None:
 
 
 def _fill(result: Result, store: "h5py.File") -> None:
-    store.attrs.update(
-        name=result.name,
-        title=result.title,
-        scene=result.text,
-        version=result.version,
-        mean_threshold=result.mean_threshold,
-    )
-    unit = result.thresholds.unit
-    _write(store.create_group("thresholds"), result.thresholds, ThresholdCurve, unit)
+    units = _units(result)
+    for name in ("name", "title", "version", "mean_threshold"):
+        store.attrs[name] = getattr(result, name)
+    store.attrs["scene"] = result.text
     if result.asked.drive is not None:
         store["time"] = result.time
-        store["time"].attrs["units"] = "time" if unit == OWN_UNIT else "s"
     if result.notes:
         store["notes"] = list(result.notes)
-        store["notes"].attrs["units"] = "text"
-    if result.interface is not None:
-        _write_interface(store.create_group("interface"), result.interface)
-    if result.master is not None:
-        _write(
-            store.create_group("master"), result.master, _kind_of(result.master, SolvedRecord), unit
-        )
-    if result.sweep is not None:
-        _write(store.create_group("sweep"), result.sweep, SweepRecord, unit)
+    for name in set(store):
+        store[name].attrs["units"] = units[name]
+    for name, number in (result.interface or {}).items():
+        own = store.create_dataset(f"interface/{name}", data=number.value)
+        own.attrs["units"] = number.unit or "1"
+        if number.error is not None:
+            own.attrs["error"] = number.error
+    for name in ("thresholds", "sweep", "master", "eq"):
+        if (answer := getattr(result, name)) is not None:
+            own = name != "master" or isinstance(answer, SolvedRecord)  # else it has more fields
+            kind = type(answer) if own else SolvedRecord
+            _write(store.create_group(name), answer, kind, units)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
-        group = store.create_group("eq")
-        _write(group, result.eq, _kind_of(result.eq, SimulatedRecord), unit)
-        _write_histograms(group, result.eq.histograms, unit)
+        for index, histogram in enumerate(result.eq.histograms):
+            own = store.create_group(f"eq/{_HISTOGRAMS}/{index}")
+            _write(own, histogram, type(histogram), units, compression="gzip", shuffle=True)
 
 
-def _kind_of(answer: object, plain: type) -> type:
-    """The record that an answer is, or else `plain`, whose fields it has."""
-    return type(answer) if isinstance(answer, plain) else plain
-
-
-def _write(group: "h5py.Group", answer: object, record: type[Any], unit: str) -> None:
-    """The fields of `record`, as found on `answer`: arrays as data sets, the rest as attributes."""
-    units = _units(unit)
-    for field in fields(record):
-        value = getattr(answer, field.name)
-        if isinstance(value, np.ndarray) or field.name == _PER_RANK:
-            group[field.name] = value
-            group[field.name].attrs["units"] = units.get(field.name, "1")
-        elif field.name != _HISTOGRAMS and value is not None:
-            group.attrs[field.name] = value
-
-
-def _units(unit: str) -> dict[str, str]:
-    """Of all arrays that have one, by name; `unit` is that of lengths."""
-    clock = "s" if unit == "m" else "time"
-    units = {
-        "density": f"1 / {unit}",
-        **dict.fromkeys(_LENGTHS, unit),
-        "delay": clock,
-        "kelvin": "K",
-    }
-    return units | {
-        "velocity": f"{unit} / {clock}",
-        "temperature": f"({unit})^2",
-        "rate": f"({unit})^2 / {clock}",
-    }
-
-
-def _write_interface(group: "h5py.Group", numbers: dict[str, Number]) -> None:
-    for name, number in numbers.items():
-        group[name] = number.value
-        group[name].attrs["units"] = number.unit or "1"
-        if number.error is not None:
-            group[name].attrs["error"] = number.error
+def _write(
+    group: "h5py.Group", answer: Any, kind: type[Any], units: dict[str, str], **how: Any
+) -> None:
+    """The fields of `kind`, as found on `answer`: arrays as data sets, the rest as attributes, those of slips and
+    regimes too."""
+    values = {field.name: getattr(answer, field.name) for field in fields(kind)}
+    for name, prefix in (("slips", "slip_"), ("regime", "")):
+        if is_dataclass(part := values.pop(name, None)):
+            values |= {f"{prefix}{field.name}": getattr(part, field.name) for field in fields(part)}
+    for name, value in values.items():
+        if isinstance(value, np.ndarray) or name == _PER_RANK:
+            group.create_dataset(name, data=value, **how)
+            group[name].attrs["units"] = units.get(name, "1")
+        elif name != _HISTOGRAMS and value is not None:
+            group.attrs[name] = value
 
 
 def _read_interface(group: "h5py.Group") -> dict[str, Number]:
     numbers = {}
     for name, data in group.items():
         error, unit = data.attrs.get("error"), str(data.attrs["units"])
-        numbers[name] = Number(
-            float(data[()]), None if error is None else float(error), "" if unit == "1" else unit
-        )
+        error, unit = None if error is None else float(error), "" if unit == "1" else unit
+        numbers[name] = Number(float(data[()]), error, unit)
     return numbers
 
 
-def _read_solved(group: "h5py.Group") -> SolvedRecord:
-    if "mass_defect" in group:
-        return _read(group, AgeingRecord)
-    return _read(group, SoftRecord) if "position" in group else _read(group, SolvedRecord)
+def _read_master(group: "h5py.Group") -> SolvedRecord:
+    if "position" not in group:
+        return _read(group, AgeingRecord if "mass_defect" in group else SolvedRecord)
+    from master.soft.regime import Regime
+    from master.soft.slips import Slips
+
+    slips = _read(group, Slips, "slip_")
+    regime = _read(group, Regime, slips=int(slips.drive.size), trend=None)
+    trend = float(group.attrs.get("trend", math.nan))
+    regime = replace(regime, trend=None if math.isnan(trend) else trend)
+    return _read(group, SoftRecord, slips=slips, regime=regime)
 
 
-def _write_histograms(group: "h5py.Group", histograms: Sequence["Histogram"], unit: str) -> None:
-    """One group each, so that each can be read by itself."""
-    for index, histogram in enumerate(histograms):
-        one = group.create_group(f"{_HISTOGRAMS}/{index}")
-        for field in fields(histogram):
-            value = getattr(histogram, field.name)
-            if isinstance(value, np.ndarray):
-                one.create_dataset(field.name, data=value, compression="gzip", shuffle=True)
-                one[field.name].attrs["units"] = unit if field.name in _LENGTHS else f"1 / {unit}"
-            else:
-                one.attrs[field.name] = value
+def _read_eq(group: "h5py.Group") -> "Simulated":
+    from eq_model import CoupledResult, CoupledSlips, EnsembleResult
+    from eq_model.histogram import Histogram
 
-
-def _read_simulated(group: "h5py.Group", file: Path) -> SimulatedRecord:
-    from eq_model.histogram import Histogram, Made
-
+    if "positions" in group:
+        return _read(group, CoupledResult, slips=_read(group, CoupledSlips, "slip_"))
     size = len(group[_HISTOGRAMS]) if _HISTOGRAMS in group else 0
-    seen = _seen(file)
-
-    def read(index: int) -> Histogram:
-        if not file.is_file() or _seen(file) != seen:
-            refuse(
-                "folder",
-                str(file.parent),
-                f"its {RESULT} is another one since it was loaded; load it again",
-            )
-        with opened(file, checked=True) as store:
-            return _read(store[f"{group_name}/{_HISTOGRAMS}/{index}"], Histogram)
-
-    group_name = group.name
-    record = CoupledRecord if "positions" in group else SimulatedRecord
-    return _read(group, record, {_HISTOGRAMS: Made(size, read)})
+    found = [_read(group[f"{_HISTOGRAMS}/{index}"], Histogram) for index in range(size)]
+    return _read(group, EnsembleResult, histograms=found)
 
 
-def _seen(file: Path) -> tuple[int, int, int]:
-    """What tells a file from one in its place."""
-    status = file.stat()
-    return status.st_ino, status.st_mtime_ns, status.st_size
-
-
-def _read(
-    group: "h5py.Group", record: type[Any], given: Mapping[str, Any] = MappingProxyType({})
-) -> Any:
-    """The fields of `record`, but for those `given`."""
-    values: dict[str, Any] = {name: data[()] for name, data in group.items() if name not in given}
-    for name, value in group.attrs.items():
-        plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-        values[name] = tuple(plain) if isinstance(plain, list) else plain
-    if _PER_RANK in values:
-        values[_PER_RANK] = tuple(
-            values[_PER_RANK].tolist()
-        )  # of thousands of ranks: too many for an attribute
-    values |= given
-    optional = {
-        field.name: field.default for field in fields(record) if field.default is not MISSING
-    }
-    values = optional | values
-    return record(**{field.name: values[field.name] for field in fields(record)})
+def _read(group: "h5py.Group", kind: type[Any], prefix: str = "", **given: Any) -> Any:
+    """A record of this kind with the fields that the group holds under their names, and those `given`."""
+    values = {field.name: field.default for field in fields(kind) if field.default is not MISSING}
+    for name in (field.name for field in fields(kind)):
+        if (stored := f"{prefix}{name}") in group.attrs:
+            value = group.attrs[stored]
+            plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+            values[name] = tuple(plain) if isinstance(plain, list) else plain
+        elif stored in group and name not in given:
+            values[name] = group[stored][()]
+    if _PER_RANK in values:  # of thousands of ranks: too many for an attribute
+        values[_PER_RANK] = values[_PER_RANK].tolist()
+    return kind(**values | given)

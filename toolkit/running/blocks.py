@@ -30,9 +30,8 @@ def follow(
 
     SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then do what they did
     before: end the program as a rule. A rank that gets one tells the other ranks, which end likewise. In an interactive
-    session SIGINT ends this rank's share of the ensemble alone: the result
-    is that of the finished blocks, with success = False, once the other ranks have come to their end; a second SIGINT
-    does what it did before.
+    session SIGINT ends this rank's share of the ensemble alone: the result is that of the finished blocks, with
+    success = False, once the other ranks have come to their end; a second SIGINT does what it did before.
 
     Parameters
     ----------
@@ -42,57 +41,50 @@ def follow(
     done_before : contacts that the ensemble was given as done.
     deadline : s of the monotonic clock after which no block begins; None for none.
     """
-    ranks = 1 if ensemble.comm is None else ensemble.comm.Get_size()
+    comm = ensemble.comm
+    ranks, rank = (1, 0) if comm is None else (comm.Get_size(), comm.Get_rank())
     shown, interrupted, begun = (-1, -1), False, time.monotonic()
     with Deferred() as asked:
-        blocks = iter(ensemble)
-        while True:
-            try:
-                done = next(blocks, None)
-                if done is None:
-                    break
-                now = min(done_before + done[0] * ranks, ensemble.expected), ensemble.expected
-                if progress is not None and now != shown:
-                    progress(*now)
-                    shown = now
-            except KeyboardInterrupt:
-                # raised in the middle, as some kernels do it: what is finished is whole
-                if ranks > 1 or not _interactive() or not ensemble.state.done:
-                    raise
-                interrupted = True
-                break
+        for done, _ in ensemble:
+            now = min(done_before + done * ranks, ensemble.expected), ensemble.expected
+            if progress is not None and now != shown:
+                progress(*now)
+                shown = now
             if deadline is not None and time.monotonic() > deadline:
                 ensemble.stop()
-            if asked.signal is None and ranks > 1 and ensemble.comm.Iprobe(tag=_STOP):
-                asked.signal = ensemble.comm.recv(tag=_STOP)
-            elif asked.signal is not None and ranks > 1 and not _interactive():
-                _tell_the_others(ensemble.comm, asked.signal)
-            if asked.signal is not None:
+            if ranks > 1:
+                _tell_or_hear(comm, asked)
+            if asked.signal is None:
                 if checkpoint is not None:
-                    checkpoint.write(ensemble.state)
-                if asked.signal == signal.SIGINT and not interrupted and _interactive():
-                    asked.signal, interrupted = None, True
-                    ensemble.stop()
-                    continue
-                asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
-            elif checkpoint is not None:
-                checkpoint.keep(ensemble.state)
+                    checkpoint.keep(ensemble.state)
+                continue
+            if checkpoint is not None:
+                checkpoint.write(ensemble.state)
+            if asked.signal == signal.SIGINT and not interrupted and _interactive():
+                asked.signal, interrupted = None, True
+                ensemble.stop()
+                continue
+            asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
     result: AnyResult = ensemble.result()
     left = unfinished(ensemble, result)
     # a finished one too: the disk may refuse the result
     if checkpoint is not None and (left or time.monotonic() - begun > _WORTH_KEEPING):
         checkpoint.write(ensemble.state)
-        if left and checkpoint.is_first and not interrupted:
+        if left and rank == 0 and not interrupted:
             say(f"stopped by the wall time; run it again with --out {checkpoint.folder} to go on")
     if interrupted and left:
         result = replace(result, success=False, message=f"interrupted: {result.message}")
     return result
 
 
-def _tell_the_others(comm: Any, number: int) -> None:
-    for rank in range(comm.Get_size()):
-        if rank != comm.Get_rank():
-            comm.isend(number, dest=rank, tag=_STOP)
+def _tell_or_hear(comm: Any, asked: Deferred) -> None:
+    """Tell the other ranks of a signal that this one has got, or hear of theirs."""
+    if asked.signal is None:
+        if comm.Iprobe(tag=_STOP):
+            asked.signal = comm.recv(tag=_STOP)
+    elif not _interactive():
+        for rank in set(range(comm.Get_size())) - {comm.Get_rank()}:
+            comm.isend(asked.signal, dest=rank, tag=_STOP)
 
 
 def unfinished(ensemble: "Ensemble | CoupledEnsemble", result: "AnyResult") -> bool:

@@ -1,8 +1,7 @@
 """A run's checkpoint in its output folder: what each rank's finished blocks found, and of which run.
 
-A rank writes a file of its own, beside the old one, and then in its place. A run that goes on from it, on whatever
-number of ranks, writes files of a higher turn: rank 0's holds all that was found before. Files say which blocks they
-hold, so that whatever was cut short in between, none counts twice.
+Each rank replaces a file of its own. A run that goes on, on whatever number of ranks, first puts all that was found
+into rank 0's file and takes the others away. Files say which blocks they hold, so that none counts twice.
 """
 
 from __future__ import annotations
@@ -12,25 +11,26 @@ import os
 import sys
 import time
 import tomllib
-from bisect import bisect_left, insort
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import reduce
 from hashlib import sha256
+from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
 
-import toolkit
 from origins.errors import InputError, positive
 from origins.thresholds.law import Thresholds
+from toolkit.results.sealed import flush_folder, read_sealed, write_sealed
 from toolkit.running.ranks import on_root
-from toolkit.running.state_file import BLOCKS, read_state, write_state
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import read_table
+from toolkit.version import __version__
 
 if TYPE_CHECKING:
     from eq_model.coupled.result import CoupledState
@@ -40,14 +40,10 @@ if TYPE_CHECKING:
 
 NAME = "checkpoint"
 EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
+BLOCKS = "eq.blocks"  # how contacts are divided
 
-_BESIDE = {
-    "title",
-    "master.tolerance",
-    "eq.wall_time",
-    "wall_time",
-}  # what the ensemble's numbers do not depend on
-_LONG = 60  # letters
+_BESIDE = {"title", "eq.wall_time", "wall_time"}  # what the ensemble's numbers do not depend on
+_LONG = 60  # letters: longer values are told by their beginning and a digest
 _QUANTILES = np.linspace(0.0, 1.0, 66)[1:-1]
 
 
@@ -70,39 +66,39 @@ class Checkpoint:
         self._home, self._comm = self.folder / NAME, comm
         self._rank = 0 if comm is None else comm.Get_rank()
         self._identity = identity(scene)
-        self._turn, self._old = 0, list[Path]()
-        self._last, self._warned = time.monotonic(), False
+        self._last, self._refused = time.monotonic(), ""
         self._written: list[range] | None = None
-        self._written_well = False
-
-    @property
-    def is_first(self) -> bool:
-        """Whether this rank speaks for all."""
-        return self._rank == 0
 
     @property
     def note(self) -> str:
         """What is left when the run ends here."""
-        kept = (
-            "its finished blocks are kept in"
-            if self._written_well
-            else "what it found last could not be written to"
-        )
-        return f"{kept} {self._home}"
+        if self._refused:
+            return f"what it found last could not be written to {self._home}"
+        return f"its finished blocks are kept in {self._home}"
 
-    def earlier(self) -> list[AnyState]:
+    def earlier(self, only_look: bool = False) -> list[AnyState]:
         """What an earlier run found, for `Ensemble`: whole on rank 0, elsewhere which contacts it was; [] if nothing.
 
-        All ranks must call. Raises InputError where the checkpoint is that of another scene, seed or version.
+        All ranks must call. Unless it shall `only_look`, rank 0's file then holds all of it.
+        Raises InputError where the checkpoint is that of another scene, seed or version.
         """
         whole: AnyState | None = None
 
-        def look() -> tuple[int, AnyState | None]:
+        def look() -> AnyState | None:
             nonlocal whole
-            whole = self._read()
-            return self._turn, None if whole is None else whole.without_sums()
+            files = sorted(self._home.glob("*-rank-*.npz"))
+            whole = self._joined(files)
+            if whole is None:
+                return None
+            say(
+                f"going on from the checkpoint in {self._home}: {whole.contacts:,} contacts are done"
+            )
+            if not only_look and len(files) > 1 and self.write(whole):
+                for file in set(files) - {self._file}:
+                    file.unlink()
+            return whole.without_sums()
 
-        self._turn, rest = on_root(self._comm, look)
+        rest = on_root(self._comm, look)
         found = rest if whole is None else whole
         return [] if found is None else [found]
 
@@ -111,63 +107,61 @@ class Checkpoint:
         if time.monotonic() - self._last >= self.every and state.done is not self._written:
             self.write(state)
 
-    def write(self, state: AnyState) -> None:
-        """Write this rank's `state`; a disk that refuses is told once, by rank 0."""
-        self._written_well = False
+    def write(self, state: AnyState) -> bool:
+        """Write this rank's `state`, and say whether it is on the disk; one that refuses is told once, by rank 0."""
+        before, self._refused = self._refused, ""
         try:
             self._home.mkdir(parents=True, exist_ok=True)
-            write_state(
-                self._home / f"{self._turn:03d}-rank-{self._rank:05d}.npz", state, self._identity
-            )
-            if self.is_first:
-                while self._old:  # all of it is in the new one
-                    self._old.pop().unlink(missing_ok=True)
-            self._written_well = True
+            write_state(self._file, state, self._identity)
         except OSError as error:
-            if self.is_first and not self._warned:
-                say(f"{self._home}: no checkpoint: {error.strerror or error}; the run goes on")
-            self._warned = True
-        # not the state itself: what it counted would stay on the disk
+            self._refused = error.strerror or str(error)
+            if self._rank == 0 and not before:
+                say(f"{self._home}: no checkpoint: {self._refused}; the run goes on")
         self._last, self._written = time.monotonic(), state.done
+        return not self._refused
 
     def remove(self) -> None:
         """Forget it: the results are written. On rank 0 alone."""
         with suppress(OSError):
-            for file in [*_files(self._home), *self._home.glob(".*.part")]:
-                file.unlink(missing_ok=True)
+            for pattern in ("*-rank-*.npz", ".*.part"):
+                for file in self._home.glob(pattern):
+                    file.unlink(missing_ok=True)
             self._home.rmdir()
 
-    def _read(self) -> AnyState | None:
+    @property
+    def _file(self) -> Path:
+        return self._home / f"000-rank-{self._rank:05d}.npz"
+
+    def _joined(self, files: list[Path]) -> AnyState | None:
+        """All that these files hold, of this run; what is damaged is left out."""
         from eq_model import layout
         from eq_model.coupled.result import CoupledState
 
-        found: AnyState | None = None
-        taken: list[range] = []
-        self._old = _files(self._home)
-        for file in self._old:
-            self._turn = max(self._turn, _turn(file) + 1)
+        states = []
+        for file in files:
             read = read_state(file)
             if read is None:
                 say(f"{file}: is damaged; what it held is done again")
                 continue
-            state, other = read
-            self._check(other)
-            if _take(state.done, taken):
-                found = state if found is None else found.joined(state)  # type: ignore[arg-type]
-        if found is not None:
-            say(
-                f"going on from the checkpoint in {self._home}: {found.contacts:,} contacts are done"
-            )
-            if not isinstance(found, CoupledState):
-                found = replace(found, done=reduce(layout.joined, taken, []))
-        return found
+            self._check(read[1])
+            states.append(read[0])
+        found: AnyState | None = None
+        # rank 0's may hold what others, which were not yet taken away, hold too
+        for state in sorted(states, key=lambda state: -state.contacts):
+            if found is None:
+                found = state
+            elif not _overlap(found.done, state.done):
+                found = found.joined(state)  # type: ignore[arg-type]
+        if found is None or isinstance(found, CoupledState):
+            return found
+        done = sorted(found.done, key=lambda part: part.start)
+        return replace(found, done=reduce(layout.joined, done, []))
 
     def _check(self, other: dict[str, str]) -> None:
         own = self._identity
         apart = [key for key in {**own, **other} if own.get(key) != other.get(key)]
         if apart:
-            key = apart[0]
-            more = f" and {len(apart) - 1} more" if len(apart) > 1 else ""
+            key, more = apart[0], f" and {len(apart) - 1} more" if len(apart) > 1 else ""
             raise InputError(
                 f"out = {str(self.folder)!r}: holds the checkpoint of another run, {key} = "
                 f"{other.get(key, 'left out')} there and {own.get(key, 'left out')} here{more}; choose another folder, "
@@ -175,18 +169,72 @@ class Checkpoint:
             )
 
 
+def write_state(file: Path, state: AnyState, told: dict[str, str]) -> None:
+    """Write `state`, and `told`, of which run it is: whole or not at all, and on the disk when this returns."""
+    from eq_model.state import State
+
+    if isinstance(state, State):
+        arrays = {field.name: getattr(state, field.name) for field in fields(state)}
+        done = [(part.start, part.stop) for part in state.done]
+        arrays["done"] = np.array(done, np.int64).reshape(-1, 2)
+    else:
+        arrays = state.arrays()
+    stream = BytesIO()
+    np.savez(stream, told_of=json.dumps(told), **arrays)
+    draft = file.with_name(f".{file.name}.part")
+    try:
+        write_sealed(draft, stream.getvalue())
+        os.replace(draft, file)
+    finally:
+        draft.unlink(missing_ok=True)
+    flush_folder(file.parent)
+
+
+def read_state(file: Path) -> tuple[AnyState, dict[str, str]] | None:
+    """State, and of which run it is; None for a file that a failing disk spoiled.
+
+    Raises InputError for one of an older version, which is a bare zip file or divides contacts otherwise.
+    """
+    from eq_model.coupled.result import CoupledState
+    from eq_model.state import State
+
+    try:
+        contents = read_sealed(file)
+        if contents is None:
+            if file.read_bytes().startswith(b"PK"):
+                raise KeyError
+            return None
+        arrays = dict(np.load(BytesIO(contents), allow_pickle=False))
+        told = json.loads(str(arrays.pop("told_of")))
+        if "sums" not in arrays:
+            return CoupledState.of_arrays(arrays), told
+        values: dict[str, Any] = {
+            field.name: array if (array := arrays[field.name]).ndim else array.item()
+            for field in fields(State)
+        }
+        values["done"] = [range(start, stop) for start, stop in arrays["done"].tolist()]
+        return State(**values), told
+    except OSError:
+        return None
+    except (KeyError, TypeError, ValueError) as error:  # its checksum was right
+        rule = (
+            f"is a checkpoint of an older version; remove {file.parent}, or choose another folder"
+        )
+        raise InputError(f"{file}: {rule}") from error
+
+
 def identity(scene: Scene) -> dict[str, str]:
     """All that the ensemble's numbers depend on, by name: the scene's keys, the laws as drawn, the version."""
     table = msgspec.to_builtins(read_table(tomllib.loads(scene.text)))
     told = {
-        name: value
-        for name, value in _flat(table, ())
+        name: text
+        for name, text in _flat(table, ())
         if name not in _BESIDE and not name.startswith("master")
     }
     told["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
     if scene.contacts.ageing is not None:
         told["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
-    return {**told, BLOCKS: "philox-7, 2^14", "version": toolkit.__version__}
+    return {**told, BLOCKS: "philox-7, 2^14", "version": __version__}
 
 
 def say(line: str) -> None:
@@ -195,12 +243,12 @@ def say(line: str) -> None:
 
 
 def _flat(value: Any, where: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    """Keys of nested tables as one, such as eq.seed, with their values as short text."""
     if isinstance(value, dict):
         for key, item in value.items():
             yield from _flat(item, (*where, key))
     elif value is not None:
         text = json.dumps(value)
-        # thousands of samples need not be repeated in the file of every rank
         yield ".".join(where), text if len(text) <= _LONG else f"{text[:_LONG]}... {_digest(text)}"
 
 
@@ -214,24 +262,7 @@ def _digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()[:12]
 
 
-def _files(home: Path) -> list[Path]:
-    """Those of the last turn first, and of each turn that of rank 0."""
-    return sorted(home.glob("[0-9]*-rank-*.npz"), key=lambda file: (-_turn(file), file.name))
-
-
-def _take(done: list[range], taken: list[range]) -> bool:
-    """Add `done` to `taken`, which is in order, unless one of these blocks is there already."""
-    for part in done:
-        at = bisect_left(taken, part.start, key=lambda other: other.start)
-        before, after = taken[max(at - 1, 0) : at], taken[at : at + 1]
-        if any(other.stop > part.start for other in before) or any(
-            other.start < part.stop for other in after
-        ):
-            return False
-    for part in done:
-        insort(taken, part, key=lambda other: other.start)
-    return True
-
-
-def _turn(file: Path) -> int:
-    return int(file.name.partition("-")[0])
+def _overlap(one: list[range], other: list[range]) -> bool:
+    """Whether two lists of blocks have a block in common."""
+    parts = sorted([*one, *other], key=lambda part: part.start)
+    return any(before.stop > after.start for before, after in pairwise(parts))

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 _STEP = "SLURM_STEP_NUM_TASKS"
 # (number of ranks, own rank) as each launcher's processes see them. SLURM_NTASKS is not among them: a batch script
@@ -14,11 +14,7 @@ _VARIABLES = (
     ("MPI_LOCALNRANKS", "MPI_LOCALRANKID"),
     (_STEP, "SLURM_PROCID"),
 )
-_OTHERS = (
-    "OMPI_COMM_WORLD_SIZE",
-    "MV2_COMM_WORLD_SIZE",
-    "MPI_LOCALNRANKS",
-)  # mpirun within a step of Slurm's
+_MPIRUNS = _VARIABLES[1:4]  # an mpirun within a step of Slurm's sets these
 
 
 @dataclass(frozen=True)
@@ -32,14 +28,11 @@ class Launch:
 
 def read_environment(environment: Mapping[str, str] = os.environ) -> Launch:
     """The largest launch named; inner launchers inherit the variables of outer ones."""
-    launches = [Launch()]
+    launches = [(1, 0)]
     for size, rank in _VARIABLES:
         if environment.get(size, "").isdecimal() and environment.get(rank, "").isdecimal():
-            launches.append(Launch(int(environment[size]), int(environment[rank])))
-    found = max(launches, key=lambda launch: launch.size)
-    by_slurm = found.size > 1 and environment.get(_STEP) == str(found.size)
-    return (
-        replace(found, by="srun")
-        if by_slurm and not any(name in environment for name in _OTHERS)
-        else found
-    )
+            launches.append((int(environment[size]), int(environment[rank])))
+    size_found, own = max(launches, key=lambda launch: launch[0])
+    by_slurm = size_found > 1 and environment.get(_STEP) == str(size_found)
+    by_slurm = by_slurm and not any(size in environment for size, _ in _MPIRUNS)
+    return Launch(size_found, own, "srun" if by_slurm else "mpirun")

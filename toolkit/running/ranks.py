@@ -43,8 +43,7 @@ def communicator(launch: Launch) -> Any:
         cure = "use the mpirun that belongs to mpi4py's MPI, or build mpi4py against this one"
         if launch.by == "srun":
             cure = (
-                "say how Slurm is to connect them, srun --mpi=pmix or --mpi=pmi2 (srun --mpi=list tells which there "
-                "are), and build mpi4py against the cluster's own MPI (docs/clusters.md)"
+                "say how Slurm is to connect them, srun --mpi=pmix or --mpi=pmi2 (docs/clusters.md)"
             )
         raise InputError(
             f"{launch.by}: started {launch.size} ranks, but mpi4py's MPI connects {MPI.COMM_WORLD.Get_size()}; {cure}"
@@ -85,7 +84,7 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
     except InputError as error:
         alike = ending is None or _arrived(ending, _PATIENCE)
         if launched.rank == 0 or not alike:
-            _say(error)
+            print(f"mesofriction: {error}", file=sys.stderr, flush=True)
         if not alike:
             _abort(ending, 2)
         return 2
@@ -117,10 +116,6 @@ def _abort(comm: Any, status: int) -> NoReturn:
     time.sleep(_PASSED_ON)
     comm.Abort(status)
     os._exit(status)  # some launchers take their time
-
-
-def _say(error: InputError) -> None:
-    print(f"mesofriction: {error}", file=sys.stderr, flush=True)
 
 
 def _arrived(comm: Any, patience: float = math.inf) -> bool:

@@ -7,34 +7,30 @@ from dataclasses import replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-import toolkit
 from origins.errors import InputError, refuse
+from toolkit.results.files import another, save
 from toolkit.results.folders import check_folder, only_writer
-from toolkit.results.records import (
-    Result,
-    SolvedRecord,
-    record_of,
-    sample_curve,
-)
+from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
 from toolkit.running.blocks import follow, unfinished
-from toolkit.running.notes import all_hold, foreseen, went_on
+from toolkit.running.checkpoint import EVERY, Checkpoint, say
+from toolkit.running.notes import foreseen, went_on
+from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
 from toolkit.running.signals import TimeIsUp, no_longer_than
 from toolkit.scene import laws
 from toolkit.scene.interfaces import of_interface, remarks
 from toolkit.scene.sampling import numerical_only
-from toolkit.scene.scene import EqTable, Scene, load_scene
+from toolkit.scene.scene import Scene, load_scene
 from toolkit.scene.sweep import solve_sweep
+from toolkit.scene.tables import EqTable
+from toolkit.version import __version__
 
 if TYPE_CHECKING:
     from eq_model import CoupledEnsemble, Ensemble
-    from toolkit.running.checkpoint import Checkpoint
-    from toolkit.running.progress import Refinement
 
 _GOOD_ENOUGH = 1e-3  # of <x_s>: an error that a picture hardly shows
-_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {
-    name: name for name in ("seed", "histograms", "slip_fraction")
-}
+_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}
+_EQ_KEYS |= {"histograms": "histograms", "slip_fraction": "slip_fraction"}
 
 
 def run(
@@ -42,7 +38,7 @@ def run(
     comm: Any = None,
     progress: Callable[[int, int], None] | None = None,
     folder: str | PathLike[str] | None = None,
-    checkpoint: float = 60.0,
+    checkpoint: float = EVERY,
 ) -> Result:
     """Solve what the scene asks for.
 
@@ -79,14 +75,11 @@ def run(
 @contextmanager
 def open_checkpoint(
     folder: str | PathLike[str], scene: Scene, comm: Any, every: float
-) -> "Iterator[Checkpoint]":
+) -> Iterator[Checkpoint]:
     """The checkpoint in a folder that can be written, which no other run writes to meanwhile; all ranks must call.
 
     Says so where the folder holds another scene's result. Raises InputError where it cannot be written.
     """
-    from toolkit.running.checkpoint import Checkpoint, say
-    from toolkit.running.leftovers import another
-
     with ExitStack() as held:
 
         def hold() -> None:
@@ -100,13 +93,11 @@ def open_checkpoint(
 
 
 def write(
-    result: Result, folder: str | PathLike[str], comm: Any, done_with: "Checkpoint | None"
+    result: Result, folder: str | PathLike[str], comm: Any, done_with: Checkpoint | None
 ) -> None:
     """Save the result, on rank 0, and only then remove the checkpoint that is done with."""
 
     def on_first() -> None:
-        from toolkit.results.files import save
-
         save(result, folder)
         if done_with is not None:
             done_with.remove()
@@ -118,77 +109,72 @@ def solve(
     scene: Scene,
     comm: Any,
     progress: Callable[[int, int], None] | None = None,
-    kept: "Checkpoint | None" = None,
-    refining: "Callable[..., Refinement] | None" = None,
+    kept: Checkpoint | None = None,
+    told: bool = False,
 ) -> tuple[Result, bool]:
-    """Solve what the scene asks for, and whether nothing is left to go on with; `refining` makes of the master
-    equation's tolerance what shows its error after each refinement."""
+    """Solve what the scene asks for, and whether nothing is left to go on with; progress is `told` on stderr."""
     interface, law = scene.contacts.interface, scene.contacts.thresholds
-    deadline = None if scene.wall_time is None else time.monotonic() + scene.wall_time
+    deadline = scene.deadline()
+    shown = _shown if told else lambda what: nullcontext()
     ensemble, before, finished = None, 0, True
     if scene.eq is not None:  # made first: what it refuses is told before any work
-        earlier = [] if kept is None else kept.earlier()
-        before = sum(state.contacts for state in earlier)
-        ensemble = make_ensemble(scene, scene.eq, comm, earlier=earlier)
+        with shown("eq"):
+            earlier = [] if kept is None else kept.earlier()
+            before = sum(state.contacts for state in earlier)
+            ensemble = make_ensemble(scene, scene.eq, comm, earlier=earlier)
         del earlier  # the ensemble has its own of what was counted, which takes room
     master = sweep = eq = None
     if scene.master is not None:
-        asked = scene.master.tolerance
-        with _shown(refining, asked) as refined, _until(deadline, scene, "[master]"):
-            master = _as_good_as_asked(solve_master(scene, asked, refined), scene)
+        with shown("master equation") as bar, until(deadline, scene, "[master]"):
+            solved = solve_master(scene, scene.master.tolerance, bar and bar.refine)
+            master = _as_good_as_asked(solved, scene)
     if scene.sweep is not None:
-        with _shown(refining, None, what="sweep"), _until(deadline, scene, "[sweep]"):
-            sweep = solve_sweep(scene.contacts, scene.sweep)
+        with shown("sweep") as bar, until(deadline, scene, "[sweep]"):
+            sweep = solve_sweep(scene.contacts, scene.sweep, bar and bar.expect)
     if ensemble is not None:
-        with laws.inside("eq", _EQ_KEYS):
-            found = follow(ensemble, progress, kept, before, deadline)
-        eq = record_of(found)
-        finished = not unfinished(ensemble, found)
+        with laws.inside("eq", _EQ_KEYS), shown("eq") as bar:
+            found = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
+        eq, finished = found, not unfinished(ensemble, found)
+    notes = [*remarks(law), *numerical_only(law), *foreseen(scene)]
     result = Result(
         name=scene.name,
         title=scene.title,
         text=scene.text,
-        version=toolkit.__version__,
+        version=__version__,
         mean_threshold=scene.contacts.mean_threshold,
         thresholds=sample_curve(law),
         master=master,
         eq=eq,
-        notes=(
-            *(*remarks(law), *numerical_only(law), *foreseen(scene)),
-            *(*all_hold(scene, master, eq), *went_on(before)),
-        ),
+        notes=(*notes, *went_on(before)),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
+        domains=law.domains,
     )
     return result, finished
 
 
-def _shown(refining: "Callable[..., Refinement] | None", *arguments: Any, **named: Any) -> Any:
-    """A context that gives what shows progress, or None."""
-    return nullcontext() if refining is None else closing(refining(*arguments, **named))
+def _shown(what: str) -> Any:
+    """A context that gives what shows progress."""
+    return closing(Progress(what))
 
 
 @contextmanager
-def _until(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
+def until(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
     """Raise InputError within once the deadline, in s of the monotonic clock, has passed."""
-    left = None if deadline is None else deadline - time.monotonic()
     try:
-        with no_longer_than(left):
+        with no_longer_than(None if deadline is None else deadline - time.monotonic()):
             yield
     except TimeIsUp:
-        rule = f"is over before {what} is solved; give more, ask for less, or leave {what} out"
+        rule = f"is over before {what} is solved; give more, or ask for less"
         refuse("wall_time", scene.wall_time, rule)
 
 
 def _as_good_as_asked(solved: SolvedRecord, scene: Scene) -> SolvedRecord:
     """The answer; a success also where it misses a tolerance that nobody asked for, as its error is beside it."""
     whole = solved.path.size == scene.path.size
-    if (
-        solved.success
-        or scene.tolerance_given
-        or not whole
-        or not solved.force_error <= _GOOD_ENOUGH
-    ):
+    if solved.success or scene.tolerance_given or not whole:
+        return solved
+    if not solved.force_error <= _GOOD_ENOUGH:
         return solved
     said = f"error {solved.force_error:.1e} of <x_s>; no tolerance was asked for"
     return replace(solved, success=True, message=said)
@@ -203,21 +189,16 @@ def solve_master(
     """
     import master
 
-    drive, contacts, path = scene.drive, scene.contacts, scene.path
-    paced: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
-    if refined is not None:
-        paced["progress"] = refined
+    drive, contacts = scene.drive, scene.contacts
+    asked: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
+    asked |= {"progress": refined} if refined is not None else {}
+    asked |= {"spring": drive.spring, "slip": drive.slip} if drive.spring is not None else {}
     try:
         with laws.inside("master", {"tolerance": "tolerance"}):
-            if drive.spring is None:
-                solved: Any = master.solve(contacts, path, tolerance, **paced)
-                return record_of(solved)
-            soft: Any = master.solve(
-                contacts, path, tolerance, **paced, spring=drive.spring, slip=drive.slip
-            )
-            if not soft.path.size:
-                raise InputError(soft.message)
-            return record_of(soft)
+            solved: Any = master.solve(contacts, scene.path, tolerance, **asked)
+            if not solved.path.size:
+                raise InputError(solved.message)
+            return record_of(solved)
     except InputError as error:
         if scene.eq is None or contacts.each_by_itself() is not contacts:
             raise
@@ -233,25 +214,19 @@ def make_ensemble(
     """
     import eq_model
 
-    drive = scene.drive
-    arguments: dict[str, Any] = {
-        "velocity": drive.velocity,
-        "time": drive.time,
-        "n_contacts": asked.contacts,
-        "n_replicas": asked.replicas,
-        "seed": asked.seed,
-        "wall_time": asked.wall_time,
-    }
+    drive, contacts, kind = scene.drive, scene.contacts, eq_model.Ensemble  # type: Any, Any, Any
+    arguments: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time, "comm": comm}
+    arguments |= {"n_contacts": asked.contacts, "n_replicas": asked.replicas}
+    arguments |= {"seed": asked.seed, "wall_time": asked.wall_time}
     if drive.spring is not None:
+        kind = eq_model.CoupledEnsemble
         arguments |= {"spring": drive.spring, "slip": drive.slip}
         if asked.slip_fraction is not None:
             arguments["slip_fraction"] = asked.slip_fraction
-        with laws.inside("eq", _EQ_KEYS):
-            return eq_model.CoupledEnsemble(
-                scene.contacts, scene.path, comm=comm, **(arguments | other)
-            )
-    arguments |= {"tolerance": asked.tolerance, "histograms": scene.histogram_points()}
+    else:
+        arguments |= {"tolerance": asked.tolerance, "histograms": scene.histogram_points()}
+        if scene.master is not None:
+            # single contacts know no mean rate and no common P_c: they tell how far off these are
+            contacts = contacts.each_by_itself()
     with laws.inside("eq", _EQ_KEYS):
-        # single contacts know no mean rate and no common P_c: beside [master] they tell how far off these are
-        contacts = scene.contacts if scene.master is None else scene.contacts.each_by_itself()
-        return eq_model.Ensemble(contacts, scene.path, comm=comm, **(arguments | other))
+        return kind(contacts, scene.path, **(arguments | other))

@@ -4,10 +4,10 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any, NoReturn
 
-ENDING = (signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else []))
+ENDING = (signal.SIGTERM, signal.SIGHUP)
 
 
 class Terminated(BaseException):
@@ -24,10 +24,6 @@ def terminable() -> Iterator[None]:
 
     A signal that is ignored, as SIGHUP under nohup, stays ignored.
     """
-    if not _in_main_thread():
-        yield
-        return
-
     said = False
 
     def terminate(number: int, frame: FrameType | None) -> NoReturn:
@@ -35,25 +31,18 @@ def terminable() -> Iterator[None]:
         said = True
         raise Terminated
 
-    heard = [number for number in ENDING if signal.getsignal(number) is not signal.SIG_IGN]
-    before = {number: signal.signal(number, terminate) for number in heard}
-    try:
-        yield
-    except Exception as error:
-        if said:  # a compiled module that is being imported raises its own exception instead
-            raise Terminated from error
-        raise
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    with _handled(terminate, *ENDING):
+        try:
+            yield
+        except Exception as error:
+            if said:  # a compiled module that is being imported raises its own exception instead
+                raise Terminated from error
+            raise
 
 
 @contextmanager
-def no_longer_than(seconds: float | None, timer: int = signal.ITIMER_REAL) -> Iterator[None]:
-    """Raise TimeIsUp within once so many seconds are over; in the main thread only, None for no limit.
-
-    `timer` is ITIMER_REAL, or ITIMER_PROF for seconds of this process's own work.
-    """
+def no_longer_than(seconds: float | None) -> Iterator[None]:
+    """Raise TimeIsUp within once so many seconds are over; in the main thread only, None for no limit."""
     if seconds is None or not _in_main_thread():
         yield
         return
@@ -61,14 +50,12 @@ def no_longer_than(seconds: float | None, timer: int = signal.ITIMER_REAL) -> It
     def ring(number: int, frame: FrameType | None) -> NoReturn:
         raise TimeIsUp
 
-    number = signal.SIGPROF if timer == signal.ITIMER_PROF else signal.SIGALRM
-    before = signal.signal(number, ring)
-    try:
-        signal.setitimer(timer, max(seconds, 1e-6))
-        yield
-    finally:
-        signal.setitimer(timer, 0.0)
-        signal.signal(number, before)
+    with _handled(ring, signal.SIGALRM):
+        try:
+            signal.setitimer(signal.ITIMER_REAL, max(seconds, 1e-6))
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 class Deferred:
@@ -76,25 +63,14 @@ class Deferred:
 
     def __init__(self) -> None:
         self.signal: int | None = None
-        self._before: dict[int, Any] = {}
 
     def __enter__(self) -> "Deferred":
-        if _in_main_thread():
-            for number in (signal.SIGINT, *ENDING):
-                before = signal.getsignal(number)
-                if before not in (None, signal.SIG_IGN):
-                    self._before[number] = before
-                    signal.signal(number, self._note)
+        self._context = _handled(self._note, signal.SIGINT, *ENDING)
+        self._before = self._context.__enter__()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        for number, before in self._before.items():
-            signal.signal(number, before)
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self._context.__exit__(None, None, None)
         if kind is None and self.signal is not None:
             signal.raise_signal(self.signal)  # it came after the last block
 
@@ -114,6 +90,21 @@ class Deferred:
             raise
         finally:
             signal.signal(number, self._note)
+
+
+@contextmanager
+def _handled(handler: Any, *numbers: int) -> Iterator[dict[int, Any]]:
+    """These signals go to `handler` within, but those that are ignored; gives what handled them before."""
+    before: dict[int, Any] = {}
+    if _in_main_thread():
+        for number in numbers:
+            if signal.getsignal(number) not in (None, signal.SIG_IGN):
+                before[number] = signal.signal(number, handler)
+    try:
+        yield before
+    finally:
+        for number, own in before.items():
+            signal.signal(number, own)
 
 
 def _in_main_thread() -> bool:

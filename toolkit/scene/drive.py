@@ -1,5 +1,6 @@
 """A scene's [drive]: where the slider goes, and when, as points of a path."""
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,10 +17,11 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _MOST_POINTS = 10_000_000
-_LISTED = 4
-_NEWTONS, _CONTACTS = "N/m", "N_c<k>"  # units of a spring
+_LISTED = 4  # other speeds that are told
 _LEAST_SCALE = 1e-14  # of times, whose rounding it would be
+_KEYS = {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}
 
 
 def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
@@ -29,16 +31,14 @@ def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
     area in m². For these a bare number is refused, as it may be meant in either unit.
     """
     interface, given = contacts.interface, table.spring
-    if table.area is not None and not (isinstance(given, str) and given.endswith(_NEWTONS)):
-        refuse(
-            "drive.area",
-            table.area,
-            'is for a spring in N/m, such as spring = "50 N/m"; leave it out',
-        )
-    if given is None or (interface is None and not isinstance(given, str)):
-        return given
+    text = given if isinstance(given, str) else ""
+    if table.area is not None and not text.endswith("N/m"):
+        rule = 'is for a spring in N/m, such as spring = "50 N/m"; leave it out'
+        refuse("drive.area", table.area, rule)
+    each = 0.0 if interface is None else interface.contact_density * interface.mean_stiffness
     if not isinstance(given, str):
-        each = interface.contact_density * interface.mean_stiffness
+        if given is None or interface is None:
+            return given
         refuse(
             "drive.spring",
             given,
@@ -46,31 +46,18 @@ def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
             f'which each has N_c<k> = {each:.3g} N/m, or spring = "{given:g} N_c<k>" for so many times that',
         )
     number, _, unit = given.partition(" ")
-    try:
-        value = positive("drive.spring", float(number), "such as 0.5")
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        refuse(
-            "drive.spring", given, 'must be a number and a unit, such as "50 N/m" or "0.5 N_c<k>"'
-        )
-    if unit == _CONTACTS:
+    if not _NUMBER.fullmatch(number) or unit not in ("N/m", "N_c<k>"):
+        refuse("drive.spring", given, 'must be a number and a unit, "50 N/m" or "0.5 N_c<k>"')
+    value = positive("drive.spring", float(number), "such as 0.5")
+    if unit == "N_c<k>":
         return value
-    if unit != _NEWTONS:
-        refuse("drive.spring", given, f'must be in "{_NEWTONS}" or "{_CONTACTS}"')
     if interface is None:
-        refuse(
-            "drive.spring",
-            given,
-            "needs <k> in N/m, which thresholds from a rough surface know; give a number",
-        )
+        rule = "needs <k> in N/m, which thresholds from a rough surface know; give a number"
+        refuse("drive.spring", given, rule)
     if table.area is None:
-        refuse(
-            "drive.spring", given, "needs drive.area, the nominal area in m², such as area = 1e-4"
-        )
-    return value / (
-        interface.contact_density * interface.mean_stiffness * positive("drive.area", table.area)
-    )
+        rule = "needs drive.area, the nominal area in m², such as area = 1e-4"
+        refuse("drive.spring", given, rule)
+    return value / (each * positive("drive.area", table.area))
 
 
 def make_drive(table: "DriveTable", spring: float | None = None) -> Drive:
@@ -85,22 +72,18 @@ def make_drive(table: "DriveTable", spring: float | None = None) -> Drive:
         refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
     if (table.to is None) == (table.turns is None):
         both = "both are given" if table.to is not None else "neither is given"
-        raise InputError(
-            f"drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; {both}"
-        )
+        needs = "needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]"
+        raise InputError(f"drive: {needs}; {both}")
     if table.slip is not None and table.spring is None:
         rule = "is what a slip of a soft slider does, and without drive.spring the slider is rigid; give one or neither"
         refuse("drive.slip", table.slip, rule)
     places, clock = _corners(table)
     if points < places.size:
-        refuse(
-            "drive.turns", table.turns, f"must hold positions fewer than drive.points = {points}"
-        )
+        rule = f"must hold positions fewer than drive.points = {points}"
+        refuse("drive.turns", table.turns, rule)
     path, time = _path(places, clock, points, table.hold_scale)
-    with laws.inside(
-        "drive", {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}
-    ):
-        return Drive(path, table.velocity, time, spring, table.slip or "reset")
+    with laws.inside("drive", _KEYS):
+        return Drive(path, table.velocity, time, spring, table.slip or "reset")  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -113,55 +96,49 @@ class Speed:
 
 def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
     """That at which a scene slides: of its first leg that is no hold; without a drive the first of `swept`; else 1."""
-    from master.soft.in_time.track import pieces
-
     if drive is None:
         if swept is None:
             return Speed(1.0, "as none is given")
-        several = np.ptp(swept) > 0.0
-        return Speed(float(swept.flat[0]), "the sweep's first" if several else "")
+        return Speed(float(swept.flat[0]), "the sweep's first" if np.ptp(swept) > 0.0 else "")
     if drive.time is None:
         return Speed(drive.velocity)
-    legs = [piece for piece in pieces(drive, float(drive.path[0])) if piece.travel != 0.0]
-    if not legs:
+    moved = np.diff(drive.path)
+    speeds = np.abs(moved / np.diff(drive.time))[moved != 0.0]
+    if not speeds.size:
         return Speed(drive.velocity, "as all legs are holds")
-    speeds = [
-        float(f"{abs(leg.travel) / leg.duration:.12g}") for leg in legs
-    ]  # less what times round
-    others = [f"{speed:.4g}" for speed in dict.fromkeys(speeds) if speed != speeds[0]]
-    more = "" if len(others) <= _LISTED else " and more"
-    said = f"the first leg's, others slide at {', '.join(others[:_LISTED])}{more}" if others else ""
-    return Speed(speeds[0], said)
+    told = [f"{speed:.4g}" for speed in np.unique(speeds.astype(np.float32))]  # without rounding
+    others = [one for one in dict.fromkeys(told) if one != f"{speeds[0]:.4g}"][:_LISTED]
+    chosen = f"the first leg's, others slide at {', '.join(others)}" if others else ""
+    return Speed(float(f"{speeds[0]:.12g}"), chosen)  # less what times round
 
 
 def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
     """Where the points begin, 0 unless said, and all ends in turn; and when each is reached, where that is said."""
     given = table.begin is not None
     begin = 0.0 if table.begin is None else finite("drive.from", table.begin)
-    ends = [_end(table.to)] if table.turns is None else table.turns
-    places = np.array([begin, *(finite(f"drive.turns[{k}]", end) for k, end in enumerate(ends))])
-    if places.size < 2:
+    if table.turns is None:
+        end = finite("drive.to", table.to)
+        if end <= 0.0:
+            rule = f"must be above zero; for the other way write turns = [{end or -1.0:g}]"
+            refuse("drive.to", end, rule)
+        ends = [end]
+    else:
+        ends = [finite(f"drive.turns[{k}]", end) for k, end in enumerate(table.turns)]
+    places = np.array([begin, *ends])
+    if not ends:
         refuse("drive.turns", ends, "must hold a position at least")
     if table.times is None:
         if table.hold_scale is not None:
-            refuse(
-                "drive.hold_scale",
-                table.hold_scale,
-                "is of holds, and without drive.times there is none",
-            )
+            rule = "is of holds, and without drive.times there is none"
+            refuse("drive.hold_scale", table.hold_scale, rule)
         same = np.flatnonzero(np.diff(places) == 0.0)
-        if same.size and given and not same[0]:
-            refuse(
-                "drive.from",
-                begin,
-                "is where the path ends or turns first; leave it out, or put it elsewhere",
-            )
         if same.size:
+            key = "drive.from" if given and not same[0] else f"drive.turns[{same[0]}]"
             rule = "is where the path already stands; leave it out, or give drive.times for a hold"
-            refuse(f"drive.turns[{same[0]}]", ends[same[0]], rule)
+            refuse(key, places[same[0] + 1], rule)
         return places, None
-    own = "drive.from and each of drive.turns" if given else "each of drive.turns"
     if len(table.times) != len(ends) + given:
+        own = "drive.from and each of drive.turns" if given else "each of drive.turns"
         refuse("drive.times", table.times, f"must hold one time for {own}, {len(ends) + given}")
     clock = np.array([finite(f"drive.times[{k}]", at) for k, at in enumerate(table.times)])
     back = np.flatnonzero(np.diff(clock, prepend=[] if given else 0.0) <= 0.0) + given
@@ -169,17 +146,6 @@ def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
         rule = "must be later than the time before" + ("" if given else ", 0 the first of them")
         refuse(f"drive.times[{back[0]}]", clock[back[0]], rule)
     return places, clock if given else np.append(0.0, clock)
-
-
-def _end(to: float | None) -> float:
-    end = finite("drive.to", to)
-    if end <= 0.0:
-        refuse(
-            "drive.to",
-            end,
-            f"must be above zero; for the other way write turns = [{end or -1.0:g}]",
-        )
-    return end
 
 
 def _path(
@@ -192,27 +158,19 @@ def _path(
         return np.interp(np.arange(points), number, places), None
     number = _numbers(np.arange(places.size, dtype=float), points)
     path, time = (np.interp(np.arange(points), number, values) for values in (places, clock))
-    if hold_scale is not None:
-        scale, holds = (
-            positive("drive.hold_scale", hold_scale),
-            np.flatnonzero(np.diff(places) == 0.0),
-        )
-        if not holds.size:
-            refuse(
-                "drive.hold_scale",
-                hold_scale,
-                "is of holds, and none of drive.turns is where the path stands",
-            )
-        if scale < _LEAST_SCALE * clock[-1]:
-            refuse(
-                "drive.hold_scale",
-                hold_scale,
-                f"is lost beside the last of drive.times, {clock[-1]:g}",
-            )
-        for leg in holds:
-            share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
-            later = scale * np.expm1(share * np.log1p((clock[leg + 1] - clock[leg]) / scale))
-            time[number[leg] + 1 : number[leg + 1]] = clock[leg] + later
+    if hold_scale is None:
+        return path, time
+    scale, holds = positive("drive.hold_scale", hold_scale), np.flatnonzero(np.diff(places) == 0.0)
+    if not holds.size:
+        rule = "is of holds, and none of drive.turns is where the path stands"
+        refuse("drive.hold_scale", hold_scale, rule)
+    if scale < _LEAST_SCALE * clock[-1]:
+        rule = f"is lost beside the last of drive.times, {clock[-1]:g}"
+        refuse("drive.hold_scale", hold_scale, rule)
+    for leg in holds:
+        share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
+        later = scale * np.expm1(share * np.log1p((clock[leg + 1] - clock[leg]) / scale))
+        time[number[leg] + 1 : number[leg + 1]] = clock[leg] + later
     return path, time
 
 

@@ -18,11 +18,21 @@ def read_text(
     `key` is the scene's key that names it, `shown_as` its value there, and `bad` what a message says of it.
     Raises InputError for what is no readable file of text.
     """
-    return on_root(comm, lambda: _read(key, file, str(shown_as), bad))
+
+    def read() -> str:
+        check_regular(key, file, str(shown_as))
+        try:
+            return file.read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            why = getattr(error, "strerror", None) or error
+            raise InputError(f"{key} = {shown(str(shown_as))}: {bad}: {why}") from error
+
+    return on_root(comm, read)
 
 
 def check_regular(key: str, file: Path, shown_as: str, what: str = "file") -> None:
     """Raise InputError unless there is a plain file of this name: a pipe or a device might never end."""
+    rule = ""
     try:
         status = file.stat()
         if stat.S_ISDIR(status.st_mode):
@@ -31,19 +41,9 @@ def check_regular(key: str, file: Path, shown_as: str, what: str = "file") -> No
             rule = "is no plain file; name one"
         elif status.st_size > _MOST:
             rule = f"has {status.st_size:.2g} bytes; {_MOST:.2g} are the most"
-        else:
-            return
     except FileNotFoundError:
         rule = f"no such file in {file.parent.resolve()}"
     except (OSError, ValueError) as error:  # a name too long for the disk, or with a NUL
         rule = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    raise InputError(f"{key} = {shown(shown_as)}: {rule}")
-
-
-def _read(key: str, file: Path, shown_as: str, bad: str) -> str:
-    check_regular(key, file, shown_as)
-    try:
-        return file.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise InputError(f"{key} = {shown(shown_as)}: {bad}: {why}") from error
+    if rule:
+        raise InputError(f"{key} = {shown(shown_as)}: {rule}")

@@ -10,8 +10,7 @@ from origins.errors import finite, refuse
 
 Points = npt.NDArray[np.intp]
 
-_SAME_PLACE = 1e-9  # of the furthest point
-_SAME_TIME = 1e-9  # of itself
+_SAME = 1e-9  # of the furthest point, and of a time
 
 
 def histogram_points(
@@ -22,40 +21,30 @@ def histogram_points(
 
     Raises InputError for what is none of the path's points, and for times on a path that has none.
     """
-    found = [np.empty(0, np.intp)]
-    close = _SAME_PLACE * float(np.abs(drive.path).max())
-    for k, position in enumerate(positions or ()):
-        away = np.abs(drive.path - finite(f"eq.histograms[{k}]", position))
-        if away.min() > close:
-            _refuse(f"eq.histograms[{k}]", position, drive.path, away, "")
-        there = np.flatnonzero(away <= close)
-        comes, leaves = (
-            np.diff(there, prepend=-2) > 1,
-            np.diff(there, append=drive.path.size + 1) > 1,
-        )
-        found.append(there[comes | leaves])
     if times is not None and drive.time is None:
         rule = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"
         refuse("eq.histogram_times", list(times), rule)
+    found = set[int]()
+    close = _SAME * float(np.abs(drive.path).max())
+    for k, position in enumerate(positions or ()):
+        there = np.flatnonzero(_off(drive.path, f"eq.histograms[{k}]", position, close) <= close)
+        found |= {int(at) for at in there if at - 1 not in there or at + 1 not in there}
     for k, time in enumerate(times or ()):
-        assert drive.time is not None
-        away = np.abs(drive.time - finite(f"eq.histogram_times[{k}]", time))
-        if away.min() > _SAME_TIME * abs(time):
-            _refuse(f"eq.histogram_times[{k}]", time, drive.time, away, "; all of drive.times are")
-        found.append(np.atleast_1d(away.argmin()))
-    return np.unique(np.concatenate(found))
+        if drive.time is not None:
+            key = f"eq.histogram_times[{k}]"
+            found.add(int(_off(drive.time, key, time, _SAME * abs(time)).argmin()))
+    return np.array(sorted(found), np.intp)
 
 
-def _refuse(
-    key: str,
-    value: float,
-    points: npt.NDArray[np.float64],
-    away: npt.NDArray[np.float64],
-    more: str,
-) -> None:
-    nearest = np.unique(points[np.argsort(away, kind="stable")[:2]])
-    refuse(
-        key,
-        value,
-        f"is none of the path's points; near it are {' and '.join(f'{x:.12g}' for x in nearest)}{more}",
-    )
+def _off(
+    points: npt.NDArray[np.float64], key: str, value: float, close: float
+) -> npt.NDArray[np.float64]:
+    """How far each point is from the value; InputError where none is close."""
+    off = np.abs(points - finite(key, value))
+    if off.min() > close:
+        near = " and ".join(
+            f"{x:.12g}" for x in np.unique(points[np.argsort(off, kind="stable")[:2]])
+        )
+        more = "; all of drive.times are" if key.startswith("eq.histogram_times") else ""
+        refuse(key, value, f"is none of the path's points; near it are {near}{more}")
+    return off

@@ -9,23 +9,18 @@ from origins import Contacts
 from origins.roughness.interface import Interface
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
+from toolkit.scene.peaks import of_islands
+from toolkit.scene.sampling import misfit
 
-HEIGHT_INTEGRALS = (
-    1e-8  # relative error of what comes from a surface's heights, as the tests hold it
-)
+HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as tests hold it
 
 _UNITS = {
-    "pressure": "Pa",
+    **dict.fromkeys(("pressure", "kinetic_stress"), "Pa"),
+    **dict.fromkeys(("separation", "mean_radius", "mean_plane_separation"), "m"),
+    **dict.fromkeys(("patch_area", "mean_area"), "m2"),
+    **dict.fromkeys(("mean_load", "mean_force_threshold"), "N"),
     "contact_density": "1/m2",
     "mean_stiffness": "N/m",
-    "separation": "m",
-    "patch_area": "m2",
-    "mean_load": "N",
-    "mean_area": "m2",
-    "mean_radius": "m",
-    "mean_force_threshold": "N",
-    "kinetic_stress": "Pa",
-    "mean_plane_separation": "m",
 }
 _GIVEN = ("pressure", "patch_area")
 _SAID_BEFORE = ("mean_threshold",)  # the mean of the law itself
@@ -72,25 +67,18 @@ def of_interface(interface: Interface) -> dict[str, Number]:
 
 def in_a_line(numbers: Mapping[str, Number]) -> str:
     """The most asked of them as a line of text."""
-    density, stiffness, area, friction, stress, pressure = (
-        numbers[name].value
-        for name in (
-            *("contact_density", "mean_stiffness", "area_fraction"),
-            *("friction_coefficient", "kinetic_stress", "pressure"),
-        )
-    )
+    value = {name: number.value for name, number in numbers.items()}
     return (
-        f"{density:.3g} contacts/m², <k> = {stiffness:.3g} N/m, area of contact {area:.2%}; "
-        f"F_k/load = {friction:.3g}, {stress:.3g} Pa under {pressure:.3g} Pa"
+        f"{value['contact_density']:.3g} contacts/m², <k> = {value['mean_stiffness']:.3g} N/m, area of contact "
+        f"{value['area_fraction']:.2%}; F_k/load = {value['friction_coefficient']:.3g}, "
+        f"{value['kinetic_stress']:.3g} Pa under {value['pressure']:.3g} Pa"
     )
 
 
 def remarks(law: Thresholds) -> list[str]:
     """Where samples, surface, load or a mean below 0 strain the law, and what its errors leave out; empty where nothing
     does."""
-    from toolkit.scene.sampling import misfit
-
-    said = misfit(law)
+    said = misfit(law) + of_islands(law)
     if isinstance(law, CutGaussian) and law.parent_mean <= 0.0:
         said.append(
             f"the normal law has its mean at {law.parent_mean:g} and is cut at 0, with half or more of its weight: "
@@ -121,12 +109,7 @@ def why_infinite(contacts: Contacts) -> str:
     _, weight, x = max(values)
     share = weight / float(law.sf(furthest)) if furthest > 0.0 else weight
     drop = share * x / (law.moment(2) / (2.0 * law.mean()))
-    many = (
-        "all"
-        if share > 1.0 - 1e-12
-        else f"{share:.2g} of the"
-        if share < 1e-3
-        else f"{100.0 * share:.3g} % of the"
-    )
+    many = f"{share:.2g}" if share < 1e-3 else f"{100.0 * share:.3g} %"
+    many = "all" if share > 1.0 - 1e-12 else f"{many} of the"
     unit = " m" if contacts.interface is not None else ""
     return f"K* is infinite: {many} contacts break at one value, x = {x:.4g}{unit}, where F drops by {drop:.2g} F_k"

@@ -2,14 +2,19 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 import origins
 from origins.errors import InputError, finite_array, refuse
+from toolkit.running.ranks import on_root
 from toolkit.scene import laws
+from toolkit.scene.given_files import check_regular
+
+if TYPE_CHECKING:
+    import ase
 
 ISLANDS = {
     "triangular": "origins:triangular_island",
@@ -18,6 +23,7 @@ ISLANDS = {
     "hexagonal": "origins:hexagonal_island",
     "circular": "origins:circular_island",
     "irregular": "origins:irregular_island",
+    "file": "toolkit.scene.islands:island_of_file",
 }
 SUBSTRATES = {
     "square": "origins:square_substrate",
@@ -33,6 +39,7 @@ def domains(
     mean_atoms: float | None = None,
     island: Mapping[str, Any] | None = None,
     weights: Sequence[float] | None = None,
+    bonds: float | None = None,
     angles: Sequence[float] | None = None,
     temperature: float | None = None,
     substrate: Mapping[str, Any] | None = None,
@@ -45,8 +52,8 @@ def domains(
 ) -> origins.Thresholds:
     """Thresholds of rotated domains, drawn by all ranks of `comm`; see origins.domains.
 
-    `angles` are radians; `island` is a table with a kind of ISLANDS, for one island of your own; `substrate` one with
-    a kind of SUBSTRATES, sin x + sin y when left out. Raises InputError.
+    `angles` are radians; `island` is a table with a kind of ISLANDS, for one island of your own, `bonds` makes it
+    flexible; `substrate` is a table with a kind of SUBSTRATES, sin x + sin y when left out. Raises InputError.
     """
     if sum(given is not None for given in (sizes, mean_atoms, island)) != 1:
         raise InputError(
@@ -59,7 +66,7 @@ def domains(
             refuse(
                 "lattice_constant", lattice_constant, "the table island has its own; leave it out"
             )
-        islands = [laws.build(ISLANDS, laws.as_table("island", island), "island", folder)]
+        islands = [laws.build(ISLANDS, laws.as_table("island", island), "island", folder, comm)]
     if substrate is not None:
         substrate = laws.build(
             SUBSTRATES, laws.as_table("substrate", substrate), "substrate", folder
@@ -70,6 +77,7 @@ def domains(
         mean_atoms=mean_atoms,
         islands=islands,
         weights=weights,
+        bonds=bonds,
         angles=angles,
         temperature=temperature,
         substrate=substrate,  # type: ignore[arg-type]
@@ -80,6 +88,23 @@ def domains(
         seed=seed,
         comm=comm,
     )
+
+
+def island_of_file(folder: Path, file: str, comm: Any = None) -> "ase.Atoms":
+    """The atoms of a structure file, of any format that ASE reads; InputError where it reads none."""
+    if not isinstance(file, str):
+        refuse("file", file, 'must be a name, such as "island.xyz"')
+
+    def read() -> "ase.Atoms":
+        from ase.io import read as read_atoms
+
+        check_regular("file", folder / file, file)
+        try:
+            return read_atoms(folder / file)  # type: ignore[return-value]  # the last of several
+        except Exception as error:  # each format has errors of its own
+            refuse("file", file, f"is no structure that ASE reads: {type(error).__name__}")
+
+    return on_root(comm, read)
 
 
 def fourier_substrate(

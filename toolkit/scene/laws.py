@@ -14,17 +14,9 @@ from typing import Any
 import origins
 from origins.errors import InputError, finite, refuse
 
-THRESHOLDS = {
-    "identical": "origins:identical",
-    "gaussian": "origins:gaussian",
-    "rectangular": "origins:rectangular",
-    "mixture": "origins:mixture",
-    "gw-elastic": "origins:gw_elastic",
-    "gw-plastic": "origins:gw_plastic",
-    "gw-gaussian": "origins:gw_gaussian",
-    "persson": "origins:persson",
-    "lubricated": "origins:lubricated",
-    "grains": "origins:grains",
+_PLAIN = "identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussian persson lubricated grains"
+THRESHOLDS = {kind: f"origins:{kind.replace('-', '_')}" for kind in _PLAIN.split()}
+THRESHOLDS |= {
     "growing-grains": "origins:growing_grains",
     "domains": "toolkit.scene.islands:domains",
     "from-samples": "toolkit.scene.measured:from_samples",
@@ -37,13 +29,9 @@ START = {
 }
 REFORMING = {**START, "boltzmann": "origins:boltzmann_reforming"}
 
-_PYTHON = re.compile(r"^([\w.\[\]]+)( = None: (?:is missing; )?| = True: | = False: )")
-_TOML = {
-    " = None: ": ": is missing; ",
-    " = None: is missing; ": ": is missing; ",
-    " = True: ": " = true: ",
-    " = False: ": " = false: ",
-}
+# how Python's values in a message are written in TOML
+_TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
+_TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
 
 
 def identical_start(value: float) -> float:
@@ -78,28 +66,13 @@ def build(
     function = getattr(import_module(module), name)
     arguments = {key: value for key, value in table.items() if key != "kind"}
     if "components" in arguments:
-        arguments["components"] = _components(
-            kinds, arguments["components"], f"{where}.components", folder, comm
-        )
+        parts, place = arguments["components"], f"{where}.components"
+        if not (isinstance(parts, list) and parts and all(isinstance(p, Mapping) for p in parts)):
+            rule = 'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
+            refuse(place, parts, rule)
+        built = (build(kinds, part, f"{place}[{k}]", folder, comm) for k, part in enumerate(parts))
+        arguments["components"] = list(built)
     return call(function, arguments, where, kind, folder=folder, comm=comm)
-
-
-def _components(
-    kinds: Mapping[str, str], value: object, where: str, folder: Path, comm: Any
-) -> list[Any]:
-    if (
-        not isinstance(value, list)
-        or not value
-        or not all(isinstance(item, Mapping) for item in value)
-    ):
-        refuse(
-            where,
-            value,
-            'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]',
-        )
-    return [
-        build(kinds, item, f"{where}[{index}]", folder, comm) for index, item in enumerate(value)
-    ]
 
 
 def call(
@@ -159,7 +132,9 @@ def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        told = _PYTHON.sub(lambda found: found[1] + _TOML[found[2]], str(error), count=1)
+        told = str(error)
+        for python, toml in _TOML.items():
+            told = told.replace(python, toml, 1)
         found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", told)
         if found and found[1] in keys:
             raise InputError(f"{where}.{keys[found[1]]}{found[2]}") from error

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import origins
-from origins.errors import refuse, shown, whole
+from origins.errors import refuse, whole
 from toolkit.scene.given_files import read_text
 
 QUANTITIES = ("x_s", "f_s")
@@ -31,10 +31,10 @@ def from_samples(
     """Thresholds through samples; see origins.from_samples.
 
     `file` counts from the scene's folder and is read by rank 0 of `comm`; its columns, parted by semicolons, or by
-    blanks or commas, count from 1: `column` holds the
-    values, x_s or f_s as `quantity` says, `weight_column` how much each counts, left out, all alike. `column` may be
-    left out where there is one. Beside semicolons or blanks as separators "1,5" is 1.5, a decimal comma. # begins a
-    comment, and the first line may be a header of text. Raises InputError.
+    blanks or commas, count from 1: `column` holds the values, x_s or f_s as `quantity` says, `weight_column` how much
+    each counts, left out, all alike. `column` may be left out where there is one. Beside semicolons or blanks as
+    separators "1,5" is 1.5, a decimal comma. # begins a comment, and the first line may be a header of text.
+    Raises InputError.
     """
     given = {"x_s": x_s, "f_s": f_s}
     for name, value in (("column", column), ("weight_column", weight_column)):
@@ -51,7 +51,11 @@ def from_samples(
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
         if quantity not in QUANTITIES:
             refuse("quantity", quantity, 'must be "x_s" or "f_s"')
-        table = _read(folder, file, quantity, column, weight_column, comm)
+        lines = read_text("file", folder / file, comm, file).splitlines()
+        names = {quantity: column} | (
+            {} if weight_column is None else {"the weight": weight_column}
+        )
+        table = _read(file, lines, names)
         given[quantity] = table[:, 0].tolist()
         weights = table[:, 1].tolist() if weight_column is not None else None
     elif quantity != "x_s":
@@ -61,53 +65,32 @@ def from_samples(
     )
 
 
-def _read(
-    folder: Path, file: str, quantity: str, column: int | None, weight_column: int | None, comm: Any
-) -> np.ndarray:
-    """The values and, where asked for, their weights as columns."""
-    if not isinstance(file, str):
-        refuse("file", file, 'must be a file name, such as "thresholds.txt"')
-    lines = read_text("file", folder / file, comm, file).splitlines()
-    rows: list[list[float]] = []
-    width = first = 0
-    for number, line in enumerate(lines, start=1):
-        words = _words(line.partition("#")[0])
-        if not words:
-            continue
-        first = first or number
-        if number == first and not any(map(_is_number, words)):
-            continue  # a header
-        # a file of words alone may be no table, and not meant to be shown
-        told = bool(rows) or any(map(_is_number, words))
-        here = f"line {number} holds {shown(line.strip()) if told else 'no number'}"
-        width = width or len(words)
-        if len(words) != width:
-            refuse(
-                "file", file, f"{here}; all lines must have as many columns as the first, {width}"
-            )
-        if column is None and width > 1:
-            refuse(
-                "file",
-                file,
-                f"{here}; say which of the {width} columns holds {quantity}, such as column = {width}",
-            )
-        row = []
-        for name, place in ((quantity, column or 1), ("the weight", weight_column)):
-            if place is None:
-                continue
-            if place > width:
-                refuse("file", file, f"{here}; there is no column {place}")
-            value = _number(words[place - 1])
-            if value is None:
-                which = f"{words[place - 1]!r} is no number, " if told else ""
-                refuse("file", file, f"{here}; {which}write one value a line, or a header first")
-            if not (np.isfinite(value) and value > 0.0):
-                refuse("file", file, f"{here}; {name} = {value:g} must be finite and above zero")
-            row.append(value)
-        rows.append(row)
-    if not rows:
+def _read(file: str, lines: list[str], columns: dict[str, int | None]) -> np.ndarray:
+    """The values of these columns, counted from 1 (None: of the only one), a row for each line."""
+    words = {number: _words(line.partition("#")[0]) for number, line in enumerate(lines, start=1)}
+    rows = {number: [_number(word) for word in line] for number, line in words.items() if line}
+    if rows and all(value is None for value in next(iter(rows.values()))):
+        del rows[next(iter(rows))]  # a header
+    width = len(next(iter(rows.values()), []))
+    if not width:
         refuse("file", file, "holds no numbers; write one value a line")
-    return np.array(rows)
+    table = []
+    for name, place in columns.items():
+        if place is None and width > 1:
+            rule = f"say which of the {width} columns holds {name}, such as column = {width}"
+            refuse("file", file, f"holds several columns; {rule}")
+        if (place or 1) > width:
+            refuse("file", file, f"there is no column {place}")
+        for number, row in rows.items():
+            value = row[(place or 1) - 1] if len(row) == width else None
+            if value is None or not (np.isfinite(value) and value > 0.0):
+                # not the line itself: what is no table may not be meant to be shown
+                many = f"{width} columns, as many as the first" if width > 1 else "one number"
+                refuse(
+                    "file", file, f"line {number} must hold {many}, {name} finite and above zero"
+                )
+            table.append(value)
+    return np.reshape(table, (len(columns), -1)).T
 
 
 def _words(line: str) -> list[str]:
@@ -121,10 +104,6 @@ def _words(line: str) -> list[str]:
     if decimal and len(line.split()) > 1 and ", " not in line:
         return line.replace(",", ".").split()
     return line.replace(",", " ").split()
-
-
-def _is_number(word: str) -> bool:
-    return _number(word) is not None
 
 
 def _number(word: str) -> float | None:

@@ -14,17 +14,9 @@ RESAMPLES = 20  # an error known to a sixth of itself
 _CONFIDENCE = 0.95
 _TOLERANCE = 1e-4  # far below any sampling error
 NAMES = (
-    "mean",
-    "standard_deviation",
-    "second_moment",
-    "third_moment",
-    "one_in_a_hundred_below",
-    "median",
-    "one_in_a_hundred_above",
-    "kinetic_force",
-    "critical_spring",
-    "static_to_kinetic",
-    "decoherence_length",
+    *("mean", "standard_deviation", "second_moment", "third_moment"),
+    *("one_in_a_hundred_below", "median", "one_in_a_hundred_above"),
+    *("kinetic_force", "critical_spring", "static_to_kinetic", "decoherence_length"),
 )
 _LEAST_IS_ONE = ("critical_spring", "static_to_kinetic")  # as 1/(1 + K*), and F_s/F_k
 
@@ -35,36 +27,27 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
     inf for K* and F_s/F_k where all resampled laws have the least value there is, 0 and 1: then no error can be read
     off (see unseen). Empty where the thresholds do not come from samples.
     """
-    law = contacts.thresholds
-    if not sampled_parts(law) or isinstance(law, ContinuousMixture):
+    if not sampled_parts(contacts.thresholds) or isinstance(contacts.thresholds, ContinuousMixture):
         return {}
-    start = contacts.start
 
     def statistic(law: Thresholds) -> Array:
         import master
 
-        resampled = Contacts(law, start=start)
-        found = master.propensity(resampled, tolerance=_TOLERANCE)
-        moments = [law.mean(), law.std(), law.moment(2), law.moment(3)]
-        quantiles = [float(law.ppf(0.01)), float(law.ppf(0.5)), float(law.isf(0.01))]
+        found = master.propensity(Contacts(law, start=contacts.start), tolerance=_TOLERANCE)
+        numbers = [law.mean(), law.std(), law.moment(2), law.moment(3)]
+        numbers += [float(law.ppf(0.01)), float(law.ppf(0.5)), float(law.isf(0.01))]
         # K* and X* may be infinite: their inverses are not
-        derived = [
-            1.0 / (1.0 + found.critical_spring),
-            found.static_to_kinetic,
-            1.0 / found.decoherence_length,
-        ]
-        return np.array([*moments, *quantiles, law.moment(2) / (2.0 * law.mean()), *derived])
+        numbers += [law.moment(2) / (2.0 * law.mean()), 1.0 / (1.0 + found.critical_spring)]
+        return np.array([*numbers, found.static_to_kinetic, 1.0 / found.decoherence_length])
 
     spread = bootstrap(contacts.thresholds, statistic, resamples=RESAMPLES)
     errors = dict(zip(NAMES, np.array(spread.error).tolist(), strict=True))
     values = dict(zip(NAMES, spread.value.tolist(), strict=True))
     resampled = dict(zip(NAMES, spread.resampled.T, strict=True))
     errors["critical_spring"] = _of_spring(values["critical_spring"], resampled["critical_spring"])
-    rate = values["decoherence_length"]
-    if errors["decoherence_length"] > 0.0:
-        errors["decoherence_length"] = (
-            errors["decoherence_length"] / rate**2 if rate > 0.0 else np.inf
-        )
+    rate, error = values["decoherence_length"], errors["decoherence_length"]
+    if error > 0.0:
+        errors["decoherence_length"] = error / rate**2 if rate > 0.0 else np.inf
     for name in _LEAST_IS_ONE:
         if values[name] == 1.0 and (resampled[name] == 1.0).all():
             errors[name] = np.inf
@@ -94,7 +77,7 @@ def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
 def misfit(law: Thresholds) -> list[str]:
     """A note for each law of few samples, or that lies further from its samples than these can be from their own law,
     and one where sampling errors are missing; else nothing."""
-    notes = [_of_one(part) for part in sampled_parts(law) if _few(part) or _misses(part)]
+    notes = [note for part in sampled_parts(law) for note in _of_one(part)]
     if sampled_parts(law) and isinstance(law, ContinuousMixture):
         notes.append(
             "sampling errors are missing: the laws of this continuous mixture may all be of the same samples"
@@ -112,28 +95,24 @@ def numerical_only(law: Thresholds) -> list[str]:
     ]
 
 
-def _misses(part: Sampled) -> bool:
-    return part.cdf_misfit > part.cdf_error
-
-
-def _few(part: Sampled) -> bool:
-    return round(part.effective_samples) < FEW
-
-
-def _of_one(part: Sampled) -> str:
-    allowed = min(part.cdf_error, 1.0)
-    told = f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows {allowed:.2g}"
-    alike, advice = part.effective_samples > 0.99 * part.n_samples, []
-    if _few(part):
+def _of_one(part: Sampled) -> list[str]:
+    few, misses = round(part.effective_samples) < FEW, part.cdf_misfit > part.cdf_error
+    if not few and not misses:
+        return []
+    told = f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows "
+    said, alike = (
+        [f"{told}{min(part.cdf_error, 1.0):.2g}"],
+        part.effective_samples > 0.99 * part.n_samples,
+    )
+    if few:
         count = "" if alike else f", which their weights make {part.effective_samples:.2g}"
-        told = f"few thresholds, {part.n_samples} samples{count}: {told}"
-        advice.append("take more samples")
-    if _misses(part):
-        advice.append(
+        said = [f"few thresholds, {part.n_samples} samples{count}: {said[0]}", "take more samples"]
+    if misses:
+        said.append(
             "they are rounded coarsely, or hold structure that it misses; give that apart, in a mixture"
         )
     if alike and part.smooth_part is not None and part.samples.size < part.n_samples:
-        advice.append(
+        said.append(
             f"values that repeat are exact from {OFTEN} times on; those you know to be exact are `identical`"
         )
-    return "; ".join([told, *advice])
+    return ["; ".join(said)]

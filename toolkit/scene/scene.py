@@ -1,5 +1,6 @@
 """Scene files: what is asked for, checked whole before anything runs."""
 
+import time
 import tomllib
 import warnings
 from collections.abc import Mapping
@@ -15,21 +16,13 @@ import numpy.typing as npt
 import origins
 from origins.contacts import Contacts, TooHot, too_cold
 from origins.drive import Drive
-from origins.errors import (
-    InputError,
-    check_tolerance,
-    positive,
-    refuse,
-    shown,
-    whole,
-)
+from origins.errors import InputError, check_tolerance, positive, refuse, shown, whole
 from toolkit.running.ranks import on_root
-from toolkit.scene import laws
+from toolkit.scene import laws, tables
 from toolkit.scene.drive import Speed, make_drive, sliding_speed, spring_number
 from toolkit.scene.given_files import read_text
 from toolkit.scene.histogram_points import histogram_points
 from toolkit.scene.sweep import Sweep, make_sweep
-from toolkit.scene.tables import ContactsTable, DriveTable, EqTable, MasterTable, read_table
 from toolkit.scene.toml import to_toml
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
@@ -53,8 +46,8 @@ class Scene:
     folder: Path
     contacts: Contacts
     given_drive: Drive | None
-    master: MasterTable | None
-    eq: EqTable | None
+    master: tables.MasterTable | None
+    eq: tables.EqTable | None
     sweep: Sweep | None
     wall_time: float | None = None
     tolerance_given: bool = True
@@ -71,6 +64,10 @@ class Scene:
     @property
     def path(self) -> npt.NDArray[np.float64]:
         return self.drive.path
+
+    def deadline(self) -> float | None:
+        """When the wall time is over, s of the monotonic clock, if it begins now; None without one."""
+        return None if self.wall_time is None else time.monotonic() + self.wall_time
 
     @property
     def sliding(self) -> Speed:
@@ -127,133 +124,113 @@ def load_scene(
 
 
 def _find(scene: object) -> Path:
+    """The file of a scene given by its name or as a file."""
     if not isinstance(scene, str | PathLike):
         refuse("scene", scene, "must be a dict, a scene file or the name of a shipped scene")
-    try:
-        return _found(scene)
-    except (OSError, ValueError) as error:  # a name too long for the disk, or with a NUL
-        if isinstance(error, InputError):
-            raise
-        refuse("scene", str(scene), f"cannot be read: {getattr(error, 'strerror', None) or error}")
-
-
-def _found(scene: str | PathLike[str]) -> Path:
     if isinstance(scene, str) and scene in shipped_scenes():
         return SHIPPED / f"{scene}.toml"
     file = Path(scene)
-    if file.is_dir():
-        refuse("scene", str(scene), "is a folder; name a scene file in it")
-    if not file.is_file():
+    try:
+        if file.is_file():
+            return file
         beside = {other.stem: str(other) for other in file.parent.glob("*.toml")}
-        names = sorted({*beside, *shipped_scenes()})
-        close = [beside.get(name, name) for name in get_close_matches(file.stem, names, n=_MEANT)]
-        meant = f"; did you mean {' or '.join(close)}?" if close else ";"
-        told = "`mesofriction scenes` lists those that are shipped"
-        refuse("scene", str(scene), f"no such file, and no shipped scene{meant} {told}")
-    return file
+        folder = file.is_dir()
+    except (OSError, ValueError) as error:  # a name too long for the disk, or with a NUL
+        refuse("scene", str(scene), f"cannot be read: {getattr(error, 'strerror', None) or error}")
+    if folder:
+        refuse("scene", str(scene), "is a folder; name a scene file in it")
+    names = sorted({*beside, *shipped_scenes()})
+    close = [beside.get(name, name) for name in get_close_matches(file.stem, names, n=_MEANT)]
+    meant = f"; did you mean {' or '.join(close)}?" if close else ";"
+    told = "`mesofriction scenes` lists those that are shipped"
+    refuse("scene", str(scene), f"no such file, and no shipped scene{meant} {told}")
 
 
 def _checked(
-    name: str, text: str, tables: Mapping[str, Any], folder: Path, solved: bool, comm: Any
+    name: str, text: str, given: Mapping[str, Any], folder: Path, solved: bool, comm: Any
 ) -> Scene:
-    table = read_table(tables)
-    _check_names(name, table.title)
-    if solved and table.master is None and table.eq is None and table.sweep is None:
-        raise InputError(
-            "scene: has neither [master] nor [eq] nor [sweep], so nothing would be computed; add one"
-        )
-    if table.master is not None:
-        check_tolerance("master.tolerance", table.master.tolerance)
-    if table.wall_time is not None:
-        positive("wall_time", table.wall_time, "such as 3600.0")
-    if table.eq is not None:
-        _check_ensemble(table.eq)
+    """The scene of these tables, with all that they say checked."""
+    table = tables.read_table(given)
+    _check_numbers(name, table, solved)
     contacts = _contacts(table.contacts, folder, comm)
-    drive = (
-        None
-        if table.drive is None
-        else make_drive(table.drive, spring_number(table.drive, contacts))
-    )
-    sweep = (
-        None
-        if table.sweep is None
-        else make_sweep(table.sweep, contacts, sliding_speed(drive).value)
-    )
-    given = "tolerance" in tables.get("master", {})
+    drive = sweep = None
+    if table.drive is not None:
+        drive = make_drive(table.drive, spring_number(table.drive, contacts))
+    if table.sweep is not None:
+        sweep = make_sweep(table.sweep, contacts, sliding_speed(drive).value)
     scene = Scene(
         *(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep),
         wall_time=table.wall_time,
-        tolerance_given=given,
+        tolerance_given="tolerance" in given.get("master", {}),
     )
-    if solved and (table.master is not None or table.eq is not None):
-        _check_reach(scene, table.drive)
+    if solved and table.master is not None:
+        _ = scene.drive  # which it needs
     if table.eq is not None:
+        if solved:
+            _check_reach(scene, table.drive)
         _check_coupled(scene, table.eq)
         scene.histogram_points()
     return scene
 
 
-def _check_names(name: str, title: str) -> None:
-    """Raise InputError for a name or a title that no result file could hold."""
-    bad = [letter for letter in title if not letter.isprintable() and letter not in "\t\n"]
+def _check_numbers(name: str, table: tables.SceneTable, solved: bool) -> None:
+    """Raise InputError for a name or a title that no result file could hold, and for numbers that mean nothing."""
+    bad = [letter for letter in table.title if not letter.isprintable() and letter not in "\t\n"]
     if bad:
-        refuse("title", title, f"holds {bad[0]!r}, which no picture can show; leave it out")
+        refuse("title", table.title, f"holds {bad[0]!r}, which no picture can show; leave it out")
     try:
         name.encode()
     except UnicodeEncodeError:
         refuse("scene", name, "its name is no UTF-8; rename the file")
+    if solved and table.master is None and table.eq is None and table.sweep is None:
+        rule = "so nothing would be computed; add one"
+        raise InputError(f"scene: has neither [master] nor [eq] nor [sweep], {rule}")
+    if table.master is not None:
+        check_tolerance("master.tolerance", table.master.tolerance)
+    if table.wall_time is not None:
+        positive("wall_time", table.wall_time, "such as 3600.0")
+    if (eq := table.eq) is not None:
+        for key, least in (("contacts", 1), ("replicas", 1), ("seed", 0)):
+            whole(f"eq.{key}", getattr(eq, key), least=least)
+        for key, such in (("tolerance", "such as 1e-4"), ("wall_time", "such as 3600.0")):
+            if (value := getattr(eq, key)) is not None:
+                positive(f"eq.{key}", value, such)
 
 
-def _check_ensemble(table: EqTable) -> None:
-    whole("eq.contacts", table.contacts, least=1)
-    whole("eq.replicas", table.replicas, least=1)
-    whole("eq.seed", table.seed, least=0)
-    for name in ("tolerance", "wall_time"):
-        if (value := getattr(table, name)) is not None:
-            positive(
-                f"eq.{name}", value, "such as 1e-4" if name == "tolerance" else "such as 3600.0"
-            )
-
-
-def _check_coupled(scene: Scene, table: EqTable) -> None:
+def _check_coupled(scene: Scene, table: tables.EqTable) -> None:
     """Raise InputError for what the ensemble of a soft slider does not take, and for what it alone takes."""
     from eq_model.coupled.ensemble import check_coupled
 
-    if scene.drive.spring is None:
-        if table.slip_fraction is not None:
-            refuse(
-                "eq.slip_fraction",
-                table.slip_fraction,
-                "is of a soft slider; give drive.spring, or leave it out",
-            )
-        return
-    for name in ("tolerance", "histograms", "histogram_times"):
+    soft = scene.drive.spring is not None
+    rule = "is of a soft slider; give drive.spring, or leave it out"
+    if soft:
+        rule = "is of independent contacts; with drive.spring leave it out, and give replicas"
+    for name in ("tolerance", "histograms", "histogram_times") if soft else ("slip_fraction",):
         if (value := getattr(table, name)) is not None:
-            rule = "is of independent contacts; with drive.spring leave it out, and give replicas"
             refuse(f"eq.{name}", value, rule)
+    if not soft:
+        return
     if (np.diff(scene.path) < 0.0).any():
-        raise InputError(
-            "drive.turns: the ensemble [eq] of a soft slider takes a drive that does not turn back"
-        )
+        rule = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
+        raise InputError(f"drive.turns: {rule}")
     with laws.inside("scene", {}):
         check_coupled(scene.contacts, scene.drive)
 
 
-def _check_reach(scene: Scene, table: DriveTable | None) -> None:
+def _check_reach(scene: Scene, table: tables.DriveTable | None) -> None:
     """Raise InputError where the ensemble's contacts would break millions of times each, which takes too long."""
     reach, mean = float(np.abs(scene.path).max()), scene.contacts.mean_threshold
-    if scene.eq is None or reach <= _FURTHEST * mean:
+    if table is None or reach <= _FURTHEST * mean:
         return
     unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
     rule = f"is {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}"
-    assert table is not None
     key, value = ("to", table.to) if table.turns is None else ("turns", table.turns)
     if abs(table.begin or 0.0) == reach:
         key, value = "from", table.begin
     refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most, or leave [eq] out")
 
 
-def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
+def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:
     """The contacts with the laws that the table names, and no other."""
     thresholds = laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm)
     made: dict[str, Any] = {"thresholds": thresholds, "stiffness": table.stiffness}
@@ -261,24 +238,22 @@ def _contacts(table: ContactsTable, folder: Path, comm: Any) -> Contacts:
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.build(kinds, own, f"contacts.{name}", folder)
-    for name, law in (
-        ("thermal", origins.Thermal),
-        ("ageing", laws.ageing),
-        ("delay", origins.Delay),
-    ):
+    calls: dict[str, Any] = {
+        "thermal": origins.Thermal,
+        "ageing": laws.ageing,
+        "delay": origins.Delay,
+    }
+    for name, law in calls.items():
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
-    if (
-        "thermal" in made
-        and thresholds.interface is not None
-        and "attempt_frequency" not in (table.thermal or {})
-    ):
+    thermal = table.thermal or {}
+    if thermal and thresholds.interface is not None and "attempt_frequency" not in thermal:
         raise InputError(
             "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such "
             "as 1e12, and has no default"
         )
-    warmth = (table.thermal or {}).get("temperature")
+    warmth = thermal.get("temperature")
     if isinstance(warmth, Mapping) and (rule := too_cold(made["thermal"].temperature, thresholds)):
         refuse("contacts.thermal.temperature.kelvin", warmth["kelvin"], rule)
     with laws.inside("contacts", {name: name for name in made}), warnings.catch_warnings():

@@ -25,6 +25,7 @@ SURFACES = {
     "summits": "origins:moments_of_summits",
 }
 HEIGHTS = ("scan", "self-affine")
+_TOLD = 200  # letters of what a reader says
 _BYTES = 70  # on each point of a surface while its moments are taken: 66 measured
 STIFFNESSES = {
     "sound": "origins:sound_stiffness",
@@ -71,13 +72,10 @@ def from_topography(
         "height_law": height_law,
     }
     if kind not in HEIGHTS:
+        rule = f'belongs to heights; a surface of kind = "{kind}" has none, so leave it out'
         for name, value in (("detrend", detrend), ("step", step)):
             if value is not None:
-                refuse(
-                    name,
-                    value,
-                    f'belongs to heights; a surface of kind = "{kind}" has none, so leave it out',
-                )
+                refuse(name, value, rule)
         return origins.from_moments(built, **options)
     periodic = kind == "self-affine"
     return origins.from_topography(
@@ -106,65 +104,45 @@ def open_scan(
     if not isinstance(file, str):
         refuse("file", file, 'must be a file name, such as "scan.di"')
     channel = whole("channel", channel, least=0)
-    given = {
-        "physical_sizes": None
-        if physical_sizes is None
-        else _pair("physical_sizes", physical_sizes),
-        "unit": unit,
-        "height_scale_factor": None
-        if height_scale_factor is None
-        else positive("height_scale_factor", height_scale_factor),
-    }
+    given: dict[str, Any] = {"unit": unit}
+    if physical_sizes is not None:
+        given["physical_sizes"] = _pair("physical_sizes", physical_sizes)
+    if height_scale_factor is not None:
+        given["height_scale_factor"] = positive("height_scale_factor", height_scale_factor)
+    given = {name: value for name, value in given.items() if value is not None}
     return (on_root(comm, lambda: _read_scan(folder, file, channel, given)),)
 
 
-def _read_scan(folder: Path, file: str, channel: int, given: Mapping[str, Any]) -> Topography:
-    """The heights of one channel, in metres; `given` are what the scene says of the file, None where nothing."""
+def _read_scan(folder: Path, file: str, channel: int, given: dict[str, Any]) -> Topography:
+    """The heights of one channel, in metres; `given` is what the scene says of the file."""
     check_regular("file", folder / file, file, "scan")
     try:
         from SurfaceTopography import open_topography
-        from SurfaceTopography.Exceptions import CannotDetectFileFormat, MetadataAlreadyFixedByFile
     except ImportError as error:
-        raise InputError(
-            f"file = {file!r}: needs SurfaceTopography; install mesofriction[topography]"
-        ) from error
+        rule = "needs SurfaceTopography; install mesofriction[topography]"
+        raise InputError(f"file = {file!r}: {rule}") from error
     try:
         with open_topography(str(folder / file)) as reader:
-            if not reader.channels:
-                refuse(
-                    "file",
-                    file,
-                    "cannot be read as a scan: it holds no heights; it may be cut short",
-                )
             if channel >= len(reader.channels):
-                refuse(
-                    "channel",
-                    channel,
-                    f"the file has {len(reader.channels)} channels, counted from 0",
-                )
-            known = {key: value for key, value in given.items() if value is not None}
-            scan = reader.topography(channel_index=channel, **known)
+                rule = f"the file has {len(reader.channels)} channels, counted from 0"
+                refuse("channel", channel, rule)
+            scan = reader.topography(channel_index=channel, **given)
         if getattr(scan, "unit", None) not in METRES:
             rule = 'lengths need one unit, and the file holds none; write one, such as unit = "nm"'
-            refuse("unit", given["unit"], rule)
+            refuse("unit", given.get("unit"), rule)
         return as_topography(scan)
     except InputError:
         raise
-    except CannotDetectFileFormat as error:
-        # its message holds the complaints of all readers, one after the other
-        why = "it is in no format that SurfaceTopography knows, or cut short"
-        raise InputError(f"file = {file!r}: cannot be read as a scan: {why}") from error
-    except MetadataAlreadyFixedByFile as error:
-        for name, value in given.items():
-            if value is not None and f"'{name}'" in str(error):
-                refuse(name, value, "the file holds its own; leave it out")
-        raise
-    except Exception as error:
-        # readers raise whatever their parsing does
-        if given["physical_sizes"] is None and "physical_sizes" in str(error):
+    except Exception as error:  # readers raise whatever their parsing does
+        if "physical_sizes" not in given and "physical_sizes" in str(error):
             rule = "the file holds no sizes; write those of the whole scan, such as physical_sizes = [1e-5, 1e-5]"
             refuse("physical_sizes", None, rule)
-        why = " ".join(str(error).split()) or type(error).__name__
+        for name, value in given.items():
+            if f"'{name}'" in str(error):
+                refuse(name, value, "the file holds its own; leave it out")
+        why = " ".join(str(error).split())[:_TOLD] or type(error).__name__
+        if type(error).__name__ == "CannotDetectFileFormat":  # which repeats what all readers say
+            why = "it is in no format that SurfaceTopography knows, or cut short"
         raise InputError(f"file = {file!r}: cannot be read as a scan: {why}") from error
 
 
@@ -184,22 +162,11 @@ def generate(
     short_cutoff: float | None = None,
 ) -> tuple[np.ndarray, Any]:
     """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
-    if (
-        isinstance(shape, list)
-        and len(shape) == 2
-        and all(isinstance(n, int) and n > 0 for n in shape)
-    ):
+    if isinstance(shape, list) and [type(n) for n in shape] == [int, int] and min(shape) > 0:
         check_memory((shape[0], shape[1]), _BYTES)
-    heights = origins.self_affine_surface(
-        shape,
-        pixel_size,
-        hurst=hurst,
-        rms_slope=rms_slope,
-        seed=seed,
-        long_cutoff=long_cutoff,
-        short_cutoff=short_cutoff,
-    )
-    return heights, pixel_size
+    cutoffs = {"long_cutoff": long_cutoff, "short_cutoff": short_cutoff}
+    law: dict[str, Any] = {"hurst": hurst, "rms_slope": rms_slope, "seed": seed, **cutoffs}
+    return origins.self_affine_surface(shape, pixel_size, **law), pixel_size
 
 
 def shared_surface(scenes: "Sequence[Scene]") -> tuple[Any, tuple[float, float]] | None:
@@ -207,19 +174,12 @@ def shared_surface(scenes: "Sequence[Scene]") -> tuple[Any, tuple[float, float]]
     tables = [tomllib.loads(scene.text)["contacts"]["thresholds"] for scene in scenes]
     if any(table["kind"] != "from-topography" for table in tables):
         return None
-    first = tables[0]["surface"], scenes[0].folder
-    if any(
-        (table["surface"], scene.folder) != first
-        for table, scene in zip(tables, scenes, strict=True)
-    ):
+    surface, folder, detrend = tables[0]["surface"], scenes[0].folder, tables[0].get("detrend")
+    others = [(table["surface"], scene.folder) for table, scene in zip(tables, scenes, strict=True)]
+    if surface["kind"] not in HEIGHTS or any(other != (surface, folder) for other in others):
         return None
-    if first[0]["kind"] not in HEIGHTS:
-        return None
-    scan = as_topography(*laws.build(SURFACES, first[0], "surface", first[1]))
-    if (
-        tables[0].get("detrend", "centre" if first[0]["kind"] == "self-affine" else "curvature")
-        == "curvature"
-    ):
+    scan = as_topography(*laws.build(SURFACES, surface, "surface", folder))
+    if detrend == "curvature" or (detrend is None and surface["kind"] == "scan"):
         scan = detrended(scan, "curvature")
     (nx, ny), (dx, dy) = scan.heights.shape, scan.pixel_size
     return scan.heights, (nx * dx, ny * dy)

@@ -1,6 +1,7 @@
 """A scene's [sweep]: F_k, what holds, and K* along speeds, temperatures, rates of ageing or delays, in one call."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -75,39 +76,32 @@ def make_sweep(table: "SweepTable", contacts: Contacts, velocity: float) -> Swee
     """The checked sweep of a scene, at `velocity` where it names none. Raises InputError with the path of a bad key."""
     if table.temperature is not None and table.kelvin is not None:
         raise InputError("sweep: has temperature and kelvin; give one of them")
-    for name, law in (
-        ("temperature", contacts.thermal),
-        ("kelvin", contacts.thermal),
-        ("rate", contacts.ageing),
-    ):
-        if getattr(table, name) is not None and law is None:
-            lacking = "ageing" if name == "rate" else "thermal"
-            raise InputError(
-                f"sweep.{name}: the contacts have no law for it; add [contacts.{lacking}]"
-            )
+    lacking = (
+        {} if contacts.thermal is not None else {"temperature": "thermal", "kelvin": "thermal"}
+    )
+    lacking |= {} if contacts.ageing is not None else {"rate": "ageing"}
+    for name, law in lacking.items():
+        if getattr(table, name) is not None:
+            rule = f"the contacts have no law for it; add [contacts.{law}]"
+            raise InputError(f"sweep.{name}: {rule}")
     asked = {name: getattr(table, name) for name in (*QUANTITIES, "kelvin")}
     asked["velocity"] = velocity if table.velocity is None else table.velocity
-    given = {
-        name: _values(f"sweep.{name}", value) for name, value in asked.items() if value is not None
-    }
-    along = sorted(
-        (name for name in given if given[name].size > 1), key=lambda name: -given[name].size
-    )
+    asked = {name: value for name, value in asked.items() if value is not None}
+    given = {name: _values(f"sweep.{name}", value) for name, value in asked.items()}
+    along = [name for name in given if given[name].size > 1]
+    along.sort(key=lambda name: -given[name].size)
     if not along:
-        raise InputError(
-            "sweep: goes along nothing; give velocity = { from = 1e-2, to = 1e2, points = 50 }, or a list"
-        )
+        rule = "give velocity = { from = 1e-2, to = 1e2, points = 50 }, or a list"
+        raise InputError(f"sweep: goes along nothing; {rule}")
     if len(along) > _MOST_AXES:
-        raise InputError(
-            f"sweep: {', '.join(along)} have several values each; give two of them at most"
-        )
+        told = ", ".join(along)
+        raise InputError(f"sweep: {told} have several values each; give two of them at most")
     points = int(np.prod([given[name].size for name in along]))
     if points > _MOST_POINTS:
         raise InputError(f"sweep: has {points:,} points; take {_MOST_POINTS:,} at most")
     axes = np.meshgrid(*(given[name] for name in along), indexing="ij")
-    made = {name: np.full(axes[0].shape, values[0]) for name, values in given.items()} | dict(
-        zip(along, axes, strict=True)
-    )
+    made = {name: np.full(axes[0].shape, values[0]) for name, values in given.items()}
+    made |= dict(zip(along, axes, strict=True))
     if (kelvin := made.get("kelvin")) is not None:
         if contacts.interface is None:
             rule = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
@@ -129,67 +123,50 @@ def _values(name: str, value: "float | list[float] | RangeTable") -> Array:
     points = whole(f"{name}.points", value.points, least=2)
     if points > _MOST_POINTS:
         refuse(f"{name}.points", points, f"must be at most {_MOST_POINTS:,}")
-    begin, end = (
-        check(f"{name}.{key}", one) for key, one in (("from", value.begin), ("to", value.to))
-    )
+    begin, end = check(f"{name}.from", value.begin), check(f"{name}.to", value.to)
     if begin == end:
-        refuse(
-            f"{name}.to", value.to, f"is where {name} begins; put it elsewhere, or give one number"
-        )
+        rule = f"is where {name} begins; put it elsewhere, or give one number"
+        refuse(f"{name}.to", value.to, rule)
+    if value.spacing not in ("log", "even"):
+        refuse(f"{name}.spacing", value.spacing, 'must be "log" or "even"')
     if value.spacing == "even":
         return np.linspace(begin, end, points)
     if begin == 0.0 or end == 0.0:
-        refuse(
-            f"{name}.{'from' if begin == 0.0 else 'to'}",
-            0.0,
-            'has no logarithm; write spacing = "even"',
-        )
+        key = "from" if begin == 0.0 else "to"
+        refuse(f"{name}.{key}", 0.0, 'has no logarithm; write spacing = "even"')
     return np.geomspace(begin, end, points)
 
 
-def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
-    """F_k and what holds at all points in one call, and K* in another where it is asked for."""
+def solve_sweep(
+    contacts: Contacts, asked: Sweep, expect: Callable[[float], None] | None = None
+) -> SweepRecord:
+    """F_k and what holds at all points in one call, and K* in another where it is asked for, of which `expect` is told
+    about how many seconds it will take."""
     import master
 
     began = time.perf_counter()
-    others: dict[str, Any] = {
-        "temperature": asked.temperature,
-        "rate": asked.rate,
-        "delay": asked.delay,
-    }
+    laws_at: dict[str, Any] = {name: getattr(asked, name) for name in QUANTITIES[1:]}
     with laws.inside("sweep", dict(zip(QUANTITIES, QUANTITIES, strict=True))):
-        curve = master.kinetic_curve(contacts, asked.velocity, **others)
-        line = (
-            master.phase_line(contacts, asked.velocity, **others) if asked.critical_spring else None
-        )
-    return SweepRecord(
-        asked.along,
-        curve.velocity,
-        curve.force,
-        curve.force_error,
-        curve.holding,
-        curve.holding_error,
-        time.perf_counter() - began,
-        curve.temperature,
-        asked.kelvin,
-        curve.rate,
-        curve.delay,
-        None if line is None else line.critical_spring,
-        None if line is None else line.critical_spring_error,
-        _good(
-            curve.success,
-            curve.force_error / np.maximum(curve.force, _TINY) * contacts.mean_threshold,
-        )
-        and (
-            line is None
-            or _good(
-                line.success, line.critical_spring_error / np.maximum(line.critical_spring, _TINY)
-            )
-        ),
-        curve.message if line is None else f"{curve.message}; {line.message}",
-    )
+        curve = master.kinetic_curve(contacts, asked.velocity, **laws_at)
+        success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
+        springs: dict[str, Any] = {"success": success, "message": curve.message}
+        if asked.critical_spring:
+            if expect is not None:
+                one = {name: own.flat[:1] for name, own in laws_at.items() if own is not None}
+                alone = time.perf_counter()
+                master.phase_line(contacts, asked.velocity.flat[:1], **one)
+                expect((time.perf_counter() - alone) * asked.velocity.size)
+            line = master.phase_line(contacts, asked.velocity, **laws_at)
+            spring, error = line.critical_spring, line.critical_spring_error
+            springs = {"critical_spring": spring, "critical_spring_error": error}
+            springs["success"] = success and _good(line.success, error, spring)
+            springs["message"] = f"{curve.message}; {line.message}"
+    same = "velocity force force_error holding holding_error temperature rate delay"
+    found = {name: getattr(curve, name) for name in same.split()}
+    run_time = time.perf_counter() - began
+    return SweepRecord(asked.along, **found, run_time=run_time, kelvin=asked.kelvin, **springs)
 
 
-def _good(success: npt.NDArray[np.bool_], relative_error: Array) -> bool:
+def _good(success: npt.NDArray[np.bool_], error: Array, value: Array) -> bool:
     """Whether all points are as good as asked, or, since a scene names no tolerance of a sweep, good."""
-    return bool((success | (relative_error <= _GOOD_ENOUGH)).all())
+    return bool((success | (error <= _GOOD_ENOUGH * np.maximum(value, _TINY))).all())

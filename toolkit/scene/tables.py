@@ -1,21 +1,11 @@
 """The tables of a scene file: their keys, types and defaults."""
 
-import re
 from collections.abc import Mapping
-from typing import Any, Literal, get_args
+from typing import Any
 
 import msgspec
 
-from origins.errors import InputError, shown, without_point
-
-_EXPECTED = {
-    "object": "a table",
-    "array": "a list of numbers, such as [1.0, 2.0]",
-    "float": "a number, such as 1.0",
-    "int": "a whole number",
-    "str": 'text in quotes, such as "text"',
-    "bool": "true or false",
-}
+from origins.errors import InputError
 
 
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -41,7 +31,7 @@ class DriveTable(Table, frozen=True):
     hold_scale: float | None = None
     velocity: float = 1.0
     spring: float | str | None = None
-    slip: Literal["reset", "reform-after", "instant"] | None = None
+    slip: str | None = None
     area: float | None = None
 
 
@@ -64,7 +54,7 @@ class RangeTable(Table, frozen=True):
     begin: float = msgspec.field(name="from")
     to: float
     points: int
-    spacing: Literal["log", "even"] = "log"
+    spacing: str = "log"
 
 
 Values = float | list[float] | RangeTable
@@ -89,60 +79,23 @@ class SceneTable(Table, frozen=True):
     wall_time: float | None = None
 
 
+_TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq": EqTable}
+_TABLES |= {"master": MasterTable, "sweep": SweepTable}
+
+
 def read_table(tables: Mapping[str, Any]) -> SceneTable:
-    """The tables with their types checked and defaults filled in. Raises InputError."""
+    """The tables with their types checked and defaults filled in. Raises InputError with the path of the bad key."""
     try:
         return msgspec.convert(tables, SceneTable)
     except msgspec.ValidationError as error:
-        raise InputError(_explain(str(error), tables)) from error
-
-
-def _explain(message: str, tables: Mapping[str, Any]) -> str:
-    """msgspec's message, which ends in the place as `$.drive.to`, as one line in house style."""
-    rule, _, place = message.partition(" - at ")
-    keys = [key for key in place.strip("`").split(".")[1:] if key]
-    value: Any = tables
-    kind: Any = SceneTable
-    for key in keys:
-        name, *numbers = key.split("[")  # as in turns[1], an item of a list
-        kind, value = _field_type(kind, name), value[name]
-        for number in numbers:
-            value = value[int(number.rstrip("]"))]
-    unknown = re.match(r"Object contains unknown field `(.*)`", rule)
-    missing = re.match(r"Object missing required field `(.*)`", rule)
-    other = re.match(r"Expected `(\w+)", rule)
-    if unknown:
-        key = unknown[1]
-        known = ", ".join(kind.__struct_encode_fields__)
-        return f"{'.'.join([*keys, key])} = {shown(value[key])}: unknown key; known here: {known}"
-    if missing:
-        return f"{'.'.join([*keys, missing[1]])}: is missing"
-    if rule.startswith("Invalid enum value"):
-        allowed = [f'"{one}"' for one in _choices(kind)]
-        rule = f"must be {', '.join(allowed[:-1])} or {allowed[-1]}"
-    if kind is RangeTable and other:
-        rule = "must be a number, a list of numbers, or { from = 1.0, to = 100.0, points = 50 }"
-    elif other and other[1] in _EXPECTED:
-        rule = f"must be {_EXPECTED[other[1]]}"
-        rule += without_point(value, least=0) if other[1] == "int" else ""
-    if keys[-1:] == ["wall_time"]:
-        rule = "must be a number of seconds, such as 3600.0"
-    text = str(value).lower() if isinstance(value, bool) else shown(value)
-    return f"{'.'.join(keys)} = {text}: {rule}"
-
-
-def _choices(kind: Any) -> list[str]:
-    """The words that a Literal, or one among others, allows."""
-    found: list[str] = []
-    for one in get_args(kind):
-        found += [one] if isinstance(one, str) else _choices(one)
-    return found
-
-
-def _field_type(kind: Any, key: str) -> Any:
-    """The table, or the type, that `key` of table `kind` holds; of `Table | None` the table."""
-    types = {field.encode_name: field.type for field in msgspec.structs.fields(kind)}
-    return next(
-        (one for one in get_args(types[key]) if isinstance(one, type) and issubclass(one, Table)),
-        types[key],
-    )
+        # such as: Expected `float | null`, got `str` - at `$.drive.to`
+        rule, _, place = str(error).partition(" - at ")
+        where, name = place.strip("`$").lstrip("."), rule.split("`")[1]
+        key = f"{where}.{name}".lstrip(".")
+        if "missing required field" in rule:
+            raise InputError(f"{key}: is missing") from error
+        if "unknown field" in rule:
+            known = ", ".join(_TABLES.get(where, RangeTable).__struct_encode_fields__)
+            raise InputError(f"{key}: unknown key; known here: {known}") from error
+        said = rule.replace(" | null", "").replace("`", "").replace("object", "table")
+        raise InputError(f"{where}: {said[0].lower()}{said[1:]}") from error

@@ -10,31 +10,21 @@ from origins.errors import refuse
 
 
 def to_toml(tables: Mapping[str, Any]) -> str:
-    """TOML text that reads back as `tables`; keys whose value is None are left out.
+    """TOML text, a line for each key, that reads back as `tables`; keys whose value is None are left out.
 
     Raises InputError for a value TOML has no form for.
     """
-    return "\n".join(_lines(tables, ())) + "\n"
+    return "".join(f"{line}\n" for line in _pairs(tables, ""))
 
 
-def _lines(table: Mapping[str, Any], where: tuple[str, ...]) -> list[str]:
-    lines = [f"[{'.'.join(_key(key) for key in where)}]"] if where else []
-    inner = []
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            inner += _lines(value, (*where, key))
-        elif value is not None:
-            lines.append(f"{_key(key)} = {_value(value, '.'.join((*where, str(key))))}")
-    return lines + inner
-
-
-def _key(key: object) -> str:
-    text = str(key)
-    bare = text.isascii() and text.replace("-", "").replace("_", "").isalnum()
-    return text if bare else _string(text)
+def _pairs(table: Mapping[str, Any], where: str) -> list[str]:
+    there = {str(key): value for key, value in table.items() if value is not None}
+    return [f"{_string(key)} = {_value(there[key], f'{where}{key}')}" for key in there]
 
 
 def _string(text: str) -> str:
+    if text.isascii() and text.replace("-", "").replace("_", "").isalnum():
+        return text
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
@@ -43,17 +33,12 @@ def _value(value: object, where: str) -> str:
         value = value.tolist()
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, int):
-        return int.__repr__(value)
-    if isinstance(value, float):
-        return float.__repr__(value)
+    if isinstance(value, int | float):
+        return (int if isinstance(value, int) else float).__repr__(value)  # not a subclass's own
     if isinstance(value, str):
-        return _string(value)
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, list | tuple):
-        return (
-            f"[{', '.join(_value(item, f'{where}[{index}]') for index, item in enumerate(value))}]"
-        )
+        return f"[{', '.join(_value(item, f'{where}[{k}]') for k, item in enumerate(value))}]"
     if isinstance(value, Mapping):
-        items = (f"{_key(key)} = {_value(item, f'{where}.{key}')}" for key, item in value.items())
-        return f"{{{', '.join(items)}}}"
+        return f"{{{', '.join(_pairs(value, f'{where}.'))}}}"
     refuse(where, value, "a scene holds numbers, strings, lists and tables only")

@@ -26,9 +26,10 @@ HEAT_STEP = 0.15
 # Growth of the steps after the speed changed, at resolution 0, per time since then: the edge of the
 # density at the level becomes another one, first fast and then ever slower.
 AFTER_CHANGE = 0.5
-# The first of these steps, of the time D/v² in which an edge forms at the largest speed, or of the
-# time in which thresholds spread by the narrowest width, whichever is longer.
-FIRST_STEP, LEAST_STEP = 0.1, 1e-10
+# The first of these steps, of the shortest of three times: D/v², in which an edge forms at the
+# largest speed; that in which thresholds spread by the narrowest width; the move, as survivals are
+# read between its steps. It is at least the second number of the time to spread.
+FIRST_STEP, LEAST_STEP = 0.02, 1e-10
 # Share of fresh thresholds, within that part of a width above the level, from which on it counts
 # that they break at once; at resolution 0, where errors are a tenth of it.
 TORN, CLOSE = 1e-3, 0.1
@@ -76,7 +77,8 @@ class Mesh:
             longest = min(longest, TRAVEL_STEP * self.width / abs(speed))
         shortest = LEAST_STEP * self.width**2 / self.diffusion
         if self.fastest > 0.0 and not torn:
-            shortest = max(shortest, FIRST_STEP * self.diffusion / self.fastest**2)
+            forming = min(self.diffusion / self.fastest**2, self.width**2 / self.diffusion)
+            shortest = max(shortest, FIRST_STEP * min(forming, duration))
         times = [0.0]
         while times[-1] < duration:
             step = min(AFTER_CHANGE * (since + times[-1]) + shortest, longest) / scale

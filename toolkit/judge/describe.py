@@ -1,8 +1,7 @@
 """A law of thresholds in numbers, each with its error: moments, quantiles, onset, propensity, and its interface."""
 
 import time
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,20 +13,20 @@ from origins.thresholds.quadrature import gauss, panel_edges
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite
 from toolkit.scene.sampling import sampling_errors, unseen
 
-if TYPE_CHECKING:
-    import master
-
 _EPSILON = float(np.finfo(float).eps)
+PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
 _NEGLIGIBLE = 1e-18
 _DOUBLINGS = 2000
 
 
 @dataclass(frozen=True)
 class Description:
-    """`numbers` by name; `notes`, what has no answer and why; `run_time` in s."""
+    """`numbers` by name; `notes`, what has no answer and why; `sampled`, whether errors are those of samples, too;
+    `run_time` in s."""
 
     numbers: dict[str, Number]
     notes: tuple[str, ...]
+    sampled: bool
     run_time: float
 
 
@@ -51,28 +50,27 @@ def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Des
         numbers[name] = Number(law.moment(n), _off(law, n), f"{unit}^{n}")
     lower, upper = law.support()
     numbers |= {"lower_end": Number(lower, None, unit), "upper_end": Number(upper, None, unit)}
-    for name, q, above in (
-        ("one_in_a_hundred_below", 0.01, False),
-        ("median", 0.5, False),
-        ("one_in_a_hundred_above", 0.01, True),
-    ):
-        numbers[name] = _quantile(law, q, above, unit)
+    numbers["one_in_a_hundred_below"] = _quantile(law, 0.01, False, unit)
+    numbers["median"] = _quantile(law, 0.5, False, unit)
+    numbers["one_in_a_hundred_above"] = _quantile(law, 0.01, True, unit)
     numbers["onset_power"] = Number(law.onset_power, law.onset_power_error, "")
     notes = conditions(contacts, velocity, chosen)
     if np.isfinite(law.moment(2)):
         try:
             steady = master.steady_state(contacts, velocity=velocity)
-        except InputError as error:
-            notes.append(f"P_c alone, without F_k, K*, F_s/F_k and X*: {error}")
+        except InputError as refused:
+            notes.append(f"P_c alone, without F_k, K*, F_s/F_k and X*: {refused}")
         else:
             numbers["kinetic_force"] = Number(steady.force, steady.force_error * mean.value, unit)
             try:
                 found = master.propensity(contacts, velocity=velocity)
-                numbers |= _of_propensity(found, unit)
+                for name, own in zip(PROPENSITY, ("", "", unit), strict=True):
+                    error = getattr(found, f"{name}_error")
+                    numbers[name] = Number(getattr(found, name), error, own)
                 if not (steady.success and found.success):
                     notes.append(f"not as asked: {steady.message}; {found.message}")
-            except InputError as error:
-                notes.append(str(error))
+            except InputError as refused:
+                notes.append(str(refused))
     else:
         notes.append(
             "<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with"
@@ -83,44 +81,36 @@ def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Des
     if sampled:
         notes += unseen(sampled, numbers["critical_spring"].value)
     for name, scatter in sampled.items():
-        known = numbers[name]
-        numbers[name] = Number(
-            known.value, float(np.hypot(known.error or 0.0, scatter)), known.unit
-        )
+        both = float(np.hypot(numbers[name].error or 0.0, scatter))
+        numbers[name] = replace(numbers[name], error=both)
     if law.interface is not None:
         numbers |= of_interface(law.interface)
     if law.domains is not None:
         numbers |= _of_domains(law.domains)
     notes += remarks(law)
-    return Description(numbers, tuple(notes), time.perf_counter() - began)
+    return Description(numbers, tuple(notes), bool(sampled), time.perf_counter() - began)
 
 
 def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[str]:
     """At what F_k and the propensity hold, where that tells: speed, temperature, and the laws of contacts."""
-    si = contacts.interface is not None
-    length, clock = (" m", " s") if si else ("", "")
-    said = []
-    if contacts.thermal is not None:
-        own = contacts.thermal
-        kelvin = (
-            ""
-            if contacts.interface is None
-            else (f" ({own.temperature / contacts.interface.temperature(kelvin=1.0):.4g} K)")
-        )
-        said.append(f"T = {own.temperature:.4g}{length + '²' if si else ''}{kelvin}")
-        said.append(f"attempt frequency {own.attempt_frequency:.4g}{' 1/s' if si else ''}")
+    surface, thermal, said = contacts.interface, contacts.thermal, list[str]()
+    length, square, clock = (" m", " m²", " s") if surface is not None else ("", "", "")
+    per_time = f" 1/{clock.strip()}" if clock else ""
+    if thermal is not None:
+        said.append(f"T = {thermal.temperature:.4g}{square}")
+        if surface is not None:
+            said[-1] += f" ({thermal.temperature / surface.temperature(kelvin=1.0):.4g} K)"
+        said.append(f"attempt frequency {thermal.attempt_frequency:.4g}{per_time}")
     if contacts.ageing is not None:
-        said.append(f"D = {contacts.ageing.rate:.4g}{length + '²/s' if si else ''}")
+        said.append(f"D = {contacts.ageing.rate:.4g}{square}{'/s' if clock else ''}")
     if contacts.delay is not None:
         said.append(f"delay {contacts.delay.time:.4g}{clock}")
     if contacts.grains is not None and contacts.grains.age is not None:
         said.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
     if not said:
         return []
-    said.insert(
-        0, f"v = {velocity:.4g}{length + '/s' if si else ''}{f' ({chosen})' if chosen else ''}"
-    )
-    return [f"F_k, K*, F_s/F_k and X* at {', '.join(said)}; all else is P_c alone"]
+    speed = f"v = {velocity:.4g}{length}{'/s' if clock else ''}{f' ({chosen})' if chosen else ''}"
+    return [f"F_k, K*, F_s/F_k and X* at {', '.join([speed, *said])}; all else is P_c alone"]
 
 
 def _off(law: Thresholds, n: int) -> float | None:
@@ -151,30 +141,15 @@ def _spread(law: Thresholds, unit: str) -> Number:
     if off is None or spread == 0.0:
         return Number(spread, None if off is None else 0.0, unit)
     # the variance of a narrow law is a small difference in the second road only
-    return Number(
-        spread, min(off, 4.0 * _EPSILON * second) / spread + 4.0 * _EPSILON * spread, unit
-    )
+    error = min(off, 4.0 * _EPSILON * second) / spread
+    return Number(spread, error + 4.0 * _EPSILON * spread, unit)
 
 
 def _quantile(law: Thresholds, q: float, above: bool, unit: str) -> Number:
     x = float(law.isf(q) if above else law.ppf(q))
     tail, density = float(law.sf(x) if above else law.cdf(x)), float(law.pdf(x))
-    off = (
-        abs(tail - q) / density
-        if density > 0.0 and np.isfinite(density) and not law.atoms[0].size
-        else 0.0
-    )
-    return Number(x, off + 4.0 * _EPSILON * x, unit)
-
-
-def _of_propensity(found: "master.Propensity", unit: str) -> dict[str, Number]:
-    return {
-        "critical_spring": Number(found.critical_spring, found.critical_spring_error, ""),
-        "static_to_kinetic": Number(found.static_to_kinetic, found.static_to_kinetic_error, ""),
-        "decoherence_length": Number(
-            found.decoherence_length, found.decoherence_length_error, unit
-        ),
-    }
+    smooth = density > 0.0 and np.isfinite(density) and not law.atoms[0].size
+    return Number(x, (abs(tail - q) / density if smooth else 0.0) + 4.0 * _EPSILON * x, unit)
 
 
 def _of_domains(domains: DomainSamples) -> dict[str, Number]:

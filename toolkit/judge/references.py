@@ -40,17 +40,16 @@ def reference(contacts: Contacts, path: npt.ArrayLike) -> Reference:
         return exact
     import master
 
-    at = _TOLERANCES[0]
-    best = solved = master.solve(contacts, positions, tolerance=at)
-    for tolerance in _TOLERANCES[1:]:
+    best = None
+    for at in _TOLERANCES:
+        solved = master.solve(contacts, positions, tolerance=at)
+        if best is None or solved.force_error < best.error:
+            source = f"the master equation itself at tolerance {at:.0e}"
+            best = Reference(solved.force, float(solved.force_error), source)
         if not solved.success:
             break  # beyond what round-off allows, asking for more gives less
-        solved = master.solve(contacts, positions, tolerance=tolerance)
-        if solved.force_error < best.force_error:
-            best, at = solved, tolerance
-    return Reference(
-        best.force, float(best.force_error), f"the master equation itself at tolerance {at:.0e}"
-    )
+    assert best is not None
+    return best
 
 
 def closed_form(contacts: Contacts, path: Array) -> Reference | None:
@@ -61,9 +60,9 @@ def closed_form(contacts: Contacts, path: Array) -> Reference | None:
     F = x_0 + X - sum over n of E[threshold n; X_n < X].
     """
     thresholds, start = contacts.thresholds, contacts.start
-    if not isinstance(thresholds, CutGaussian) or not (
-        start.is_single or isinstance(start, GaussianStart)
-    ):
+    if not isinstance(thresholds, CutGaussian):
+        return None
+    if not (start.is_single or isinstance(start, GaussianStart)):
         return None
     mean, width, first = thresholds.parent_mean, thresholds.parent_std, start.mean()
     spread = 0.0 if start.is_single else 1.0 / (_ROOT_TWO_PI * float(start.pdf(first)))

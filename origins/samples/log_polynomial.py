@@ -1,0 +1,135 @@
+"""Densities whose logarithm is a polynomial, and m log x beside it, so that P_c may begin as x^m.
+
+Legendre polynomials leave no knots that a solver would meet. Thresholds over decades are counted by log(1 + x/median),
+and x itself stands beside the polynomial.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from origins.thresholds.law import Array, Thresholds
+
+
+@dataclass(frozen=True)
+class Form:
+    """How a log-density is written, and how it goes on beyond the extreme samples.
+
+    from_zero : straight in x from the first sample down to x = 0; else P_c has an edge at the first sample.
+    power : m log x is added.
+    open_above : straight in x beyond the last sample, an exponential tail; else P_c has an edge there.
+    decades : a polynomial of log(1 + x/median) with x added; else a polynomial of x.
+    """
+
+    from_zero: bool = True
+    power: bool = False
+    open_above: bool = True
+    decades: bool = False
+
+
+class Columns:
+    """The functions of x whose sum, each times its coefficient, is the log-density; x in units of the median.
+
+    Legendre polynomials of degree 1, 2, ..., then x (Form.decades), then log x (Form.power). Between the extreme
+    samples they are what they are called, beyond these straight lines.
+    """
+
+    def __init__(self, form: Form, first: float, last: float, degree: int) -> None:
+        self.form, self.first, self.last, self.degree = form, first, last, degree
+        low, high = self._variable(np.array([first, last]))
+        self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
+        order = np.arange(1, degree + 1)
+        steep = order * (order + 1) / (2.0 * self._half)
+        bent = (1.0 + first, 1.0 + last) if form.decades else (1.0, 1.0)
+        self._first_slope = -steep * (-1.0) ** order / bent[0]
+        self._last_slope = steep / bent[1]
+
+    def _variable(self, x: Array) -> Array:
+        return np.log1p(x) if self.form.decades else x
+
+    def grid(self) -> Array:
+        """Points of x from the first sample to the last, between which the log-density is nearly straight."""
+        y = -np.cos(np.linspace(0.0, np.pi, 2 * self.degree + 9))
+        x = self._middle + self._half * y
+        if self.form.decades:
+            x = np.union1d(
+                np.expm1(x), 0.5 * (self.first + self.last + (self.last - self.first) * y)
+            )
+        return np.concatenate([[self.first], x[(x > self.first) & (x < self.last)], [self.last]])
+
+    def rows(self, x: Array) -> Array:
+        """Values at x, shape (x.size, columns)."""
+        inside = np.clip(x, self.first, self.last)
+        y = (self._variable(inside) - self._middle) / self._half
+        below, above = np.minimum(x - self.first, 0.0), np.maximum(x - self.last, 0.0)
+        parts = [
+            legendre.legvander(y, self.degree)[:, 1:]
+            + np.outer(below, self._first_slope)
+            + np.outer(above, self._last_slope)
+        ]
+        if self.form.decades:
+            parts.append(x[:, None])
+        if self.form.power:
+            with np.errstate(divide="ignore"):
+                parts.append((np.log(np.minimum(x, self.last)) + above / self.last)[:, None])
+        return np.concatenate(parts, axis=1)
+
+    def value(self, x: Array, coefficients: Array) -> Array:
+        """rows(x) @ coefficients, shape as x; far out the same for the same x to the last bit."""
+        inside = np.clip(x, self.first, self.last)
+        below, above = np.minimum(x - self.first, 0.0), np.maximum(x - self.last, 0.0)
+        y = (self._variable(inside) - self._middle) / self._half
+        polynomial = coefficients[: self.degree]
+        out = legendre.legval(y, np.append(0.0, polynomial))
+        out += below * float(self._first_slope @ polynomial)
+        out += above * float(self.end_slope() @ coefficients)
+        if self.form.decades:
+            out += coefficients[self.degree] * np.minimum(x, self.last)
+        if self.form.power:
+            with np.errstate(divide="ignore"):
+                out += coefficients[-1] * np.log(np.minimum(x, self.last))
+        return out
+
+    def end_slope(self) -> Array:
+        """Slopes of the columns beyond the last sample."""
+        more = [1.0] * self.form.decades + [1.0 / self.last] * self.form.power
+        return np.append(self._last_slope, more)
+
+    def penalty(self) -> Array:
+        """Matrix of the integral of the squared third derivative by y over (-1, 1)."""
+        nodes, weights = legendre.leggauss(self.degree + 1)
+        bends = legendre.legval(nodes, legendre.legder(np.eye(self.degree + 1), 3, axis=0))[1:]
+        out = np.zeros((self.end_slope().size,) * 2)
+        out[: self.degree, : self.degree] = (bends * weights) @ bends.T / self.degree
+        return out
+
+
+class LogPolynomial(Thresholds):
+    """The law with that log-density, up to its norm; lengths of `columns` times `unit`, extremes as they are."""
+
+    def __init__(
+        self,
+        columns: Columns,
+        coefficients: Array,
+        unit: float,
+        extremes: tuple[float, float],
+        onset_power_error: float,
+    ) -> None:
+        self._columns, self._coefficients, self._unit = columns, coefficients, unit
+        self._extremes = extremes
+        self.onset_power = float(coefficients[-1]) if columns.form.power else 0.0
+        self.onset_power_error = onset_power_error
+
+    def support(self) -> tuple[float, float]:
+        form, (first, last) = self._columns.form, self._extremes
+        return 0.0 if form.from_zero else first, np.inf if form.open_above else last
+
+    @property
+    def breakpoints(self) -> Array:
+        return np.unique([end for end in (*self.support(), *self._extremes) if np.isfinite(end)])
+
+    def _log_weight(self, x: Array) -> Array:
+        return self._columns.value(x / self._unit, self._coefficients)
