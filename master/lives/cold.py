@@ -30,8 +30,8 @@ LEAST_SURVIVAL = 1e-280
 # meant to lie at an exact threshold is off by rounding.
 TIE = 1e-12
 # Panels of the table narrower than this, in grains, hint at a corner; at panels so much narrower as
-# the second there is one.
-NARROW, CORNER = 1e-2, 1e-4
+# the second there is one in any case. Jumps of P_c times the grain below the last are not felt.
+NARROW, CORNER, LEAST_BEND = 1e-2, 1e-4, 1e-6
 # A bend is rated by what polynomials of its sides differ by half a panel beyond it, times this: the
 # panels that resolve the breaks may be a few times wider.
 SEEN = 30.0
@@ -94,14 +94,42 @@ class ColdLife:
         self.error = 0.0
 
     def _corners(self) -> Array:
-        """Corners that the law does not declare: where halving ended at far narrower panels."""
+        """Corners that the law does not declare: where halving ended at panels much narrower."""
         begin, widths = self._table.begin, self._table.widths
-        near, known = 10.0 * NARROW * self.grain, np.append(0.0, self.bends)
-        narrow = np.flatnonzero(widths < NARROW * self.grain)
-        narrow = narrow[np.abs(begin[narrow, None] - known).min(axis=1, initial=np.inf) > near]
-        groups = np.split(narrow, np.flatnonzero(np.diff(begin[narrow]) > near) + 1)
-        least = [group[np.argmin(widths[group])] for group in groups if group.size]
-        return np.array([begin[i] for i in least if widths[i] < CORNER * self.grain])
+        width = NARROW * self.grain
+        narrow = np.flatnonzero(widths < width)
+        known = np.append(0.0, self.bends)
+        away = np.abs(begin[narrow, None] - known).min(axis=1, initial=np.inf)
+        narrow = narrow[away > 10.0 * width]
+        groups = np.split(narrow, np.flatnonzero(np.diff(begin[narrow]) > 10.0 * width) + 1)
+        found = []
+        for group in groups if narrow.size else []:
+            least = group[np.argmin(widths[group])]
+            crossing = self._crossing(float(begin[least]), 4.0 * float(widths[least]))
+            if crossing is not None:
+                found.append(crossing)
+            elif widths[least] < CORNER * self.grain:
+                found.append(float(begin[least]))
+        return np.array(found)
+
+    def _crossing(self, near: float, width: float) -> float | None:
+        """Where the survival's slope jumps, or None where it does not.
+
+        Polynomials from either side of the corner cross there. (Halving ends at some 1e-9 beside it,
+        but sums of corners that are multiples of one length are one edge only where they agree to
+        rounding.)
+        """
+        width = max(width, CORNER * self.grain)
+        steps = width * np.arange(1.0, 5.0)
+        left, right = (
+            np.polynomial.Polynomial.fit(x, self._smooth(x), 3)
+            for x in (near - steps, near + steps)
+        )
+        bend = float(right.deriv()(near) - left.deriv()(near))
+        if not abs(bend) * self.grain > LEAST_BEND:
+            return None
+        shift = float(left(near) - right(near)) / bend
+        return near + shift if abs(shift) < width else None
 
     def _size(self, bend: float) -> float:
         """How much of the survival is not smooth at a bend: 1 at most, as where P_c jumps.
