@@ -45,13 +45,11 @@ def from_samples(
                     name, value, "says where in a file the samples are; leave it out without one"
                 )
     if file is not None:
-        if not isinstance(file, str):
-            refuse("file", file, 'must be a file name, such as "thresholds.txt"')
         if x_s is not None or f_s is not None or weights is not None:
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
         if quantity not in QUANTITIES:
             refuse("quantity", quantity, 'must be "x_s" or "f_s"')
-        lines = read_text("file", folder / file, comm, file).splitlines()
+        lines = read_text("file", file, folder, comm).splitlines()
         names = {quantity: column} | (
             {} if weight_column is None else {"the weight": weight_column}
         )

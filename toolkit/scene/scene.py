@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-import origins
 from origins.contacts import Contacts, TooHot, too_cold
 from origins.drive import Drive
 from origins.errors import InputError, check_tolerance, positive, refuse, shown, whole
@@ -111,7 +110,7 @@ def load_scene(
             text = to_toml(scene)
             return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
         file = on_root(comm, lambda: _find(scene))
-        text = read_text("scene", file, comm, scene, "is not TOML")
+        text = read_text("scene", str(file), Path(), comm, "is not TOML")
         return _checked(file.stem, text, tomllib.loads(text), file.parent, solved, comm)
     except RecursionError as error:
         raise InputError(
@@ -234,19 +233,10 @@ def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:
     """The contacts with the laws that the table names, and no other."""
     thresholds = laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm)
     made: dict[str, Any] = {"thresholds": thresholds, "stiffness": table.stiffness}
-    for name, kinds in (("start", laws.START), ("reforming", laws.REFORMING)):
+    for name, kinds in laws.CONTACTS.items():
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
-            made[name] = laws.build(kinds, own, f"contacts.{name}", folder)
-    calls: dict[str, Any] = {
-        "thermal": origins.Thermal,
-        "ageing": laws.ageing,
-        "delay": origins.Delay,
-    }
-    for name, law in calls.items():
-        if (own := getattr(table, name)) is not None:
-            own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
-            made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
+            made[name] = laws.build(kinds, own, f"contacts.{name}", folder, comm)
     thermal = table.thermal or {}
     if thermal and thresholds.interface is not None and "attempt_frequency" not in thermal:
         raise InputError(
