@@ -18,9 +18,8 @@ from origins.drive import Drive
 from origins.errors import InputError, check_tolerance, positive, refuse, shown, whole
 from toolkit.running.ranks import on_root
 from toolkit.scene import laws, tables
-from toolkit.scene.drive import Speed, make_drive, sliding_speed, spring_number
+from toolkit.scene.drive import Speed, histogram_points, make_drive, sliding_speed, spring_number
 from toolkit.scene.given_files import read_text
-from toolkit.scene.histogram_points import histogram_points
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.toml import to_toml
 
