@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.motion.motion import Legs
-from origins.laws.rate_law import RateLaw
+from origins.laws.rate_law import LARGEST_EXPONENT, RateLaw
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -128,7 +128,9 @@ class Replay:
         """Integral of h from 0 to x; x of shape (n, 1)."""
         if not x.any():
             return np.zeros(threshold.shape)
-        return self._rates.rate_and_passed(x, threshold, stiffness, 1.0)[1]
+        far = np.minimum(np.abs(x), threshold)
+        log_passed = self._rates.log_passed(0.0, far, threshold, stiffness)
+        return np.sign(x) * np.exp(np.minimum(log_passed, LARGEST_EXPONENT))
 
     def _short_way(
         self, near: Array, far: Array, way: Array, threshold: Array, stiffness: Array
