@@ -80,11 +80,8 @@ class Scene:
 
     def only_forward(self, what: str) -> "Scene":
         """Itself, if its slider is rigid and moves forward; InputError with the name of `what` takes no other."""
-        rule = f"{what} takes a rigid slider that moves forward; give drive.to alone"
-        if self.drive.spring is not None:
-            refuse("drive.spring", self.drive.spring, rule)
-        if not self.drive.forward:
-            raise InputError(f"drive.{'from' if self.drive.path[0] != 0.0 else 'turns'}: {rule}")
+        with laws.inside("drive", {"spring": "spring"}):
+            self.drive.only_forward(what)
         return self
 
 
@@ -166,7 +163,9 @@ def _checked(
     if table.eq is not None:
         if solved:
             _check_reach(scene, table.drive)
-        _check_coupled(scene, table.eq)
+        if scene.drive.spring is not None and (np.diff(scene.path) < 0.0).any():
+            rule = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
+            raise InputError(f"drive.turns: {rule}")
         scene.histogram_points()
     return scene
 
@@ -193,26 +192,6 @@ def _check_numbers(name: str, table: tables.SceneTable, solved: bool) -> None:
         for key, such in (("tolerance", "such as 1e-4"), ("wall_time", "such as 3600.0")):
             if (value := getattr(eq, key)) is not None:
                 positive(f"eq.{key}", value, such)
-
-
-def _check_coupled(scene: Scene, table: tables.EqTable) -> None:
-    """Raise InputError for what the ensemble of a soft slider does not take, and for what it alone takes."""
-    from eq_model.coupled.ensemble import check_coupled
-
-    soft = scene.drive.spring is not None
-    rule = "is of a soft slider; give drive.spring, or leave it out"
-    if soft:
-        rule = "is of independent contacts; with drive.spring leave it out, and give replicas"
-    for name in ("tolerance", "histograms", "histogram_times") if soft else ("slip_fraction",):
-        if (value := getattr(table, name)) is not None:
-            refuse(f"eq.{name}", value, rule)
-    if not soft:
-        return
-    if (np.diff(scene.path) < 0.0).any():
-        rule = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
-        raise InputError(f"drive.turns: {rule}")
-    with laws.inside("scene", {}):
-        check_coupled(scene.contacts, scene.drive)
 
 
 def _check_reach(scene: Scene, table: tables.DriveTable | None) -> None:
