@@ -116,25 +116,25 @@ def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
 def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
     """Where the points begin, 0 unless said, and all ends in turn; and when each is reached, where that is said."""
     given = table.begin is not None
-    begin = 0.0 if table.begin is None else finite("drive.from", table.begin)
+    ends: dict[str, float | None] = {
+        f"drive.turns[{k}]": end for k, end in enumerate(table.turns or ())
+    }
     if table.turns is None:
-        end = finite("drive.to", table.to)
-        if end <= 0.0:
-            rule = f"must be above zero; for the other way write turns = [{end or -1.0:g}]"
-            refuse("drive.to", end, rule)
-        ends = [end]
-    else:
-        ends = [finite(f"drive.turns[{k}]", end) for k, end in enumerate(table.turns)]
-    places = np.array([begin, *ends])
+        ends = {"drive.to": table.to}
+    corners = {"drive.from": table.begin or 0.0} | ends
+    places = np.array([finite(key, place) for key, place in corners.items()])
     if not ends:
-        refuse("drive.turns", ends, "must hold a position at least")
+        refuse("drive.turns", [], "must hold a position at least")
+    if table.turns is None and places[1] <= 0.0:
+        rule = f"must be above zero; for the other way write turns = [{places[1] or -1.0:g}]"
+        refuse("drive.to", places[1], rule)
     if table.times is None:
         if table.hold_scale is not None:
             rule = "is of holds, and without drive.times there is none"
             refuse("drive.hold_scale", table.hold_scale, rule)
         same = np.flatnonzero(np.diff(places) == 0.0)
         if same.size:
-            key = "drive.from" if given and not same[0] else f"drive.turns[{same[0]}]"
+            key = "drive.from" if given and not same[0] else [*ends][same[0]]
             rule = "is where the path already stands; leave it out, or give drive.times for a hold"
             refuse(key, places[same[0] + 1], rule)
         return places, None
