@@ -18,7 +18,6 @@ from origins.errors import check_tolerance, positive
 
 if TYPE_CHECKING:
     from master.paper.q15_transient import AgeingTransient
-    from master.soft.in_time.solution import TimedSolution
 
 
 def solve(
@@ -32,7 +31,7 @@ def solve(
     slip: SlipRule = "reset",
     progress: Progress = unheard,
     wall_time: float | None = None,
-) -> Solution | TimedSolution | SoftSolution | AgeingTransient:
+) -> Solution | SoftSolution | AgeingTransient:
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
 
     Solved by number conservation, written with survivals, on panels. In the order in which they
@@ -78,8 +77,7 @@ def solve(
 
     Returns
     -------
-    Solution, TimedSolution where thresholds grow in heat and the speed changes, SoftSolution where
-    there is a spring, AgeingTransient for the paper's closure of ageing
+    Solution, SoftSolution where there is a spring, AgeingTransient for the paper's closure of ageing
         With success = False and the reason in `message` where the tolerance was not reached.
 
     Raises

@@ -55,7 +55,7 @@ class Drive:
             rule = "is what a slip of a soft slider does, and without spring the slider is rigid"
             refuse("slip", slip, rule)
         self.slip = slip
-        self._back = np.flatnonzero(np.diff(self.path, prepend=0.0) < 0.0)
+        self._back = np.flatnonzero(self.path < _before(self.path))
         self.forward = not self._back.size
 
     def only_forward(self, solver: str) -> Drive:
@@ -80,12 +80,17 @@ def _check_time(time: npt.ArrayLike, path: Array, velocity: float) -> Array:
         refuse("time", times, f"must have the shape of the path, {path.shape}")
     if times[0] < 0.0:
         refuse("time[0]", times[0], "must be at least 0, when the slider is at X = 0")
-    passed, moved = np.diff(times, prepend=0.0), np.diff(path, prepend=0.0)
-    bad = np.flatnonzero((passed < 0.0) | ((passed == 0.0) & (moved != 0.0)))
+    earlier = _before(times)
+    bad = np.flatnonzero((times < earlier) | ((times == earlier) & (path != _before(path))))
     if bad.size:
         at = int(bad[0])
         rule = f"is before time[{at - 1}] = {times[at - 1]:g}; times must be in order"
-        if passed[at] == 0.0:
+        if times[at] == earlier[at]:
             rule = "leaves no time to get there; the path moves, so must the time"
         refuse(f"time[{at}]", times[at], rule)
     return times
+
+
+def _before(values: Array) -> Array:
+    """The value before each one; 0 before the first. (Differences would overflow.)"""
+    return np.append(0.0, values[:-1])

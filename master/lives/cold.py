@@ -171,7 +171,10 @@ class ColdLife:
     def _held(self, m: Array, side: Array) -> Array:
         """Survival at m; `side` tells which exact thresholds are met."""
         if not self.atoms.size:
-            return np.asarray(self._law.sf(m))
+            # all hold that are less stretched: the law need not be asked
+            some, out = m > self.quiet, np.ones(m.shape)
+            out[some] = self._law.sf(m[some])
+            return out
         out = self._smooth(m)
         for position, weight in zip(self.atoms, self._weights, strict=True):
             out = out + weight * (side < position * (1.0 - TIE))
@@ -181,8 +184,10 @@ class ColdLife:
         """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""
         if not self._linked:
             return held
-        inside = np.minimum(m, self.reach)
-        out = m * self._smooth(m) + self._table.beyond(inside)
+        smooth = self._smooth(m)
+        # in the far tail the table knows less than that the few that hold have thresholds in reach
+        most = np.maximum(self.reach - m, 0.0) * smooth
+        out = m * smooth + np.clip(self._table.beyond(np.minimum(m, self.reach)), 0.0, most)
         for position, weight in zip(self.atoms, self._weights, strict=True):
             out = out + position * weight * (side < position * (1.0 - TIE))
         return np.asarray(out / self._mean)
