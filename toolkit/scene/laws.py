@@ -96,18 +96,21 @@ def build(
             refuse(f"{where}.kind", title, f"must be one of {', '.join(kinds)}")
         place = kinds[title]
     module, name = str(place).split(":")
-    for key, value in arguments.items():
-        if key in _TABLES:
-            arguments[key] = build(_TABLES[key], value, f"{where}.{key}", folder, comm)
-    if "components" in arguments:
-        parts, at = arguments["components"], f"{where}.components"
-        if not (isinstance(parts, list) and parts and all(isinstance(p, Mapping) for p in parts)):
-            rule = 'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
-            refuse(at, parts, rule)
-        built = (
-            build(THRESHOLDS, part, f"{at}[{k}]", folder, comm) for k, part in enumerate(parts)
-        )
-        arguments["components"] = list(built)
+    with inside(where, {key: key for key in arguments}):
+        for key, value in arguments.items():
+            if key in _TABLES:
+                arguments[key] = build(_TABLES[key], value, key, folder, comm)
+            elif key == "components":
+                tables = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
+                if not (tables and value):
+                    rule = (
+                        'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
+                    )
+                    refuse(key, value, rule)
+                parts = enumerate(value)
+                arguments[key] = [
+                    build(THRESHOLDS, part, f"{key}[{k}]", folder, comm) for k, part in parts
+                ]
     return call(
         getattr(import_module(module), name), arguments, where, title, folder=folder, comm=comm
     )
@@ -130,7 +133,11 @@ def call(
         if parameter.default is parameter.empty and key not in arguments:
             raise InputError(f"{where}.{key}: is missing; {takes}")
     with inside(where, {name: name for name in parameters}):
-        return function(**arguments, **given)
+        try:
+            return function(**arguments, **given)
+        except ArithmeticError as error:
+            rule = "some of its numbers are too large or too small; are they in the right unit?"
+            raise InputError(f"{title}: {rule}") from error
 
 
 def without_kelvin(
