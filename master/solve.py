@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import time as clock
 from typing import TYPE_CHECKING
 
+import numpy as np
 import numpy.typing as npt
 
 from master.lives.make import life_of
@@ -99,7 +101,10 @@ def solve(
             from master.soft.in_time.solution import solve_given
 
             return solve_given(contacts, drive, tolerance, progress, wall_time)
-        life = life_of(contacts, tolerance, motion)
+        until = np.inf if wall_time is None else clock.monotonic() + wall_time
+        life = life_of(contacts, tolerance, motion, until)
+        if wall_time is not None:
+            wall_time = max(until - clock.monotonic(), 0.0)
         return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
     if _by_steps(contacts, drive):
         from master.soft.in_time.solution import solve_in_time

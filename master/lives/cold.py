@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.stretches import Moves, averaged, missed
+from master.lives.stretches import Moves, averaged
 from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError
@@ -35,9 +35,8 @@ NARROW, CORNER, LEAST_BEND = 1e-2, 1e-4, 1e-6
 # A bend is rated by what polynomials of its sides differ by half a panel beyond it, times this: the
 # panels that resolve the breaks may be a few times wider.
 SEEN = 30.0
-# One of so many sums over stretches is made again with all pieces halved, to see what it misses; and
-# by how much the largest of these misses counts.
-CHECKED, MARGIN = 16, 2.0
+# By how much the largest error that is seen of an average over stretches counts: some are looked at.
+MARGIN = 2.0
 # Last coefficients at which pieces of the stretches are no longer halved: beside a cusp of S(|r|) sums
 # miss a twentieth of it, and leaps of more from move to move would look like slips of a soft slider.
 RESOLVED = 1e-12
@@ -204,10 +203,9 @@ class ColdLife:
             return self._left(r, moves.largest(pair, r), r + moves.now[pair, None])
 
         pieces = int(np.clip((born.span[1] - born.span[0]) / (4.0 * self.grain), 8, 64))
-        given = born, moves, self._end, self.bends, inside
-        found = averaged(*given, RESOLVED, pieces)
-        self.error = max(self.error, MARGIN * missed(*given, found, CHECKED, RESOLVED))
-        return found.reshape(2, *history.now.shape)
+        found = averaged(born, moves, self._end, self.bends, inside, RESOLVED, pieces)
+        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        return found.value.reshape(2, *history.now.shape)
 
     def _left(self, r: Array, m: Array, x: Array) -> Array:
         """Share and force of contacts born at r, by the largest |x| so far, m, and x."""

@@ -15,6 +15,8 @@ from origins import Contacts
 # Last coefficients of the tables, at least, and in units of the tolerance of K*: a slope loses some
 # four digits.
 FINEST_TABLE, ACCURACY = 1e-13, 1e-6
+# Of the mean threshold: no force is known to less than what so long a stretch bears.
+LEAST_STRETCH = 1e-3
 # Of the error of what is left of contacts, what a march tells.
 TOLD = 10.0
 
@@ -54,7 +56,10 @@ class Forward:
         self._contacts, self._life, self._velocity = contacts, life, velocity
         self._motion = Motion(np.array([0.0, horizon / velocity]), np.array([0.0, horizon]))
         self.wait = velocity * contacts.waiting_time
-        stretch = longest_stretch(contacts, self._motion, life)
+        first = max(abs(end) for end in contacts.start.span)
+        # with heat contacts break long before they are as long as they may be
+        self._most = max(first + births.most, LEAST_STRETCH * contacts.mean_threshold)
+        stretch = min(longest_stretch(contacts, self._motion, life), self._most)
         # a life may learn how good it is as it is asked for the stretches of the start
         now = np.array([[horizon / velocity]])
         life.left(contacts.start, self._motion.history(now, np.zeros((1, 1))))
@@ -66,7 +71,8 @@ class Forward:
     def march(self, tolerance: float) -> March:
         """The march to a tolerance of the force in mean thresholds; its begins and widths are ways."""
         tolerance = max(tolerance, self.finest)
-        march = march_of(self._contacts, self._motion, self._life, tolerance)
+        given = self._contacts, self._motion, self._life, tolerance
+        march = march_of(*given, most=self._most)
         # an error of a slope is one of the force over the width of a panel: no narrower ones than need be
         march.grain = march.grain if self._life.quick else GRAINS * self._grain
         march.run()
