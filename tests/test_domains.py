@@ -246,7 +246,7 @@ def test_domains_in_a_scene() -> None:
             "island, a table with a kind of triangular,",
         ),
         (
-            {"lattice_constant": A, "island": {"kind": "oval"}},
+            {"lattice_constant": A, "island": {"kind": "square", "lattice_constant": A, "n_i": 2, "n_j": 2}},
             "contacts.thresholds.lattice_constant = 2.5: the table island",
         ),
         ({"island": [{"kind": "hexagonal"}]}, "contacts.thresholds.island = [{'kind': 'hexagonal'}]: must be a table"),
