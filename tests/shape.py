@@ -33,9 +33,9 @@ class Room(NamedTuple):
 
 ROOMS = {
     "master": Room(7500, 13_053, 200, 411),
-    "eq_model": Room(2200, 4500, 60, 160),
-    "origins": Room(4500, 10_500, 120, 285),
-    "toolkit": Room(4000, 5800, 100, 150),
+    "eq_model": Room(2200, 4420, 60, 161),
+    "origins": Room(4500, 10_060, 120, 281),
+    "toolkit": Room(4000, 5600, 100, 147),
 }
 
 Graph = dict[str, set[str]]
