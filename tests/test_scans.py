@@ -11,7 +11,11 @@ import origins
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="no measured scans beside the project")
 
-SCANS = {"afm-10um.di": (34.4e-9, 0.192), "confocal-88um.al3d": (259e-9, 0.0896), "matrix-28um.txt": (70.9e-9, 0.0675)}
+SCANS = {
+    "afm-10um.di": (34.4e-9, 0.192),
+    "confocal-88um.al3d": (259e-9, 0.0896),
+    "matrix-28um.txt": (70.9e-9, 0.0675),
+}
 STEEL = origins.Material(
     contact_modulus=115e9,
     local_friction=0.5,
@@ -32,8 +36,12 @@ def test_height_and_slope_after_removing_curvature(scan) -> None:  # type: ignor
     name, topography = scan
     moments = origins.spectral_moments(topography)
     height, slope = SCANS[name]
-    assert float(f"{moments.rms_height:.3g}") == height and float(f"{moments.rms_slope:.3g}") == slope
-    assert moments.rms_slope == pytest.approx(float(topography.detrend("curvature").rms_gradient()), rel=1e-8)
+    assert (
+        float(f"{moments.rms_height:.3g}") == height and float(f"{moments.rms_slope:.3g}") == slope
+    )
+    assert moments.rms_slope == pytest.approx(
+        float(topography.detrend("curvature").rms_gradient()), rel=1e-8
+    )
     assert moments.used_fraction == 1.0
 
 
@@ -70,13 +78,22 @@ def test_thresholds_in_metres_under_each_model_and_law(scan) -> None:  # type: i
         assert i.mean_force_threshold * i.contact_density == pytest.approx(together, rel=1e-9)
         # f_s is convex in x_s
         assert 0.3 < float(i.force_threshold(found.mean())) / i.mean_force_threshold < 1.0 + 1e-12
-        assert i.mean_radius**2 <= i.mean_area / np.pi * (1 + 1e-12) and 0.0 < i.temperature(kelvin=300.0) < 1e-20
+        assert (
+            i.mean_radius**2 <= i.mean_area / np.pi * (1 + 1e-12)
+            and 0.0 < i.temperature(kelvin=300.0) < 1e-20
+        )
         # light load: 2/pi^(1/2) p/(E* h'_rms/2^(1/2)) by Persson, 1.2 to 1.8 times it by Greenwood and Williamson
         light = 2.0 / np.sqrt(np.pi) * 1e6 / (115e9 * i.moments.rms_slope / np.sqrt(2.0))
         assert 0.99 < i.area_fraction / light < 1.8
         spread[model, law] = found.std() / found.mean()
     # the onset goes from 0 to 3, and the spread falls with it: the law decides
-    ordered = [("gw", "amontons"), ("gw", "paper"), ("persson", "amontons"), ("gw", "strength"), ("persson", "paper")]
+    ordered = [
+        ("gw", "amontons"),
+        ("gw", "paper"),
+        ("persson", "amontons"),
+        ("gw", "strength"),
+        ("persson", "paper"),
+    ]
     assert all(spread[a] > spread[b] for a, b in itertools.pairwise(ordered))
 
 
