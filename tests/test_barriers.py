@@ -101,21 +101,6 @@ def test_where_minima_split(beyond: float) -> None:
     assert np.abs(found - expected).max() < 1e-10
 
 
-def test_valleys_that_are_nearly_level() -> None:
-    """Along the valley of the large wave two small ones cancel but for their squares, a²/2."""
-    for a, relative, absolute in (
-        (0.1, 1e-9, 0.0),
-        (0.03, 1e-9, 0.0),
-        (2.0e-3, 0.0, 1e-3),
-        (1e-5, 0.0, 1e-3),
-    ):
-        found = searched(
-            [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]], np.array([[1.0, a, a]]), np.zeros((1, 3))
-        )
-        # where rounding levels the valley, a grid's accuracy is promised
-        assert found[0] == pytest.approx(a * a / 2.0, rel=relative, abs=absolute)
-
-
 def flooded(substrate: origins.Substrate, factors: np.ndarray, n: int) -> float:
     """The barrier by raising the water on a grid of n x n points a cell, until the lowest pool reaches a copy of
     itself: a way round the torus that is simple reaches one within two cells by two."""

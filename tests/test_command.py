@@ -162,17 +162,13 @@ def test_what_makes_a_run_hopeless_is_told_before_it(
 
     for place in ("running.runner.solve", "running.forecast.forecast_lines"):
         monkeypatch.setattr(f"toolkit.{place}", begin)
-    laws = {
-        "thermal": {"law": "soft", "temperature": 500.0},
-        "start": {"kind": "identical", "value": 2.0},
-    }
-    tables = {**MASTER_ONLY, "contacts": {**MASTER_ONLY["contacts"], **laws}}
-    assert main(["run", write_scene(tables), *dry]) == 2
-    hot, far, begun = capsys.readouterr().err.splitlines()
-    assert hot.startswith("mesofriction: the temperature is ") and far.startswith(
-        "mesofriction: contacts start about"
-    )
-    assert begun == "mesofriction: begun"
+    hot = {"law": "soft", "temperature": 500.0}
+    far = {"kind": "identical", "value": 2.0}
+    contacts = MASTER_ONLY["contacts"] | {"thermal": hot, "start": far}
+    assert main(["run", write_scene(MASTER_ONLY | {"contacts": contacts}), *dry]) == 2
+    told = capsys.readouterr().err.splitlines()
+    for line, begins in zip(told, ("the temperature is", "contacts start", "begun"), strict=True):
+        assert line.startswith(f"mesofriction: {begins}")
 
 
 def test_a_refusal_of_the_master_equation_says_what_runs_without_it(

@@ -104,30 +104,6 @@ def test_survival_of_sliding_contacts(velocity: float, rest: float) -> None:
     assert (np.diff(hazard) >= -1e-13 * (law.lost_hazard + hazard[1:])).all()
 
 
-@pytest.mark.parametrize("velocity, rest", SLIDING[:4])
-def test_first_meeting_by_brute_force(velocity: float, rest: float) -> None:
-    """Walk along the stretch and take the first step at which it reaches the threshold of its age."""
-    growth = origins.GrainGrowth(alpha=1.0, B=2.0)
-    contact = origins.GrainContact(growth)
-    u = np.array([0.0, 1e-6, 0.05, 0.2, 0.5, 0.8, 0.99, 1.0 - 1e-9, 1.0])
-    law = contact.breaking(velocity, rest)
-    found, end = law.isf(np.minimum((1.0 - u) / law.held_fraction, 1.0)), law.support()[1]
-    step = end / 2000
-    x = step * np.arange(1, 2001)
-    ages = growth.first_pinning_time + rest + x / velocity
-    for rank, meets in zip(u, found, strict=True):
-        reached = x >= contact.quantile(rank, ages) * (1.0 - 1e-12)
-        first = x[np.argmax(reached)]
-        assert reached.any() and first - step * (1 + 1e-9) <= meets <= first * (1 + 1e-9)
-        if meets > 0.0:
-            age = growth.first_pinning_time + rest + meets / velocity
-            assert contact.quantile(rank, age) == pytest.approx(meets, rel=1e-9)
-    survived = 1.0 - contact.survival(found[1:-1], velocity, rest)
-    held = found[1:-1] > 0.0
-    np.testing.assert_allclose(survived[held], u[1:-1][held], rtol=1e-10)
-    assert (survived[~held] >= u[1:-1][~held]).all()
-
-
 def test_quantiles_of_growing_contacts() -> None:
     growth = origins.GrainGrowth(alpha=1.0, B=1.7)
     contact = origins.GrainContact(growth)

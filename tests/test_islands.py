@@ -4,7 +4,6 @@ import ase
 import numpy as np
 import pytest
 
-import origins
 from origins.domains.islands import (
     circular_island,
     hexagonal_island,
@@ -39,24 +38,6 @@ def test_triangular_island_is_the_papers() -> None:
     # inside, six neighbours at the lattice constant; odd rows lead by half of it
     assert neighbours(points, A)[[8, 9, 10, 15, 16, 22, 30]].tolist() == [6] * 7
     assert points[7, 0] - points[0, 0] == pytest.approx(A / 2)
-
-
-def test_its_look_alikes_are_told_apart() -> None:
-    points = triangular_island(A, 7, 6).positions[:, :2]
-    divided = lattice(lambda j: -j / 2, 7, 6)
-    mirrored = lattice(lambda j: -j // 2, 7, 6)
-    assert neighbours(divided, A).max() == 2  # a rectangular lattice: a to the sides, h above
-    assert neighbours(mirrored, A).max() == 6
-    assert np.abs(divided - points).max() > A / 4 and np.abs(mirrored - points).max() > A / 4
-    # a mirror image lies on its own mirror: x -> -x
-    flipped = points * [-1.0, 1.0]
-    np.testing.assert_allclose(np.sort(flipped[:7, 0]) + 6 * A, mirrored[:7, 0], atol=1e-13)
-    np.testing.assert_allclose(np.sort(flipped[7:14, 0]) + 6 * A, mirrored[7:14, 0], atol=1e-13)
-    # neither has the barrier of the island
-    own = origins.triangular_barrier(A, 7, 6, 0.3)
-    for other in (divided, mirrored):
-        atoms = ase.Atoms(numbers=[0] * 42, positions=np.column_stack([other, np.zeros(42)]))
-        assert abs(origins.barrier(atoms, 0.3) - own) > 0.05 * own
 
 
 def test_outlines_are_counted() -> None:

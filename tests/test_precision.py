@@ -92,30 +92,6 @@ def test_ensemble_errs_by_some_standard_errors(measured: Precision) -> None:
         assert 0.5 < point.error / alike < 5.0 and point.claimed_error is None
 
 
-@pytest.mark.parametrize(
-    ("solver", "methods", "modules"),
-    [
-        ("master", {"master", "explicit"}, "eq_model numba"),
-        ("eq", {"ensemble", "closest"}, "master.paper.explicit"),
-    ],
-)
-def test_only_what_the_scene_names(solver: str, methods: set[str], modules: str, python) -> None:
-    tables = {key: SCENE[key] for key in ("contacts", "drive", solver)}
-    done = python(
-        f"""
-import sys
-from toolkit.judge.precision import Ladders, precision
-from toolkit.scene.scene import load_scene
-measured = precision(load_scene({tables!r}), Ladders((1e-2,), (25,), (100,), (100,)))
-print(*(point.method for point in measured.points))
-print(*(name for name in {modules.split()!r} if name in sys.modules))
-"""
-    )
-    assert done.returncode == 0, done.stderr
-    told, loaded = done.stdout.splitlines()
-    assert set(told.split()) == methods and loaded == ""
-
-
 def test_a_ladder_ends_after_a_long_run() -> None:
     ended = precision(load_scene(SCENE), replace(SHORT, longest=0.0))
     assert [point.method for point in ended.points] == ["master", "explicit", "ensemble", "closest"]

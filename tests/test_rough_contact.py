@@ -1,11 +1,10 @@
 """From moments to thresholds: each contact model and threshold law against a second road."""
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.special import erfc, ndtr
 
 import origins
 from origins.roughness.from_surface import from_moments
@@ -33,174 +32,115 @@ MATERIAL = origins.Material(
 PATCH = 5e-12
 
 
-def one_summit(
-    law: str, delta: float, radius: float, regime: str = "elastic"
-) -> tuple[float, float, float]:
-    """(load, area, threshold) of one summit, written out; stiffness is f_s/x_s."""
-    load, area = 4.0 / 3.0 * E_STAR * np.sqrt(radius) * delta**1.5, np.pi * radius * delta
-    if regime == "plastic" or (regime == "mixed" and load > H * area):
-        load = H * area
-    if law == "amontons":
-        return load, area, MU * load / (G * np.sqrt(area))
-    if law == "strength":
-        return load, area, TAU * area / (G * np.sqrt(area))
-    return load, area, np.sqrt(MU * load / C)
+def rule(*edges: float) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre nodes and weights between edges, in s = x^(1/4), for roots of x at 0."""
+    t, w = np.polynomial.legendre.leggauss(60)
+    ends = np.unique(edges) ** 0.25
+    half = 0.5 * np.diff(ends)[:, None]
+    s = ends[:-1, None] + half * (1.0 + t)
+    return s.ravel() ** 4, (half * w * 4.0 * s**3).ravel()
 
 
-CASES = [
-    ("paper", "exponential", 5e6, "mixed"),
-    ("amontons", "gaussian", 5e6, "mixed"),
-    ("strength", "gaussian", 5e6, "elastic"),
-    ("strength", "exponential", 5e6, "plastic"),
-]
+def one_contact(law: str, load: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Force and stretch at which a contact breaks, written out."""
+    force = TAU * area if law == "strength" else MU * load
+    return force, np.sqrt(force / C) if law == "paper" else force / (G * np.sqrt(area))
 
 
-@pytest.mark.parametrize(("law", "height_law", "pressure", "regime"), CASES)
-def test_summits_against_sums_over_heights(
-    law: str, height_law: str, pressure: float, regime: str
+def assert_sums(
+    found: origins.Thresholds, law: str, pressure: float, often: np.ndarray, load: np.ndarray, area
 ) -> None:
-    found = from_moments(
-        MOMENTS,
-        model="gw",
-        law=law,
-        material=MATERIAL,
-        pressure=pressure,
-        height_law=height_law,
-        regime=regime,
-    )
+    """All numbers of the record against sums over contacts, `often` of each in an area."""
     i = found.interface
-    assert i is not None and i.separation is not None
-    std, radius = MOMENTS.summit_std, MOMENTS.summit_radius
-    limit = critical_compression(radius, E_STAR, H)
-    summit = lambda d: one_summit(law, d, radius, regime)  # noqa: E731
-
-    def per_area(function) -> float:  # type: ignore[no-untyped-def]
-        if height_law == "gaussian":
-            density = lambda h: np.exp(-0.5 * (h / std) ** 2) / (std * np.sqrt(2 * np.pi))  # noqa: E731
-        else:
-            density = lambda h: np.exp(-h / std) / std if h >= 0 else 0.0  # noqa: E731
-        step = std / max(i.separation / std, 1.0) if height_law == "gaussian" else std
-        # with an edge where contacts turn plastic, if that is in reach
-        edges = sorted({0.0, step, 8 * step, 60 * step, *([limit] if limit < 60 * step else [])})
-        parts = (
-            quad(
-                lambda d: function(d) * density(i.separation + d),
-                a,
-                b,
-                epsabs=0.0,
-                epsrel=1e-12,
-                limit=200,
-            )[0]
-            for a, b in itertools.pairwise(edges)
-        )
-        return MOMENTS.summit_density * sum(parts)
-
-    threshold = lambda d: summit(d)[2]  # noqa: E731
-    number = per_area(lambda d: 1.0)
-    assert per_area(lambda d: summit(d)[0]) == pytest.approx(pressure, rel=1e-9)
+    assert i is not None
+    force, x = one_contact(law, load, area)
+    number, k = often.sum(), force / x
+    stiffness = often @ k / number
+    assert often @ load == pytest.approx(pressure, rel=1e-9)
     assert i.contact_density == pytest.approx(number, rel=1e-9)
-    assert i.area_fraction == pytest.approx(per_area(lambda d: summit(d)[1]), rel=1e-9)
-    assert found.mean() == pytest.approx(per_area(threshold) / number, rel=1e-9)
-    assert found.moment(2) == pytest.approx(
-        per_area(lambda d: threshold(d) ** 2) / number, rel=1e-9
-    )
-
-    def strength(d: float) -> float:
-        load, area, _ = summit(d)
-        return TAU * area if law == "strength" else MU * load
-
-    stiffness = per_area(lambda d: strength(d) / threshold(d) if d > 0 else 0.0) / number
+    assert i.area_fraction == pytest.approx(often @ area, rel=1e-9)
+    assert found.mean() == pytest.approx(often @ x / number, rel=1e-9)
+    assert found.moment(2) == pytest.approx(often @ x**2 / number, rel=1e-9)
     assert i.mean_stiffness == pytest.approx(stiffness, rel=1e-8)
     kinetic = number * stiffness * found.moment(2) / (2 * found.mean())
     assert i.friction_coefficient == pytest.approx(kinetic / pressure, rel=1e-8)
-    for d in (0.05 * std, 0.3 * std, std):
-        beyond = (
-            MOMENTS.summit_density
-            * quad(
-                lambda h: (
-                    np.exp(-0.5 * h * h) / np.sqrt(2 * np.pi)
-                    if height_law == "gaussian"
-                    else np.exp(-h) * (h > 0)
-                ),
-                (i.separation + d) / std,
-                (i.separation + d) / std + 40,
-                epsabs=0.0,
-                epsrel=1e-12,
-                points=[(i.separation + d) / std + s for s in (1e-2, 0.1, 1.0)],
-            )[0]
-        )
-        assert float(found.sf(threshold(d))) == pytest.approx(beyond / number, rel=1e-8)
-    # plastic where the elastic load exceeds what the hardness bears over the plastic area, pi r delta H
-    assert one_summit(law, limit, radius)[0] == pytest.approx(np.pi * radius * limit * H, rel=1e-12)
-    plastic = 1.0 if regime == "plastic" else float(found.sf(threshold(limit)))
+    assert i.mean_load == pytest.approx(pressure / number, rel=1e-9)
+    assert i.mean_area == pytest.approx(often @ area / number, rel=1e-9)
+    assert i.mean_radius == pytest.approx(often @ np.sqrt(area / np.pi) / number, rel=1e-9)
+    assert i.mean_force_threshold == pytest.approx(often @ force / number, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("law", "height_law", "pressure", "regime"),
+    [
+        ("paper", "exponential", 5e6, "mixed"),
+        ("paper", "gaussian", 1.0, "elastic"),
+        ("amontons", "gaussian", 5e6, "mixed"),
+        ("strength", "gaussian", 5e6, "elastic"),
+        ("strength", "exponential", 5e6, "plastic"),
+    ],
+)
+def test_summits_against_sums_over_heights(
+    law: str, height_law: str, pressure: float, regime: str
+) -> None:
+    asked = {"model": "gw", "law": law, "height_law": height_law, "regime": regime}
+    found = from_moments(MOMENTS, material=MATERIAL, pressure=pressure, **asked)
+    i = found.interface
+    assert i is not None and i.separation is not None
+    std, radius = MOMENTS.summit_std, MOMENTS.summit_radius
+    limit, z = critical_compression(radius, E_STAR, H), i.separation / std
+
+    def bears(d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Load and elastic area of summits pressed down by d."""
+        hertz, area = 4.0 / 3.0 * E_STAR * np.sqrt(radius) * d**1.5, np.pi * radius * d
+        plastic = {"elastic": False, "plastic": True, "mixed": hertz > H * area}[regime]
+        return np.where(plastic, H * area, hertz), area
+
+    def beyond(d: np.ndarray) -> np.ndarray:
+        """Share of all summits that are pressed down by more than d."""
+        return ndtr(-z - d / std) if height_law == "gaussian" else np.exp(-z - d / std)
+
+    step = std / max(z, 1.0) if height_law == "gaussian" else std
+    edges = [0.0, step, 8 * step, 60 * step, *([limit] if limit < 60 * step else [])]
+    d, weights = rule(*edges)
+    h = z + d / std
+    density = np.exp(-0.5 * h * h) / np.sqrt(2 * np.pi) if height_law == "gaussian" else np.exp(-h)
+    often = MOMENTS.summit_density * weights * density / std
+    assert_sums(found, law, pressure, often, *bears(d))
+    for at in (0.05 * std, 0.3 * std, std, 0.1 * limit, 0.9 * limit, 1.1 * limit, 7 * limit):
+        force, x = one_contact(law, *bears(np.array(at)))
+        assert float(i.force_threshold(x)) == pytest.approx(float(force), rel=1e-12)
+        assert float(found.sf(x)) == pytest.approx(beyond(at) / beyond(0.0), rel=1e-8, abs=1e-300)
+    # plastic where the elastic load exceeds what the hardness bears over pi r delta
+    plastic = 1.0 if regime == "plastic" else beyond(limit) / beyond(0.0)
     assert i.plastic_fraction == pytest.approx(plastic, rel=1e-10) and i.regime == regime
     assert i.plasticity_index == pytest.approx(E_STAR / (H / 3) * np.sqrt(std / radius), rel=1e-12)
-    assert i.mean_load == pytest.approx(pressure / number, rel=1e-9)
-    assert i.mean_area == pytest.approx(i.area_fraction / number, rel=1e-9)
-    assert i.mean_radius == pytest.approx(
-        per_area(lambda d: np.sqrt(radius * d)) / number, rel=1e-9
-    )
-    assert i.mean_force_threshold == pytest.approx(per_area(strength) / number, rel=1e-9)
-    for d in (0.1 * limit, 0.9 * limit, 1.1 * limit, 7 * limit, 0.3 * std):
-        assert float(i.force_threshold(threshold(d))) == pytest.approx(strength(d), rel=1e-12)
     assert i.mean_plane_separation == i.separation + MOMENTS.summit_offset
 
 
 @pytest.mark.parametrize(("law", "pressure"), [("paper", 1.5e8), ("amontons", 1e3)])
 def test_stresses_against_sums_over_the_stress_distribution(law: str, pressure: float) -> None:
-    found = from_moments(
-        MOMENTS, model="persson", law=law, material=MATERIAL, pressure=pressure, patch_area=PATCH
-    )
+    options = {"law": law, "material": MATERIAL, "pressure": pressure}
+    found = from_moments(MOMENTS, model="persson", patch_area=PATCH, **options)
+    width = E_STAR * MOMENTS.rms_slope / np.sqrt(2)
+    s, weights = rule(0.0, pressure, pressure + width, pressure + 3 * width, pressure + 8 * width)
+    # e^-((s-p)/D)² - e^-((s+p)/D)², its difference by expm1
+    towards, mirrored = np.exp(-(((s - pressure) / width) ** 2)), -4 * s * pressure / width**2
+    often = weights * towards * -np.expm1(mirrored) / (width * np.sqrt(np.pi)) / PATCH
+    area = np.full(s.shape, PATCH)
+    assert_sums(found, law, pressure, often, s * PATCH, area)
+
+    def beyond(at: float) -> float:
+        near, far = ((at + sign * pressure) / width for sign in (-1, 1))
+        return 0.5 * float(erfc(near) - erfc(far))
+
     i = found.interface
     assert i is not None
-    width = E_STAR * MOMENTS.rms_slope / np.sqrt(2)
-
-    def density(s: float) -> float:
-        # e^-((s-p)/D)² - e^-((s+p)/D)², its difference by expm1
-        return (
-            np.exp(-(((s - pressure) / width) ** 2))
-            * -np.expm1(-4 * s * pressure / width**2)
-            / (width * np.sqrt(np.pi))
-        )
-
-    def over(function, start: float = 0.0) -> float:  # type: ignore[no-untyped-def]
-        ends = [
-            start,
-            *(e for e in (pressure, pressure + width, pressure + 3 * width) if e > start),
-        ]
-        ends.append(pressure + 8 * width + start)
-        pairs = itertools.pairwise(ends)
-        return sum(
-            quad(lambda s: function(s) * density(s), a, b, epsabs=0.0, epsrel=1e-12)[0]
-            for a, b in pairs
-        )
-
-    def threshold(s: float) -> float:
-        force = MU * s * PATCH
-        return force / (G * np.sqrt(PATCH)) if law == "amontons" else np.sqrt(force / C)
-
-    norm = over(lambda s: 1.0)
-    assert i.area_fraction == pytest.approx(norm, rel=1e-9)
-    assert over(lambda s: s) == pytest.approx(pressure, rel=1e-9)
-    assert i.contact_density == pytest.approx(
-        norm / PATCH, rel=1e-9
-    ) and i.mean_area == pytest.approx(PATCH)
-    assert found.mean() == pytest.approx(over(threshold) / norm, rel=1e-9)
-    assert found.moment(2) == pytest.approx(over(lambda s: threshold(s) ** 2) / norm, rel=1e-9)
-    for s in (0.2 * width, width, pressure + width):
-        assert float(found.sf(threshold(s))) == pytest.approx(
-            over(lambda t: 1.0, s) / norm, rel=1e-8
-        )
-    stiffness = over(lambda s: MU * s * PATCH / threshold(s) if s > 0 else 0.0) / norm
-    assert i.mean_stiffness == pytest.approx(stiffness, rel=1e-8)
-    kinetic = i.contact_density * stiffness * found.moment(2) / (2 * found.mean())
-    assert i.friction_coefficient == pytest.approx(kinetic / pressure, rel=1e-8)
-    assert i.mean_radius == pytest.approx(np.sqrt(PATCH / np.pi), rel=1e-14)
-    assert i.mean_force_threshold == pytest.approx(MU * pressure * PATCH / norm, rel=1e-9)
-    assert float(i.force_threshold(threshold(width))) == pytest.approx(
-        MU * width * PATCH, rel=1e-12
-    )
-    assert i.plastic_fraction == pytest.approx(over(lambda s: 1.0, H) / norm, rel=1e-8)
+    for at in (0.2 * width, width, pressure + width):
+        force, x = one_contact(law, np.array(at * PATCH), np.array(PATCH))
+        assert float(found.sf(x)) == pytest.approx(beyond(at) / beyond(0.0), rel=1e-8)
+        assert float(i.force_threshold(x)) == pytest.approx(float(force), rel=1e-12)
+    assert i.plastic_fraction == pytest.approx(beyond(H) / beyond(0.0), rel=1e-8)
     assert found.onset_power == (1.0 if law == "amontons" else 3.0)
     assert float(found.pdf(0.0)) == 0.0 and found.std() > 0.0
 

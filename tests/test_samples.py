@@ -75,18 +75,14 @@ def test_critical_spring_of_twenty_thousand_samples() -> None:
 
 SETS = {
     "power": lambda r: r.weibull(2.5, 3000),
-    "finite at 0": lambda r: r.exponential(size=300),
     "diverging": lambda r: r.gamma(0.5, size=1000),
-    "narrow": lambda r: r.normal(1.0, 1e-3, 1000),
     "edges": lambda r: r.uniform(0.5, 1.5, 1000),
-    "decades": lambda r: r.lognormal(0.0, 2.0, 1000),
     "decades, edge": lambda r: 1.0 + r.pareto(2.5, 1000),
     "gaps": lambda r: r.normal(np.repeat([0.5, 1.0, 1.5], 100), 0.01),
     "outlier": lambda r: np.append(r.normal(1.0, 0.05, 100), [1e-12, 50.0]),
     "tied": lambda r: np.round(r.weibull(2.0, 3000) + 0.005, 2),
     "half tied": lambda r: np.concatenate([np.ones(300), r.weibull(2.0, 300)]),
-    "grid": lambda r: np.linspace(0.3, 2.0, 50),
-    **{f"n = {n}": (lambda r, n=n: r.weibull(2.0, n)) for n in (2, 3, 5, 10)},
+    **{f"n = {n}": (lambda r, n=n: r.weibull(2.0, n)) for n in (2, 10)},
 }
 
 
@@ -155,9 +151,6 @@ def test_how_it_begins_and_ends() -> None:
 SHAPES = {
     "narrow": lambda r, n: r.normal(1.0, 10.0 ** r.uniform(-3.0, -0.7), n),
     "weibull": lambda r, n: r.weibull(r.uniform(0.8, 6.0), n),
-    "gamma": lambda r, n: r.gamma(r.uniform(0.7, 8.0), size=n),
-    "rectangular": lambda r, n: r.uniform(0.5, 1.5, n),
-    "student": lambda r, n: np.abs(10.0 + r.standard_t(4, n)) + 1e-3,
     "lognormal": lambda r, n: r.lognormal(0.0, r.uniform(0.1, 2.0), n),
     "two peaks": lambda r, n: np.where(
         r.random(n) < 0.4, r.normal(1.0, 0.05, n), r.normal(2.5, 0.1, n)
@@ -221,11 +214,10 @@ def test_what_no_density_follows_is_refused() -> None:
             origins.from_samples(x)
 
 
-@pytest.mark.parametrize("law, power", [(stats.gamma(3.0), 2.0), (stats.weibull_min(2.5), 1.5)])
-def test_error_of_the_onset_holds_the_truth(law, power: float) -> None:
-    """In 68 % and 95 % of 40 sets, less three times what chance takes off; also where x^2.5 is no parabola."""
-    found = [origins.from_samples(law.rvs(500, random_state=seed)) for seed in range(40)]
-    miss = np.array([abs(one.onset_power - power) / one.onset_power_error for one in found])
+def test_error_of_the_onset_holds_the_truth() -> None:
+    """In 68 % and 95 % of 40 sets, less three times what chance takes off; x^2.5 is no parabola."""
+    found = [origins.from_samples(draws("weibull 2.5", 500, seed)) for seed in range(40)]
+    miss = np.array([abs(one.onset_power - 1.5) / one.onset_power_error for one in found])
     assert (miss < 1.0).mean() > 0.46 and (miss < 2.0).mean() > 0.84
 
 
