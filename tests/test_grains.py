@@ -145,12 +145,12 @@ def test_first_grains_to_pin(excess: float) -> None:
 
 
 def test_propensity_of_the_printed_form() -> None:
-    """m = 0, yet prone: the onset power alone does not decide. And the first grains are Rayleigh's law."""
-    weak, strong = (
-        master.propensity(origins.Contacts(grains(rho, B=1.0, jacobian="paper"))).critical_spring
-        for rho in (1.0, 2.0)
-    )
-    assert weak == pytest.approx(0.29, abs=0.005) and strong == pytest.approx(1.04, abs=0.005)
-    first = master.propensity(origins.Contacts(grains(BARELY, B=1.0))).critical_spring
-    rayleigh = master.propensity(origins.Contacts(origins.gw_plastic(1.0))).critical_spring
-    assert first == pytest.approx(rayleigh, abs=1e-5)
+    """m = 0, yet prone: the onset power alone does not decide. The first grains are Rayleigh's law."""
+
+    def spring(law: origins.Thresholds) -> float:
+        return master.propensity(origins.Contacts(law)).critical_spring
+
+    for rho, known in ((1.0, 0.29), (2.0, 1.04)):
+        assert spring(grains(rho, B=1.0, jacobian="paper")) == pytest.approx(known, abs=0.005)
+    rayleigh = spring(origins.gw_plastic(1.0))
+    assert spring(grains(BARELY, B=1.0)) == pytest.approx(rayleigh, abs=1e-5)
