@@ -1,5 +1,7 @@
 """Rotated domains: the law of barriers against its own definition, the laws to thresholds, ranks and refusals."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -38,9 +40,8 @@ def test_one_size_at_all_angles() -> None:
     distance = stats.kstest(record.forces, stats.expon(0, mean).cdf).statistic
     assert record.exponential_distance == pytest.approx(distance, rel=1e-12) and distance > 0.15
     ratios = (record.forces**2).mean() / 2 / mean**2, (record.forces**3).mean() / 6 / mean**3
-    assert record.exponential_ratios == pytest.approx(
-        ratios, rel=1e-12
-    ) and record.mean_force == pytest.approx(mean)
+    assert record.exponential_ratios == pytest.approx(ratios, rel=1e-12)
+    assert record.mean_force == pytest.approx(mean)
     density, edges = record.histogram(40)
     assert (density * np.diff(edges)).sum() == pytest.approx(1.0) and edges.size == 41
 
@@ -54,9 +55,8 @@ def test_sizes_fall_off_exponentially() -> None:
     share = np.bincount(made, np.exp(-count / 30.0) * np.expm1(1.0 / 30.0), minlength=2500)
     often = share > 1e-3
     found = np.bincount(record.n_atoms, minlength=2500)[:2500] / 40_000
-    assert (
-        np.abs(found - share)[often] < 5.0 * np.sqrt(share[often] / 40_000)
-    ).all() and often.sum() > 30
+    allowed = 5.0 * np.sqrt(share / 40_000)
+    assert (np.abs(found - share) < allowed)[often].all() and often.sum() > 30
     assert record.n_atoms.mean() == pytest.approx(1.0 / -np.expm1(-1.0 / 30.0), rel=0.03)
     # the atoms made differ from N by less than half a row, and the island is nearly as high as wide
     assert (np.abs(made - count) <= rows / 2).all()
@@ -72,11 +72,8 @@ def test_laws_from_force_to_threshold() -> None:
     record = laws["equal"].domains
     force, atoms = record.barriers / record.period, record.n_atoms
     mean_atoms = 1.0 / -np.expm1(-1.0 / 60.0)
-    expected = {
-        "equal": force,
-        "area": force / np.sqrt(atoms / mean_atoms),
-        "paper": np.sqrt(force / 4.0),
-    }
+    root = np.sqrt(atoms / mean_atoms)
+    expected = {"equal": force, "area": force / root, "paper": np.sqrt(force / 4.0)}
     for name, law in laws.items():
         np.testing.assert_array_equal(law.domains.barriers, record.barriers)
         same = origins.from_samples(expected[name])
@@ -84,13 +81,10 @@ def test_laws_from_force_to_threshold() -> None:
         np.testing.assert_allclose(law.cdf(x), same.cdf(x), rtol=0.0, atol=1e-13)
         assert law.n_samples == 9000
     assert laws["equal"].domains.mean_stiffness == 1.0
-    assert laws["area"].domains.mean_stiffness == pytest.approx(
-        np.sqrt(atoms / mean_atoms).mean(), rel=1e-12
-    )
+    assert laws["area"].domains.mean_stiffness == pytest.approx(root.mean(), rel=1e-12)
     # k = c x_s, so the mean force is that of k x_s
-    assert laws["paper"].domains.mean_stiffness == pytest.approx(
-        4.0 * expected["paper"].mean(), rel=1e-12
-    )
+    mean = 4.0 * expected["paper"].mean()
+    assert laws["paper"].domains.mean_stiffness == pytest.approx(mean, rel=1e-12)
 
 
 @pytest.mark.parametrize("temperature", [0.3, 3.0])
@@ -109,24 +103,15 @@ def test_angles_by_their_energy(temperature: float) -> None:
         spread = np.sqrt((weight * (known - mean) ** 2).sum() / weight.sum() / 40_000)
         assert abs(drawn.mean() - mean) < 5.0 * spread
     share = np.cumsum(weight) / weight.sum()
-    assert (
-        stats.kstest(record.angles % (2.0 * np.pi), lambda phi: np.interp(phi, grid, share)).pvalue
-        > 1e-4
-    )
+    law_of_angles = stats.kstest(record.angles % (2.0 * np.pi), lambda x: np.interp(x, grid, share))
+    assert law_of_angles.pvalue > 1e-4
 
 
 def test_islands_of_your_own_on_another_substrate() -> None:
     substrate = origins.hexagonal_substrate(0.3, 3.0)
     islands = [origins.hexagonal_island(A, 2 * A), origins.irregular_island(A, 3 * A, seed=1)]
-    law = origins.domains(
-        islands=islands,
-        weights=[1, 3],
-        substrate=substrate,
-        law="equal",
-        stiffness=1.0,
-        samples=400,
-    )
-    record = law.domains
+    given = {"islands": islands, "weights": [1, 3], "substrate": substrate}
+    record = origins.domains(**given, law="equal", stiffness=1.0, samples=400).domains
     assert record.period == pytest.approx(3.0)
     first = record.n_atoms == 19
     assert first.mean() == pytest.approx(0.25, abs=0.1)
@@ -142,14 +127,8 @@ def test_one_atom_ten_million_atoms_and_one_angle() -> None:
     assert single.support() == (1.0 / np.pi, 1.0 / np.pi) and single.atoms[1].tolist() == [1.0]
     large = origins.domains(A, sizes=[(3162, 3163)], stiffness=1.0, samples=5000)
     assert large.cdf(0.0) == 0.0 < large.mean() and large.domains.n_atoms[0] == 3162 * 3163
-    commensurate = origins.domains(
-        2.0 * np.pi,
-        sizes=[(50, 40)],
-        angles=[0.0],
-        substrate=origins.hexagonal_substrate(),
-        stiffness=1.0,
-        samples=5,
-    )
+    given = {"sizes": [(50, 40)], "angles": [0.0], "substrate": origins.hexagonal_substrate()}
+    commensurate = origins.domains(2.0 * np.pi, **given, stiffness=1.0, samples=5)
     assert commensurate.mean() == pytest.approx(0.5 * 2000 / (2.0 * np.pi), rel=1e-10)
 
 
@@ -157,11 +136,8 @@ def test_islands_without_a_barrier_are_left_out_and_told() -> None:
     """At phi = 0 rows of four at a quarter period slide freely; the other angle holds."""
     law = origins.domains(np.pi / 2, sizes=[(4, 3)], angles=[0.0, 0.4], stiffness=1.0, samples=1000)
     record = law.domains
-    assert (
-        record.superlubric_weight == 0.5
-        and record.forces.size == 500
-        and (record.barriers[::2] == 0.0).all()
-    )
+    assert record.superlubric_weight == 0.5 and record.forces.size == 500
+    assert (record.barriers[::2] == 0.0).all()
     np.testing.assert_array_equal(record.angles, np.tile([0.0, 0.4], 500))
     assert law.mean() == pytest.approx(
         origins.triangular_barrier(np.pi / 2, 4, 3, 0.4) / (2.0 * np.pi), rel=1e-12
@@ -172,9 +148,8 @@ def test_islands_without_a_barrier_are_left_out_and_told() -> None:
 def test_a_sample_depends_on_its_number_alone() -> None:
     longer = origins.domains(**{**SETTINGS, "samples": 12_000}).domains
     shorter = origins.domains(**SETTINGS).domains
-    assert np.array_equal(
-        longer.barriers[:8192], shorter.barriers[:8192]
-    )  # whole blocks: to the last bit
+    # whole blocks: to the last bit
+    assert np.array_equal(longer.barriers[:8192], shorter.barriers[:8192])
     np.testing.assert_allclose(longer.barriers[:9000], shorter.barriers, rtol=1e-12, atol=1e-12)
     other = origins.domains(**{**SETTINGS, "seed": 4}).domains
     assert not np.isin(other.angles, shorter.angles).any()
@@ -182,45 +157,27 @@ def test_a_sample_depends_on_its_number_alone() -> None:
 
 def test_domains_in_a_scene() -> None:
     def thresholds(**table: object) -> origins.Thresholds:
-        tables = {
-            "contacts": {
-                "thresholds": {"kind": "domains", "stiffness": 1.0, "samples": 300, **table}
-            },
-            "drive": {"to": 1.0, "points": 3},
-        }
-        return load_scene(tables, solved=False).contacts.thresholds
+        law = {"kind": "domains", "stiffness": 1.0, "samples": 300, **table}
+        drive = {"to": 1.0, "points": 3}
+        scene = load_scene({"contacts": {"thresholds": law}, "drive": drive}, solved=False)
+        return scene.contacts.thresholds
 
-    plain = thresholds(lattice_constant=A, sizes=[[5, 4], [6, 5]], weights=[1.0, 2.0])
-    same = origins.domains(
-        A, sizes=[(5, 4), (6, 5)], weights=[1.0, 2.0], stiffness=1.0, samples=300
-    )
+    given = {"sizes": [[5, 4], [6, 5]], "weights": [1.0, 2.0]}
+    plain = thresholds(lattice_constant=A, **given)
+    same = origins.domains(A, **given, stiffness=1.0, samples=300)
     assert np.array_equal(plain.domains.barriers, same.domains.barriers)
     waves = {"kind": "fourier", "wavevectors": [[1.0, 0.0], [0.0, 1.0]], "sines": [1.0, 1.0]}
-    shaped = thresholds(
-        island={"kind": "hexagonal", "lattice_constant": A, "radius": 3 * A}, substrate=waves
-    )
+    island = {"kind": "hexagonal", "lattice_constant": A, "radius": 3 * A}
+    shaped = thresholds(island=island, substrate=waves)
     direct = origins.barrier(origins.hexagonal_island(A, 3 * A), shaped.domains.angles)
     np.testing.assert_allclose(shaped.domains.barriers, direct, atol=1e-12)
     for table, begins in (
-        (
-            {},
-            "contacts.thresholds: domains: give exactly one of sizes, such as [[10, 9]], mean_atoms, such as 100, and "
-            "island, a table with a kind of triangular,",
-        ),
-        (
-            {"lattice_constant": A, "island": {"kind": "oval"}},
-            "contacts.thresholds.lattice_constant = 2.5: the table island",
-        ),
-        (
-            {"island": [{"kind": "hexagonal"}]},
-            "contacts.thresholds.island = [{'kind': 'hexagonal'}]: must be a table",
-        ),
-        ({"island": {"kind": "oval"}}, "contacts.thresholds.island.kind = 'oval': "),
-        (
-            {"lattice_constant": A, "mean_atoms": 5.0, "substrate": {**waves, "cosines": [1.0]}},
-            "contacts.thresholds.substrate.cosines = [1.0]: ",
-        ),
+        ({}, "domains: give exactly one of sizes, such as [[10, 9]], mean_atoms, such as 100, and"),
+        ({"lattice_constant": A, "island": {"kind": "oval"}}, "lattice_constant = 2.5: the table"),
+        ({"island": [{"kind": "oval"}]}, "island = [{'kind': 'oval'}]: must be a table"),
+        ({"island": {"kind": "oval"}}, "island.kind = 'oval': "),
+        ({"island": island, "substrate": waves | {"cosines": [1.0]}}, "substrate.cosines = [1.0]:"),
     ):
         with pytest.raises(InputError) as refusal:
             thresholds(**table)
-        assert str(refusal.value).startswith(begins)
+        assert re.match(r"contacts\.thresholds(: |\.)" + re.escape(begins), str(refusal.value))

@@ -81,22 +81,3 @@ def test_spectrum_and_surface_give_the_same_thresholds() -> None:
         one, other = by_spectrum.interface, by_surface.interface
         assert one is not None and other is not None
         assert one.area_fraction == pytest.approx(other.area_fraction, rel=within)
-
-
-def test_the_conventions_are_those_of_surface_topography() -> None:
-    surface_topography = pytest.importorskip("SurfaceTopography")
-    heights = origins.self_affine_surface(
-        (256, 256), 2e-8, hurst=0.8, rms_slope=0.1, seed=1, short_cutoff=1.2e-7
-    )
-    moments = origins.spectral_moments(heights, 2e-8, detrend="centre", periodic=True)
-    scan = surface_topography.Topography(heights, (5.12e-6, 5.12e-6), periodic=True, unit="m")
-    for kind, (q, c) in (
-        ("isotropic", scan.power_spectrum_from_area()[:2]),
-        ("profile", scan.power_spectrum_from_profile()[:2]),
-    ):
-        q, c = np.ma.filled(q, np.nan), np.ma.filled(c, np.nan)
-        kept = np.isfinite(c) & (q > 0) & (q < 2 * np.pi / 1.2e-7)
-        # radial averages in coarse bins: a wrong factor of 2 or of 2 pi would still be seen
-        assert origins.moments_of_spectrum(q[kept], c[kept], kind).m2 == pytest.approx(
-            moments.m2, rel=0.08
-        )

@@ -1,12 +1,10 @@
 """Structure factors: closed geometric sums against sums over atoms in long precision, 1 atom to 10^7."""
 
-import mpmath as mp
 import numpy as np
 import pytest
 
 import origins
 from origins.domains.structure_factors import (
-    row_sum,
     structure_factors,
     triangular_structure_factors,
 )
@@ -89,25 +87,3 @@ def test_shapes_broadcast() -> None:
     summed = structure_factors(island, [[0.1, 0.2], [0.3, 0.4]])
     assert summed.shape == (2, 2, 2) and structure_factors(island, 0.3).shape == (2,)
     np.testing.assert_allclose(summed[1, 0], structure_factors(island, 0.3), rtol=1e-13)
-
-
-def test_the_sum_of_a_row_beside_its_peak() -> None:
-    """Against mpmath in 50 digits, for the double that is given."""
-    with mp.workdps(50):
-        for n in (1, 2, 7, 10**4, 10**7):
-            for theta in (
-                0.0,
-                5e-324,
-                1e-300,
-                1e-17,
-                1e-9,
-                2 * np.pi / n % np.pi,
-                1e-3,
-                3.0,
-                np.pi,
-                -np.pi,
-            ):
-                half = mp.mpf(theta) / 2
-                expected = mp.mpf(n) if theta == 0.0 else mp.sin(n * half) / mp.sin(half)
-                found = float(row_sum(np.int64(n), np.array(theta)))
-                assert abs(found - expected) < 4e-16 * n * max(1.0, abs(theta) * n / 2)
