@@ -9,10 +9,11 @@ from typing import Any
 import pytest
 
 import master
-import toolkit.scene.surfaces
+import toolkit
 from toolkit.command import main
 from toolkit.judge.compare import compare, table
-from toolkit.pictures import compare as comparison_picture
+from toolkit.pictures.compare import draw_comparison, save_comparison
+from toolkit.scene.surfaces import shared_surface
 from toolkit.scene.toml import to_toml
 
 NARROW: dict[str, Any] = {"kind": "gaussian", "mean": 2.0, "std": 0.1}
@@ -42,12 +43,10 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Writer:
 
 
 @pytest.fixture(autouse=True)
-def no_picture(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawing takes longer than all the rest: only where it is looked at."""
-    if "panels" not in request.fixturenames:
-        monkeypatch.setattr(
-            comparison_picture, "save_comparison", lambda _, __, path: path.write_bytes(b"drawn")
-        )
+    drawn = "toolkit.pictures.compare.save_comparison"
+    monkeypatch.setattr(drawn, lambda _, __, path: path.write_bytes(b"drawn"))
 
 
 def three(write: Writer) -> list[str]:
@@ -98,10 +97,8 @@ def test_numbers_are_the_solvers_own_in_mean_thresholds(write: Writer) -> None:
     assert line["run_time"] > 0.0
     evidence = line["evidence"]
     assert evidence["contacts"] == 800 and 0.0 <= evidence["worst_deviation"] < 5.0
-    assert (
-        abs(evidence["static_to_kinetic"] - evidence["expected"])
-        < 5.0 * evidence["static_to_kinetic_error"]
-    )
+    off = evidence["static_to_kinetic"] - evidence["expected"]
+    assert abs(off) < 5.0 * evidence["static_to_kinetic_error"]
 
 
 def test_ensemble_alone_and_master_alone() -> None:
@@ -122,22 +119,17 @@ def test_ensemble_alone_and_master_alone() -> None:
 
 def test_rates_and_growth_feel_the_speed_of_the_scenes_own_legs() -> None:
     """Of turns with times it is that of the first that is no hold."""
-    content = tables(
-        {"kind": "growing-grains", "alpha": 1.0, "B": 4.0, "age": 4.0}, master={"tolerance": 1e-2}
-    )
+    growing = {"kind": "growing-grains", "alpha": 1.0, "B": 4.0, "age": 4.0}
+    content = tables(growing, master={"tolerance": 1e-2})
     content["drive"] = {"turns": [1.0, 1.0, 1.5], "times": [4.0, 6.0, 11.0], "points": 7}
     scene = toolkit.load_scene(content)
     (verdict,) = compare([scene])
     steady = master.steady_state(scene.contacts, velocity=0.25)
-    assert (
-        verdict.velocity == 0.25
-        and verdict.kinetic_force * verdict.mean_threshold == pytest.approx(steady.force)
-    )
+    assert verdict.velocity == 0.25
+    assert verdict.kinetic_force * verdict.mean_threshold == pytest.approx(steady.force)
     known = master.propensity(scene.contacts, velocity=0.25)
-    assert (
-        verdict.critical_spring == known.critical_spring
-        and verdict.static_to_kinetic == known.static_to_kinetic
-    )
+    assert verdict.critical_spring == known.critical_spring
+    assert verdict.static_to_kinetic == known.static_to_kinetic
     told = "v = 0.25 (the first leg's, others slide at 0.1), thresholds that grow from the age 4 on; all else"
     assert f"scene: F_k, K*, F_s/F_k and X* at {told} is P_c alone" in table([verdict])
 
@@ -157,51 +149,26 @@ def test_why_a_spring_is_infinite(start: float) -> None:
     )
     # the force itself: just before the break and just after it
     at = 1.0 - start
-    _, before, after = master.solve(
-        scene.contacts, [0.0, at * (1.0 - 1e-9), at * (1.0 + 1e-9)]
-    ).force
+    path = [0.0, at * (1.0 - 1e-9), at * (1.0 + 1e-9)]
+    _, before, after = master.solve(scene.contacts, path).force
     assert before - after == pytest.approx(0.25, abs=1e-6)
 
 
-# -- the picture ------------------------------------------------------------------------------------------
-
-SURFACE = {
-    "kind": "self-affine",
-    "shape": [32, 32],
-    "pixel_size": 1e-8,
-    "hurst": 0.8,
-    "rms_slope": 0.1,
-    "seed": 1,
-}
-ROUGH: dict[str, Any] = {
-    "kind": "from-topography",
-    "surface": SURFACE,
-    "model": "gw",
-    "law": "amontons",
-    "pressure": 1e6,
-    "material": {"contact_modulus": 1.75e9, "shear_modulus": 1.1e9, "local_friction": 0.4},
-}
-
-
-@pytest.fixture
-def panels(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Names of the panels drawn, in order."""
-    drawn: list[str] = []
-    for name in ("surface", "thresholds", "springs", "forces", "deviations"):
-        real = getattr(comparison_picture, f"plot_{name}")
-
-        def noted(*arguments: Any, real: Any = real, name: str = name) -> Any:
-            drawn.append(name)
-            return real(*arguments)
-
-        monkeypatch.setattr(comparison_picture, f"plot_{name}", noted)
-    return drawn
-
-
-def test_shared_surface_is_drawn_where_all_share_it(write: Writer, panels: list[str]) -> None:
-    rough = write("rough", tables(ROUGH, to=5e-8, master={}))
-    again = write("again", tables(ROUGH | {"pressure": 2e6}, to=5e-8, master={}))
-    assert main(["compare", rough, again]) == 0
-    assert panels == ["surface", "thresholds", "springs", "forces", "deviations"]
-    content = json.loads(Path("compare-output/compare.json").read_text())["scenes"]
-    assert all(0.0 < one["friction_coefficient"] < 0.4 and one["unit"] == "m" for one in content)
+def test_shared_surface_is_drawn_where_all_share_it(tmp_path: Path) -> None:
+    surface = {"kind": "self-affine", "shape": [32, 32], "pixel_size": 1e-8, "hurst": 0.8}
+    material = {"contact_modulus": 1.75e9, "shear_modulus": 1.1e9, "local_friction": 0.4}
+    law = {"kind": "from-topography", "model": "gw", "law": "amontons", "material": material}
+    law["surface"] = surface | {"rms_slope": 0.1, "seed": 1}
+    scenes = [
+        toolkit.load_scene(tables(law | {"pressure": pressure}, to=5e-8, master={}))
+        for pressure in (1e6, 2e6)
+    ]
+    verdicts = compare(scenes)
+    assert all(0.0 < one.friction_coefficient < 0.4 and one.unit == "m" for one in verdicts)
+    shared = shared_surface(scenes)
+    assert shared is not None and shared_surface([*scenes, toolkit.load_scene("gaussian")]) is None
+    for given, many in ((None, 0), (shared, 1)):
+        figure = draw_comparison(verdicts, given)
+        assert sum(len(axes.images) for axes in figure.axes) == many
+    save_comparison(verdicts, scenes, tmp_path / "compare.png")
+    assert (tmp_path / "compare.png").read_bytes().startswith(b"\x89PNG")

@@ -23,17 +23,14 @@ def neighbours(points: np.ndarray, distance: float) -> np.ndarray:
     return (np.abs(apart - distance) < 1e-9).sum(-1)
 
 
-def lattice(first_of_row, n_i: int, n_j: int) -> np.ndarray:
-    """The paper's coordinates, i beginning at first_of_row(j)."""
-    cells = [(first_of_row(j) + m, j) for j in range(n_j) for m in range(n_i)]
-    return np.array([((i + j / 2) * A, j * A * np.sqrt(3.0) / 2) for i, j in cells])
-
-
 def test_triangular_island_is_the_papers() -> None:
     island = triangular_island(A, 7, 6)
     assert isinstance(island, ase.Atoms) and len(island) == 42 and not island.pbc.any()
     points = island.positions[:, :2]
-    np.testing.assert_allclose(points, lattice(lambda j: -(j // 2), 7, 6), atol=1e-13)
+    # the paper's coordinates: i begins at -(j // 2), neither at -j/2 nor at (-j) // 2
+    cells = [(m - j // 2, j) for j in range(6) for m in range(7)]
+    expected = [((i + j / 2) * A, j * A * np.sqrt(3.0) / 2) for i, j in cells]
+    np.testing.assert_allclose(points, expected, atol=1e-13)
     assert (island.positions[:, 2] == 0.0).all()
     # inside, six neighbours at the lattice constant; odd rows lead by half of it
     assert neighbours(points, A)[[8, 9, 10, 15, 16, 22, 30]].tolist() == [6] * 7
@@ -45,20 +42,14 @@ def test_outlines_are_counted() -> None:
         assert len(hexagonal_island(A, n * A)) == 3 * n * (n + 1) + 1
     i, j = np.meshgrid(np.arange(-30, 31), np.arange(-30, 31))
     for radius in (0.0, 1.0, 5.0, 7.3, 12.0):
-        assert (
-            len(circular_island(A, radius * A)) == (i * i + i * j + j * j <= radius**2 + 1e-9).sum()
-        )
-        assert (
-            len(circular_island(A, radius * A, lattice="square"))
-            == (i * i + j * j <= radius**2 + 1e-9).sum()
-        )
+        for kind, apart in (("triangular", i * i + i * j + j * j), ("square", i * i + j * j)):
+            inside = (apart <= radius**2 + 1e-9).sum()
+            assert len(circular_island(A, radius * A, lattice=kind)) == inside
     assert len(rectangular_island(A, 6 * A, 4 * A, lattice="square")) == 7 * 5
     # rows of a triangular lattice: seven atoms where one stands in the middle, six else; 5 rows within 4 a
     assert len(rectangular_island(A, 6 * A, 4 * A)) == 7 + 2 * 6 + 2 * 7
-    assert (
-        len(square_island(A, 4, 3)) == 12
-        and neighbours(square_island(A, 4, 3).positions[:, :2], A).max() == 4
-    )
+    square = square_island(A, 4, 3)
+    assert len(square) == 12 and neighbours(square.positions[:, :2], A).max() == 4
     for outline in (hexagonal_island, circular_island, irregular_island):
         counts = neighbours(outline(A, 6 * A).positions[:, :2], A)
         assert counts.max() == 6 and counts.min() >= 1

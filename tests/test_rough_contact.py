@@ -184,27 +184,26 @@ def test_lengths_and_moduli_scale(model: str, law: str) -> None:
 
 def test_resolution_study_is_the_same_call_at_each_step() -> None:
     h = origins.self_affine_surface((96, 80), 1e-7, hurst=0.7, rms_slope=0.1, seed=2)
-    options = {
-        "model": "gw",
-        "law": "amontons",
-        "material": MATERIAL,
-        "pressure": 1e5,
-        "detrend": "tilt",
-    }
+    options = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
+    options |= {"detrend": "tilt"}
     study = origins.resolution_study(h, 1e-7, factors=(1, 2, 4), **options)
     for step, found in zip((1, 2, 4), study, strict=True):
         alone = origins.from_topography(h, 1e-7, step=step, **options)
         assert found.interface == alone.interface and found.mean() == alone.mean()
         assert found.interface is not None
-        assert found.interface.moments == origins.spectral_moments(
-            h, 1e-7, detrend="tilt", step=step
-        )
+        moments = origins.spectral_moments(h, 1e-7, detrend="tilt", step=step)
+        assert found.interface.moments == moments
     m4 = [t.interface.moments.m4 for t in study if t.interface]
     assert m4[0] > 2 * m4[1] > 4 * m4[2]
 
 
 FINE = replace(MOMENTS, m2_axes=(0.0035, 0.0035), pixel_size=None)
 SCAN = replace(FINE, pixel_size=(1e-7, 1e-7), size=(5e-4, 5e-4))
+STEEP, UNEVEN = replace(FINE, m2_axes=(0.3, 0.3), m0=1e-10), replace(FINE, m2_axes=(0.004, 0.001))
+HARDER, SOFTER = replace(MATERIAL, hardness=1e10), replace(MATERIAL, hardness=2.5e7)
+SOFT = replace(MATERIAL, hardness=None)
+EVEN = origins.PowerLaw(1e3, 0.0)
+EVENLY_STIFF = replace(SOFT, shear_modulus=None, contact_stiffness=EVEN)
 PATCHES = {"model": "persson", "patch_area": PATCH}
 
 
@@ -213,59 +212,21 @@ PATCHES = {"model": "persson", "patch_area": PATCH}
     [
         (PATCHES, {"pressure": 5e7}, "contacts cover 31% of the surface: neighb"),
         (PATCHES, {"pressure": 1e9}, "full contact"),
-        ({}, {"moments": replace(FINE, m2_axes=(0.3, 0.3), m0=1e-10)}, "rms slope is 0.77"),
-        (
-            {},
-            {"moments": replace(FINE, m2_axes=(0.004, 0.001))},
-            "the two axes differ by a factor 2:",
-        ),
+        ({}, {"moments": STEEP}, "rms slope is 0.77"),
+        ({}, {"moments": UNEVEN}, "the two axes differ by a factor 2:"),
         ({}, {"pressure": 3e7}, "contacts cover"),
-        (
-            {},
-            {"material": replace(MATERIAL, hardness=2.5e7)},
-            "would be plastic, and are taken as elastic",
-        ),
-        (
-            {},
-            {"material": replace(MATERIAL, hardness=1e10), "regime": "plastic"},
-            "by Hertz' theory, and all",
-        ),
-        ({}, {"material": replace(MATERIAL, hardness=None, shear_modulus=1e6)}, "slip after"),
-        (
-            {},
-            {"moments": replace(FINE, pixel_size=(1e-7, 1e-6))},
-            "pixels: the scan does not resolve it",
-        ),
+        ({}, {"material": SOFTER}, "would be plastic, and are taken as elastic"),
+        ({}, {"material": HARDER, "regime": "plastic"}, "by Hertz' theory, and all"),
+        ({}, {"material": replace(SOFT, shear_modulus=1e6)}, "slip after"),
+        ({}, {"moments": replace(FINE, pixel_size=(1e-7, 1e-6))}, "pixels: the scan does not res"),
         ({}, {"moments": replace(SCAN, size=(0.2, 1e-4))}, "0.2 m across: is the unit right?"),
-        (
-            {},
-            {"moments": SCAN, "pressure": 1.0},
-            "contacts, fewer than one: what they bear extrapolates the tail",
-        ),
+        ({}, {"moments": SCAN, "pressure": 1.0}, "contacts, fewer than one: what they bear extra"),
         (PATCHES, {"moments": SCAN, "patch_area": 9.9e-15}, "is below the 1e-14 m² of a pixel"),
         (PATCHES, {"moments": SCAN, "patch_area": 2.6e-7}, "is above the 2.5e-07 m² of the scan"),
-        (
-            {},
-            {
-                "material": origins.Material(
-                    contact_modulus=E_STAR,
-                    local_friction=MU,
-                    contact_stiffness=origins.PowerLaw(1e3, 0.0),
-                )
-            },
-            "is above the local 0.4: Eq. Q6",
-        ),
+        ({}, {"material": EVENLY_STIFF}, "is above the local 0.4: Eq. Q6"),
     ],
 )
 def test_one_strain_at_a_time_is_said(calm: dict, change: dict, says: str) -> None:
-    soft = replace(MATERIAL, hardness=None)
-    common = {
-        "moments": FINE,
-        "model": "gw",
-        "law": "amontons",
-        "material": soft,
-        "pressure": 1e5,
-        **calm,
-    }
-    assert from_moments(**common).interface.cautions == ()
-    assert any(says in line for line in from_moments(**{**common, **change}).interface.cautions)
+    usual = {"moments": FINE, "model": "gw", "law": "amontons", "material": SOFT, "pressure": 1e5}
+    assert from_moments(**usual | calm).interface.cautions == ()
+    assert any(says in line for line in from_moments(**usual | calm | change).interface.cautions)
