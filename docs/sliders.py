@@ -110,6 +110,7 @@ def draw_contacts() -> None:
 
 
 def main() -> None:
+    """Draw sliders.png, the loops beside the paper's closure and the three rules; then the other pictures."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(12, 3.8), layout="constrained")

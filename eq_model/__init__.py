@@ -1,7 +1,7 @@
-"""What do many discrete contacts do? Event-driven kernels, their layout over ranks, the ensemble."""
+"""What do many discrete contacts do? Compiled loops over contacts, spread over threads and ranks."""
 
-from eq_model.coupled import CoupledEnsemble, CoupledResult, CoupledSlips
-from eq_model.ensemble import Ensemble
+from eq_model.coupled.result import CoupledResult, CoupledSlips
+from eq_model.ensemble import CoupledEnsemble, Ensemble
 from eq_model.ensemble_result import EnsembleResult
 from eq_model.simulate import simulate
 

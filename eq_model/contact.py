@@ -1,7 +1,7 @@
 """Compiled: one contact, the law that breaks it, and where its birth and its break are counted.
 
 A law is known to the loop by the type of its settings: LIVES holds the function that breaks a contact,
-LOOKS the one that counts it in histograms.
+SEEN the one that tells its threshold later on.
 """
 
 from collections.abc import Callable
@@ -12,28 +12,24 @@ import numpy.typing as npt
 from numba.extending import overload
 
 from eq_model.compiling import bare, inlined
+from eq_model.draws.births import Births
+from eq_model.draws.streams import Stream
+from eq_model.draws.tables import Table
+from eq_model.lattice import Bins, Course
 from eq_model.moments import STIFFNESS_UNIT
-from eq_model.streams import Stream
-from eq_model.tables import Table
 
 Whole = npt.NDArray[np.int64]
 _U, _I, _F = np.uint64, np.int64, np.float64
 
 
 class Settings(NamedTuple):
-    """What all contacts share, beside their law; in whole units."""
+    """What all contacts share, beside their law."""
 
-    thresholds: Table
-    starts: Table  # of the stretches at X = 0, where drawn
-    reforming: Table
+    starts: Births  # at X = 0
+    again: Births
     exposures: Table  # ln e, e of the exponential law of mean 1
-    begun: np.int64  # the stretch at X = 0 of all, where not drawn
-    single: np.int64  # the stretch at which contacts form again, where it is not drawn
-    top: np.int64  # no threshold lies beyond: stretches from here on are drawn again
-    mean: float  # threshold, of mean stiffness
+    mean: float  # threshold (units) of mean stiffness
     wait: float  # a time
-    drawn: bool
-    spread: bool  # whether stretches of re-forming are drawn
     bears: bool  # whether the law asks what contacts bear
     linked: bool  # stiffness to the threshold
 
@@ -62,19 +58,6 @@ class Break(NamedTuple):
     held: bool  # False of one that did not hold at all
 
 
-class Sums(NamedTuple):
-    """What is added up in each bin; y: a contact's stretch when its bin ends, with the other sign.
-
-    all : (bins + 1, 2) of the contacts that hold, their number and k y; (bins + 1, 3) where stiffness is
-    linked, with k. some : (bins + 1, 1) of measured blocks, (k y)²; (bins + 1, 3), with k² y and k².
-    The last row is of no use.
-    """
-
-    all: Whole
-    some: Whole
-    measured: bool
-
-
 class Watch(NamedTuple):
     """Points at which contacts are counted by stretch and threshold, in the order of the clock."""
 
@@ -85,7 +68,16 @@ class Watch(NamedTuple):
     per_threshold: float
 
 
-# -- laws -------------------------------------------------------------------------------------------
+class Work(NamedTuple):
+    """What a block of contacts is followed with; `measured`: its squares count for the variance."""
+
+    stream: Stream
+    settings: Settings
+    law: Any
+    course: Course
+    bins: Bins
+    watch: Watch
+    measured: bool
 
 
 def by_law(choose: Callable[[type], Any]) -> Any:
@@ -104,15 +96,11 @@ def by_law(choose: Callable[[type], Any]) -> Any:
 
 
 LIVES: dict[type, Callable[..., Any]] = {}
-LOOKS: dict[type, Callable[..., Any]] = {}
+SEEN: dict[type, Callable[..., Any]] = {}
 # life(law, contact, course, watch, counts): the break of a contact
 life = by_law(LIVES.__getitem__)
-# look(law, contact, course, born, broken, birth, watch, counts): count a contact at the watched points
-# from the bin `born` to before the bin `broken`
-look = by_law(LOOKS.__getitem__)
-
-
-# -- places and times -------------------------------------------------------------------------------
+# seen(law, contact, course, moment): its threshold at a later moment; below 0 where `life` counts it
+seen = by_law(SEEN.__getitem__)
 
 
 @inlined
@@ -120,8 +108,8 @@ def bin_of(clock, bins):  # type: ignore[no-untyped-def]
     """The first point at or after a moment of the clock, which is not after the end."""
     if bins.even:
         return max((clock + bins.offset) >> bins.shift, _I(0))
-    j = _I(bins.first[clock >> bins.shift])
-    while bins.points[j] < clock:
+    j = _I(bins.first[_U(clock >> bins.shift)])
+    while bins.points[_U(j)] < clock:
         j += 1
     return j
 
@@ -136,8 +124,7 @@ def place_of(clock, leg, course):  # type: ignore[no-untyped-def]
 @bare
 def later(clock, leg, time, course):  # type: ignore[no-untyped-def]
     """The clock when `time` has passed, and the leg; beyond the drive's end where it is over by then."""
-    legs = course.directions.size
-    while leg < legs:
+    while leg < course.directions.size:
         pace = course.paces[leg]
         left = (course.begins[leg + 1] - clock) * pace
         if time <= left:
@@ -145,31 +132,34 @@ def later(clock, leg, time, course):  # type: ignore[no-untyped-def]
             return min(clock + ticks, course.begins[leg + 1]), leg
         time -= left
         leg += 1
-        if leg < legs:
-            clock = course.begins[leg]
-    return course.begins[legs] + 1, leg
-
-
-# -- counts -----------------------------------------------------------------------------------------
+        clock = course.begins[leg]
+    return clock + 1, leg
 
 
 @inlined
-def count_event(sign, linked, stiffness, birth, j, bins, sums):  # type: ignore[no-untyped-def]
-    """Add to bin j a contact that is born (sign 1) or breaks (-1); birth: slider where it is relaxed."""
-    y, j = birth - bins.places[_U(j)], _U(j)
-    sums.all[j, _U(0)] += sign
-    if not linked:
-        sums.all[j, 1] += sign * y
-        if sums.measured:
-            sums.some[j, 0] += sign * _I(np.rint(_F(y) * _F(y) * bins.square))
+def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyped-def]
+    """Add to bin j a contact that is born (sign 1) or breaks (-1); birth: slider where it is relaxed.
+
+    sums : (bins + 1, 6), of all the number, k y and k, of measured blocks besides k² y², k² y and k²;
+    y : the contact's stretch when its bin ends, with the other sign. Stiffnesses of 1 are not
+    summed. The last row is of no use.
+    """
+    j = _U(j)
+    y, square = birth - work.bins.places[j], work.bins.square
+    exact = _F(y)
+    sums[j, _U(0)] += sign
+    if not work.settings.linked:
+        sums[j, _U(1)] += sign * y
+        if work.measured:
+            sums[j, _U(3)] += sign * _I(np.floor(exact * exact * square + 0.5))
         return
-    sums.all[j, 1] += sign * _I(np.rint(stiffness * y))
-    sums.all[j, 2] += sign * _I(np.rint(stiffness * STIFFNESS_UNIT))
-    if sums.measured:
-        square, exact = stiffness * stiffness, _F(y)
-        sums.some[j, 0] += sign * _I(np.rint(square * exact * exact * bins.square))
-        sums.some[j, 1] += sign * _I(np.rint(square * exact))
-        sums.some[j, 2] += sign * _I(np.rint(square * STIFFNESS_UNIT))
+    sums[j, _U(1)] += sign * _I(np.floor(stiffness * exact + 0.5))
+    sums[j, _U(2)] += sign * _I(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
+    if work.measured:
+        k = stiffness * stiffness
+        sums[j, _U(3)] += sign * _I(np.floor(k * exact * exact * square + 0.5))
+        sums[j, _U(4)] += sign * _I(np.floor(k * exact + 0.5))
+        sums[j, _U(5)] += sign * _I(np.floor(k * STIFFNESS_UNIT + 0.5))
 
 
 @bare

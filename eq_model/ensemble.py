@@ -1,31 +1,33 @@
-"""The discrete ensemble: contacts independent of one another, followed along the path of a rigid slider."""
+"""The ensemble under way: blocks of independent contacts, or replicas of coupled ones, over threads and ranks."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import reduce
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from eq_model import layout
+from eq_model.coupled.ensemble import Replicas
+from eq_model.coupled.result import CoupledResult
 from eq_model.engine import Engine
 from eq_model.ensemble_result import EnsembleResult
-from eq_model.histogram import Counts, chosen_points, no_counts
-from eq_model.state import State
-from eq_model.under_way import UnderWay
+from eq_model.state import Found, State
 from origins import Contacts, Drive
-from origins.contacts import LAWS, check_contacts
-from origins.errors import InputError, positive, refuse
+from origins.drive import SlipRule
+from origins.errors import InputError, positive, refuse, whole
 from origins.streams import key_of
 
-Array = npt.NDArray[np.float64]
+_MOST_REPLICAS = 1 << 28
+_AT_ONCE = 8  # blocks that each thread is given before all are waited for
 
-_MOST_CONTACTS, _MOST_REPLICAS = 1 << 37, 1 << 28
 
-
-class Ensemble(UnderWay):
+class Ensemble:
     """An ensemble under way: iterate to work through it block by block, then ask for the result.
 
         ensemble = Ensemble(contacts, path, n_contacts=100_000)
@@ -37,10 +39,12 @@ class Ensemble(UnderWay):
     parameters that was cut short: what these did is not done again, and the result is the same to the last bit.
 
     Attributes: `total`, contacts in all; `expected`, how many of them will be followed, which with a tolerance is known
-    better after each round; `blocks`, how they are divided, and `seconds`, about what each takes, which that goes by;
-    `clock`, which returns seconds: the wall time and the run time go by it. Another clock may take its place, on the
-    class or before the first block, so that work is counted instead.
+    better after each round; `blocks`, how they are divided: with a spring each replica is one; `clock`, which returns
+    seconds: the wall time and the run time go by it. Another clock may take its place, on the class or before the first
+    block, so that work is counted instead.
     """
+
+    clock: Callable[[], float] = staticmethod(perf_counter)
 
     def __init__(
         self,
@@ -49,6 +53,9 @@ class Ensemble(UnderWay):
         *,
         velocity: float = 1.0,
         time: npt.ArrayLike | None = None,
+        spring: float | None = None,
+        slip: SlipRule = "reset",
+        slip_fraction: float | None = None,
         n_contacts: int = 100_000,
         n_replicas: int = 1,
         seed: int = 0,
@@ -59,40 +66,55 @@ class Ensemble(UnderWay):
         comm: Any = None,
         threads: int = 1,
     ) -> None:
-        check_contacts(contacts, "eq_model.simulate", LAWS, own_rates=True)
-        for name, law in (("thermal", contacts.thermal), ("ageing", contacts.ageing)):
-            if law is not None and law.closure == "paper":
-                raise InputError(
-                    f'contacts.{name}: closure = "paper" is an approximation of the master equation, which single '
-                    'contacts do not know; use closure = "exact"'
-                )
-        started, most = self.clock(), (1 << 62, _MOST_REPLICAS)
-        self._set_up(most, n_contacts, n_replicas, threads, comm, wall_time)
-        self.contacts = contacts
-        if self.total > _MOST_CONTACTS:
-            refuse("n_contacts", n_contacts, f"times n_replicas must be at most {_MOST_CONTACTS}")
-        self.drive = Drive(path, velocity, time)
-        key_of(seed)
-        points = chosen_points(histograms, self.drive.path.size)
-        self._engine = Engine(contacts, self.drive, seed, points)
-        self.seconds = self._engine.seconds
-        self.blocks = layout.make_blocks(self.n_contacts, self.n_replicas, self.seconds)
+        started = self.clock()
+        if comm is not None and not hasattr(comm, "Get_rank"):
+            refuse(
+                "comm", comm, "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None"
+            )
+        self.comm, self._threads = comm, whole("threads", threads, 1)
+        self.n_contacts = whole("n_contacts", n_contacts, 1)
+        self.n_replicas = whole("n_replicas", n_replicas, 1)
+        if self.n_replicas >= _MOST_REPLICAS:
+            refuse("n_replicas", n_replicas, f"must be below {_MOST_REPLICAS}")
+        self.total = self.expected = self.n_contacts * self.n_replicas
+        self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
         small = "such as 1e-4"
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, small)
-        ready = self.clock() - started
-        started = self.clock()
-        layout.in_turn(comm, lambda: self._engine.follow(self.blocks, -1))
+        self.contacts, self._stopped = contacts, False
+        self.drive = Drive(path, velocity, time, spring, slip)
+        key_of(seed)
+        coupled = spring is not None
+        self._check(coupled, slip_fraction, tolerance, histograms)
+        self._work: Engine | Replicas
+        if coupled:
+            self._work = Replicas(contacts, self.drive, self.n_contacts, seed, slip_fraction)
+        else:
+            self._work = Engine(contacts, self.drive, seed, histograms, self.total)
+        self.blocks = layout.make_blocks(self.n_contacts, self.n_replicas, self._work.seconds)
+        if coupled:
+            self.blocks = layout.Blocks(self.n_contacts, self.n_replicas, 1)
+        ready, started = self.clock() - started, self.clock()
+        layout.in_turn(comm, lambda: self._work.follow(self.blocks, -1))
         self.compile_time = self.clock() - started
-        sums, counts = (
-            np.zeros((2, self._engine.size), np.int64),
-            no_counts(points.size, self.total),
-        )
-        nothing = State(sums, counts, 0, 0, 0, [], ready)
+        nothing = State(*self._work.nothing(), 0, 0, 0, [], ready)
         found = list(earlier)
         self._before = [part for state in found for part in state.done]
         # what was found before counts on one rank
         first = layout.rank_and_size(comm)[0] == 0
         self._state = reduce(State.joined, found, nothing) if first else nothing
+
+    def _check(self, coupled: bool, slip_fraction: Any, tolerance: Any, histograms: Any) -> None:
+        """Refuse what only coupled, or only independent, contacts take."""
+        most = Replicas.MOST if coupled else Engine.MOST // self.n_replicas
+        if self.n_contacts > most:
+            refuse("n_contacts", self.n_contacts, f"must be at most {most}")
+        if not coupled and slip_fraction is not None:
+            rule = "is of a soft slider; give its spring, or leave it out"
+            refuse("slip_fraction", slip_fraction, rule)
+        for name, value in (("tolerance", tolerance), ("histograms", histograms)):
+            if coupled and value is not None and np.size(value):
+                rule = "is of independent contacts; leave it out with a spring, and give n_replicas"
+                refuse(name, value, rule)
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
         """Do this rank's share, once; after each block (contacts done, contacts in the share), and while it waits for
@@ -104,20 +126,38 @@ class Ensemble(UnderWay):
         begun, done = self.clock(), 0
         for one_round in self.blocks.rounds(self._tolerance is not None):
             mine = layout.share(layout.left(one_round, self._before), rank, ranks)
-            total, late = done + self.blocks.contacts(mine), False
-            blocks = [block for part in mine for block in part]
-            for one in self._each(lambda block: self._engine.follow(self.blocks, block), blocks):
+            total, late, started = done + self.blocks.contacts(mine), False, self.clock()
+            for block, found in self._each([block for part in mine for block in part]):
                 # one assignment: whatever interrupts, the state is that of whole blocks
-                size = self.blocks.size(one.unit)
-                self._state = self._state.after(one.unit, size, one.found, one.seconds)
+                size, seconds = self.blocks.size(block), self.clock() - started
+                self._state, started = self._state.after(block, size, found, seconds), self.clock()
                 done += size
                 yield done, total
-                if late := self._late(begun):
+                over = self._wall_time is not None and self.clock() - begun > self._wall_time
+                if late := self._stopped or over:
                     break
             for _ in layout.meeting(self.comm):
                 yield done, total
             if self._enough(one_round, late or self._stopped):
                 return
+
+    def _each(self, blocks: Sequence[int]) -> Iterator[tuple[int, Found]]:
+        """The blocks in order, each followed; in threads several at once."""
+
+        def follow(block: int) -> Found:
+            return self._work.follow(self.blocks, block)
+
+        if self._threads == 1:
+            yield from ((block, follow(block)) for block in blocks)
+            return
+        with ThreadPoolExecutor(self._threads) as pool:
+            for at in range(0, len(blocks), _AT_ONCE * self._threads):
+                some = blocks[at : at + _AT_ONCE * self._threads]
+                yield from zip(some, pool.map(follow, some), strict=True)
+
+    def stop(self) -> None:
+        """Begin no further block of this rank's share: the result will be that of what is finished."""
+        self._stopped = True
 
     @property
     def state(self) -> State:
@@ -133,90 +173,84 @@ class Ensemble(UnderWay):
         # what was done beyond this round says that it was not enough then
         if late or any(part.stop > one_round.stop for part in self._before):
             return late
-        found = self._result()
-        wanted = self._wanted(
-            found.contacts, float(found.force_standard_error.max()) / self.contacts.mean_threshold
-        )
+        found = self._result(histograms=False)
+        wanted = self._wanted(found)
         ends = (self.blocks.before(part.stop) for part in self.blocks.rounds(True))
         self.expected = next((end for end in ends if end >= wanted), self.total)
         return found.success
 
-    def _wanted(self, contacts: int, largest: float) -> float:
-        """How many contacts reach the tolerance, if these had this largest standard error."""
-        if self._tolerance is None:
-            return float(self.total)
-        ratio = largest / self._tolerance
-        return contacts * ratio * ratio  # not as a power, which may overflow
+    def _wanted(self, found: EnsembleResult) -> float:
+        """How many contacts reach the tolerance, as the error of these tells."""
+        largest = float(found.force_standard_error.max()) / self.contacts.mean_threshold
+        ratio = largest / (self._tolerance or np.inf)
+        return found.contacts * ratio * ratio  # not as a power, which may overflow
 
     def result(self) -> EnsembleResult:
         """What all ranks found; every rank must call, and gets the same bits."""
-        return self._result(self._state.counts)
+        return self._result(histograms=True)
 
-    def _result(self, counts: Counts | None = None) -> EnsembleResult:
-        """With the histograms of this rank's `counts` and the other ranks', or without any."""
-        started, state = self.clock(), self._state
-        sums, states = state.sums, [state]
-        if self.comm is not None:
-            sums = np.empty_like(state.sums)
-            self.comm.Allreduce(state.sums, sums)  # whole numbers: the order does not matter
-            states = self.comm.allgather(state.without_sums())
-        done = sorted((part for one in states for part in one.done), key=lambda part: part.start)
-        contacts = self.blocks.contacts(done)
+    def _result(self, histograms: bool) -> EnsembleResult:
+        """With the histograms, or without any."""
+        started, own = self.clock(), self._state
+        if self.comm is None:
+            states, whole = [own], own
+        else:
+            states = self.comm.allgather(own if own.rows.size else own.without_sums())
+            # whole numbers: the order does not matter
+            done = layout.joined([], [part for state in states for part in state.done])
+            rows, sums = np.concatenate([state.rows for state in states]), np.empty_like(own.sums)
+            if own.sums.size:
+                self.comm.Allreduce(own.sums, sums)
+            breaks, size = sum(state.breaks for state in states), self.blocks.contacts(done)
+            whole = replace(own, sums=sums, rows=rows, contacts=size, breaks=breaks, done=done)
+        contacts = self.blocks.contacts(whole.done)
         if not contacts:
             raise InputError(
-                "ensemble: no block of contacts is finished yet; iterate over it first"
+                "ensemble: no block of contacts is finished yet; iterate over it first, or give it more wall_time"
             )
-        moments = self._engine.readout.moments(self.blocks, done, sums)
-        holding, error = moments.holding, np.sqrt(moments.variance / contacts)
-        if counts is not None and counts.size and self.comm is not None:
-            own, counts = counts, np.empty_like(counts)
-            self.comm.Allreduce(own, counts)
-        histograms = [] if counts is None else self._engine.histograms(contacts, counts)
-        run_time = max(one.run_time for one in states) + self._slowest(self.clock() - started)
-        success, message = self._judge(contacts, error)
-        return EnsembleResult(
+        told = self._work.told(self.blocks, whole)
+        if own.counts.size and histograms:
+            counts = own.counts
+            if self.comm is not None:
+                counts = np.empty_like(own.counts)
+                self.comm.Allreduce(own.counts, counts)
+            told["histograms"] = self._work.histograms(contacts, counts)
+        run_time = max(state.run_time for state in states) + self._slowest(self.clock() - started)
+        found = (CoupledResult if "slips" in told else EnsembleResult)(
             path=self.drive.path,
-            force=moments.force,
-            force_standard_error=error,
-            step_error=self._engine.readout.step_error(self.blocks, done, sums),
-            holding=holding,
-            holding_standard_error=np.sqrt(self._holding_variance(holding, contacts) / contacts),
-            histograms=histograms,
             contacts=contacts,
-            breaks=sum(one.breaks for one in states),
-            breaks_per_rank=[one.breaks for one in states],
+            breaks=whole.breaks,
+            breaks_per_rank=[state.breaks for state in states],
             run_time=run_time,
             compile_time=self.compile_time,
-            success=success,
-            message=message,
+            success=False,
+            message="",
+            **told,
         )
-
-    def _holding_variance(self, holding: Array, contacts: int) -> Array:
-        """Between contacts; where they may wait, or not pin, one that might have been is in it."""
-        waits = self.contacts.delay is not None or self.contacts.grains is not None
-        return np.maximum(holding * (1.0 - holding), 1.0 / contacts if waits else 0.0)
+        success, message = self._judge(found)
+        return replace(found, success=success, message=message)
 
     def _slowest(self, seconds: float) -> float:
         return seconds if self.comm is None else max(self.comm.allgather(seconds))
 
-    def _judge(self, contacts: int, error: Array) -> tuple[bool, str]:
-        largest = float(error.max()) / self.contacts.mean_threshold
-        found = f"largest standard error {largest:.2e} with {contacts} contacts"
-        if self._tolerance is not None:
-            if largest <= self._tolerance:
-                return True, f"{found}, within the tolerance {self._tolerance:.1e}"
-            more, unmet = (
-                self._wanted(contacts, largest),
-                f"{found}, above the tolerance {self._tolerance:.1e}",
-            )
-            if not np.isfinite(largest):
-                return False, f"{unmet}; take at least two"
-            if more > _MOST_CONTACTS:
-                return (
-                    False,
-                    f"{unmet}; it takes more than {_MOST_CONTACTS:.1e} contacts, the most there can be",
-                )
-            return False, f"{unmet}; it takes about {more:.1e} contacts"
-        if contacts < self.total:
-            return False, f"{found}: stopped before all {self.total} were followed"
-        return True, found
+    def _judge(self, found: EnsembleResult) -> tuple[bool, str]:
+        """Whether that is what was asked for, and in words."""
+        largest = float(found.force_standard_error.max()) / self.contacts.mean_threshold
+        told = f"largest standard error {largest:.2e} with {found.contacts} contacts"
+        if self._tolerance is None:
+            if found.contacts < self.total:
+                many = self.n_replicas if self.drive.spring is not None else self.total
+                return False, f"{told}: stopped before all {many} were followed"
+            return True, told
+        if largest <= self._tolerance:
+            return True, f"{told}, within the tolerance {self._tolerance:.1e}"
+        more, most = self._wanted(found), float(Engine.MOST)
+        needs = f"it takes about {more:.1e} contacts"
+        if not np.isfinite(largest):
+            needs = "take at least two"
+        elif more > most:
+            needs = f"it takes more than {most:.1e} contacts, the most there can be"
+        return False, f"{told}, above the tolerance {self._tolerance:.1e}; {needs}"
+
+
+CoupledEnsemble = Ensemble

@@ -14,7 +14,7 @@ from origins.brief import brief
 Array = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EnsembleResult:
     """What the ensemble measured.
 
@@ -42,7 +42,7 @@ class EnsembleResult:
     step_error: Array
     holding: Array
     holding_standard_error: Array
-    histograms: Sequence[Histogram]
+    histograms: Sequence[Histogram] = ()
     contacts: int
     breaks: int
     breaks_per_rank: list[int]

@@ -7,6 +7,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from origins import Contacts, GrainContact
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
@@ -84,11 +85,15 @@ class Range:
         return BINS * unit / self.stretch[0], BINS * unit / self.threshold[0]
 
 
-def make_range(reach: float, largest: float, typical: float) -> Range:
-    """For stretches that cannot exceed `reach` and thresholds that cannot exceed `largest`, of a typical size."""
+def make_range(reach: float, largest: float, contacts: Contacts) -> Range:
+    """For stretches that cannot exceed `reach` and thresholds that cannot exceed `largest`."""
+    typical = largest
+    if not isinstance(contacts.grains, GrainContact):  # whose thresholds grow
+        laws = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
+        final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
+        typical = max(contacts.mean_threshold, final, *(abs(law.mean()) for law in laws))
     # a little more: contacts that have all come as far as that lie within a bin, not at its edge
-    reach = min(1.01 * reach, largest) or largest
-    wide = _WIDE * typical
+    reach, wide = min(1.01 * reach, largest) or largest, _WIDE * typical
     return Range((min(reach, wide), reach), (min(largest, wide), largest))
 
 

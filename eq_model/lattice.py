@@ -44,13 +44,10 @@ class Bins(NamedTuple):
 
     points: Whole  # (n,): the last moment that counts before each point
     places: Whole  # (n,): slider there; stretches of the bin's events are told as of then
-    first: npt.NDArray[
-        np.int32
-    ]  # of each cell of the clock the first point that does not lie before it
+    first: npt.NDArray[np.int32]  # of each cell of the clock the first point not before it
     shift: np.int64  # cells are 2^shift long
     even: bool  # each cell ends at a point
     offset: np.int64  # so that (clock + offset) >> shift is the point, where even
-    origin: np.int64  # slider at the first point
     end: np.int64  # the last moment that counts
     square: float  # whole second moments are this times unit^-2
 
@@ -78,13 +75,13 @@ def make_lattice(drive: Drive, scale: float, reach: float, exact: bool) -> Latti
     """
     travel, duration, clock = _legs(drive, scale)
     length = max(float(clock[-1]), scale * _FINEST)
-    knots = _knots(clock, max(scale, length / _LEAST_BINS))
-    widest = float(np.diff(knots.clock, prepend=0.0).max())
+    points, spacing, place = _points(clock, max(scale, length / _LEAST_BINS))
+    widest = float(np.diff(points, prepend=0.0).max())
     # a bin's sum over one block is at most BLOCK (widest + reach), its second moment the square of that
-    room = int(np.ceil(np.log2((widest + reach) / scale)))
-    most = SUM_BITS - int(np.log2(BLOCK)) - room
-    bits = min(_MOST_BITS, most, _PATH_BITS - int(np.ceil(np.log2(length / scale))))
-    if reach / scale > 2.0 ** (SUM_BITS - np.log2(BLOCK) - _LEAST_BITS):
+    room = _bits((widest + reach) / scale)
+    most = SUM_BITS - _bits(BLOCK) - room
+    bits = min(_MOST_BITS, most, _PATH_BITS - _bits(length / scale))
+    if reach / scale > 2.0 ** (SUM_BITS - _bits(BLOCK) - _LEAST_BITS):
         raise InputError(
             f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted "
             "in; the ensemble sums up to some 1e6 of them: use thresholds with a shorter tail, or other units"
@@ -94,67 +91,65 @@ def make_lattice(drive: Drive, scale: float, reach: float, exact: bool) -> Latti
             f"path[-1] = {drive.path[-1]:g}: lies {length / scale:.2g} mean thresholds away; the ensemble "
             "follows contacts along a path of at most 8e9 of them"
         )
-    width = knots.spacing or max(length / (4 * knots.clock.size), scale * _FINEST)
+    width = spacing or max(length / (4 * points.size), scale * _FINEST)
     shift = max(int(np.floor(np.log2(width / scale))) + bits, 0)
-    unit = width * 2.0**-shift if knots.spacing else scale * 2.0**-bits
+    unit = width * 2.0**-shift if spacing else scale * 2.0**-bits
     course = _course(travel, duration, scale, unit)
-    points = np.rint(knots.clock / unit).astype(np.int64)
-    if knots.spacing:
-        points = points[0] + np.arange(points.size) * (1 << shift)
-    points, found = np.unique(points, return_inverse=True)
-    leg = np.clip(np.searchsorted(course.begins, points, side="right") - 1, 0, travel.size - 1)
-    places = course.positions[leg] + course.directions[leg] * (points - course.begins[leg])
-    points = points + (TIE if exact else 0)
-    beyond = max(points[-1] - course.begins[-1], 0)
+    whole = np.rint(points / unit).astype(np.int64)
+    if spacing:
+        whole = whole[0] + np.arange(whole.size) * (1 << shift)
+    whole, found = np.unique(whole, return_inverse=True)
+    leg = np.clip(np.searchsorted(course.begins, whole, side="right") - 1, 0, travel.size - 1)
+    places = course.positions[leg] + course.directions[leg] * (whole - course.begins[leg])
+    whole = whole + (TIE if exact else 0)
+    beyond = max(whole[-1] - course.begins[-1], 0)
     course.begins[-1] += beyond
     course.positions[-1] += course.directions[-1] * beyond
-    first = np.searchsorted(points, np.arange((int(points[-1]) >> shift) + 2) << shift)
+    first = np.searchsorted(whole, np.arange((int(whole[-1]) >> shift) + 2) << shift)
     bins = Bins(
-        points,
-        places,
-        np.minimum(first, points.size - 1).astype(np.int32),
-        np.int64(shift),
-        bool(knots.spacing),
-        np.int64((1 << shift) - 1 - points[0]),
-        places[0],
-        points[-1],
-        2.0 ** min(SUM_BITS - np.log2(BLOCK) - 2 * (room + bits), 0.0),
+        points=whole,
+        places=places,
+        first=np.minimum(first, whole.size - 1).astype(np.int32),
+        shift=np.int64(shift),
+        even=bool(spacing),
+        offset=np.int64((1 << shift) - 1 - whole[0]),
+        end=whole[-1],
+        square=2.0 ** min(SUM_BITS - _bits(BLOCK) - 2 * (room + bits), 0.0),
     )
-    return Lattice(drive.path, unit, course, bins, found.reshape(-1)[knots.place])
+    return Lattice(drive.path, unit, course, bins, found.reshape(-1)[place])
 
 
-class _Knots(NamedTuple):
+def _bits(number: float) -> int:
+    """Of a number, which may be infinite: then more than there are."""
+    return int(np.ceil(np.log2(min(number, 1e300))))
+
+
+class _Points(NamedTuple):
     """Where bins end: at all path points, and in between where these are far apart."""
 
     clock: Array
     spacing: float  # of all of them, if to rounding it is one; else 0
-    place: npt.NDArray[np.intp]  # of each path point its knot
+    place: npt.NDArray[np.intp]  # of each path point its own
 
 
-def _knots(clock: Array, widest: float) -> _Knots:
+def _points(clock: Array, widest: float) -> _Points:
     """The ends of bins of the clock, at most `widest` apart (lengths)."""
     points, place = np.unique(clock, return_inverse=True)
-    place = place.reshape(-1)
-    apart = np.diff(points)
-    spacing = float(points[-1] - points[0]) / apart.size if apart.size else 0.0
+    apart, end = np.diff(points), float(points[-1])
+    spacing = float(end - points[0]) / apart.size if apart.size else end
     off = np.abs(points - (points[0] + spacing * np.arange(points.size))).max()
-    if spacing > 0.0 and off <= 64.0 * np.finfo(float).eps * clock[-1]:
-        parts = 1 << max(int(np.ceil(np.log2(spacing / widest))), 0)
+    if spacing > 0.0 and off <= 64.0 * np.finfo(float).eps * end:
+        parts = 1 << max(_bits(spacing / widest), 0)
         spacing /= parts
         before = int(points[0] / spacing)
         many = before + parts * apart.size + 1
         if many <= 4 * points.size + 4 * _LEAST_BINS:
-            knots = points[0] + spacing * (np.arange(many) - before)
-            return _Knots(np.maximum(knots, 0.0), spacing, before + parts * place)
-    gaps = np.diff(points, prepend=0.0)
-    wide = np.flatnonzero(gaps > widest)
-    more = [
-        points[k] - gaps[k] * np.arange(1, many) / many
-        for k in wide
-        if (many := int(np.ceil(gaps[k] / widest)))
-    ]
-    knots = np.unique(np.concatenate([points, *more]))
-    return _Knots(knots, 0.0, np.searchsorted(knots, points)[place])
+            even = points[0] + spacing * (np.arange(many) - before)
+            return _Points(np.maximum(even, 0.0), spacing, before + parts * place.reshape(-1))
+    more = points
+    if np.diff(points, prepend=0.0).max() > widest:
+        more = np.union1d(points, np.linspace(0.0, end, int(np.ceil(end / widest)) + 1)[1:])
+    return _Points(more, 0.0, np.searchsorted(more, clock))
 
 
 def _legs(drive: Drive, stand: float) -> tuple[Array, Array, Array]:

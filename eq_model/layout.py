@@ -79,11 +79,15 @@ def left(blocks: range, done: list[range]) -> list[range]:
     return [part for part in out if len(part)]
 
 
-def joined(done: list[range], block: range) -> list[range]:
-    """`done` and some blocks more; those that follow each other are one."""
-    if done and done[-1].stop == block.start:
-        return [*done[:-1], range(done[-1].start, block.stop)]
-    return [*done, block]
+def joined(done: list[range], more: list[range]) -> list[range]:
+    """All of these blocks in order; those that follow each other are one."""
+    out: list[range] = []
+    for part in sorted(done + more, key=lambda part: part.start):
+        if out and out[-1].stop == part.start:
+            out[-1] = range(out[-1].start, part.stop)
+        else:
+            out.append(part)
+    return out
 
 
 def share(blocks: list[range], rank: int, size: int) -> list[range]:

@@ -14,6 +14,7 @@ Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
 STIFFNESS_UNIT = 2.0**36  # stiffnesses are summed in parts of this, squares of them too
+COLUMNS = 6  # of each bin, see contact.count_event
 _LIMB = 32  # bits of the low one of the two numbers that hold a sum of all blocks
 # one in EACH contacts of a block is followed once more in steps COARSER times longer, whose force tells
 # the error of the steps
@@ -42,35 +43,30 @@ class Readout:
     """How to read the sums of contacts on a lattice.
 
     told : shape (n,), the slider at the path's points (lengths), what the rounding of a single start
-    leaves added. columns : sums of each bin, of all and more of measured blocks. parts : sizes of the
-    sums of all, of measured blocks, and of those in coarser steps. furthest : the largest stretch at
-    which contacts begin; low, high : shape (n,), the slider's lowest and highest position until the
-    points (lengths); stretch : the largest stretch there.
+    leaves added. furthest : the largest stretch at which contacts begin; longest : the largest of all;
+    span : shape (n,), how far the slider's places until the points lie apart (lengths); begun : the
+    largest stretch until there of contacts that have not broken.
     """
 
     contacts: Contacts
     lattice: Lattice
     told: Array
-    columns: tuple[int, int]
-    parts: Whole
     furthest: float
-    low: Array
-    high: Array
-    stretch: Array
+    longest: float
+    span: Array
+    begun: Array
 
     def _moments(self, n: int, limbs: Whole) -> Moments:
-        """Of n contacts, from limbs of all sums, with some or without; whole numbers, so nothing cancels.
+        """Of n contacts, from limbs of their sums; whole numbers, so nothing cancels.
 
         y is minus a contact's stretch when its bin ends, at `places`; k y sums are whole lengths, k sums
         parts of STIFFNESS_UNIT.
         """
-        lattice, part, linked = self.lattice, int(STIFFNESS_UNIT), self.columns[0] == 3
+        lattice, part = self.lattice, int(STIFFNESS_UNIT)
         whole = limbs[0].astype(object) * (1 << _LIMB) + limbs[1].astype(object)
-        rows = whole.reshape(lattice.bins.points.size, -1).T
-        (count, ky), some = rows[:2], rows[self.columns[0] :]
-        k = rows[2] if linked else count * part
-        square = some[0] if len(some) else 0 * count
-        kky, kk = (some[1], some[2]) if len(some) > 1 else (ky, k)
+        count, ky, k, square, kky, kk = whole.reshape(-1, COLUMNS).T
+        if self.contacts.stiffness != "linked":
+            k, kky, kk = count * part, ky, count * part
         places, per_square = lattice.bins.places.astype(object), round(1.0 / lattice.bins.square)
         holds, held, born, squares, squares_born, squares_far = (
             np.cumsum(change)[lattice.place]
@@ -94,73 +90,55 @@ class Readout:
         return Moments(holds.astype(float) / n, mean, np.maximum(variance, 0.0))
 
     def moments(self, blocks: Blocks, done: list[range], sums: Whole) -> Moments:
-        """Of these blocks; the variance is no less than what could not be seen."""
+        """Of these blocks, sums of all and of measured ones; the variance is no less than what could not be seen."""
         n, measured = blocks.contacts(done), blocks.measured(done)
-        first, second, _ = self.parts
-        mean = self._moments(n, sums[:, :first])
+        mean = self._moments(n, sums[:, 0])
         if measured < 2:
             return mean._replace(variance=np.full(mean.force.size, np.inf))
-        seen = self._moments(measured, sums[:, first : first + second]).variance
+        seen = self._moments(measured, sums[:, 1]).variance
         return mean._replace(variance=self._no_less(seen, mean.force, n))
 
     def _no_less(self, seen: Array, force: Array, n: int) -> Array:
         """At least what one break more or less makes of the mean of n contacts."""
         contacts, unit = self.contacts, self.lattice.unit
-        law, again, cold = contacts.thresholds, contacts.reforming, contacts.thermal is None
+        stretch = np.minimum(self.span + self.furthest, self.longest)
+        law, again, mean = contacts.thresholds, contacts.reforming, contacts.mean_threshold
         constant = contacts.ageing is None and contacts.grains is None
+        cold = constant and contacts.thermal is None
         alike = contacts.start.is_single and not np.diff(law.support())[0]
-        if cold and constant and alike and (again is None or again.law.is_single):
+        if cold and alike and (again is None or again.law.is_single):
             return np.zeros(force.size)  # but for rounding
-        stretch, mean, differ = self.stretch, contacts.mean_threshold, 0.0
+        # of so many contacts one break has been seen, where any can have been
+        share = np.full(force.size, 1.0 / n)
+        if cold:
+            least = abs(contacts.start.mean()) if contacts.start.is_single else 0.0
+            held = law.sf(least)
+            share *= (n * (held - law.sf(self.begun)) > _NEVER * held) & (self.span > 0.0)
         if constant:
             stretch = np.minimum(stretch, max(float(law.isf(_RARE / n)), self.furthest))
-        reached = stretch
+        reached, differ = stretch, 0.0
         if contacts.stiffness == "linked":
             # what breaks first is weak; but no contact is weaker than it is stretched
-            usual = float(np.sqrt(law.moment(2))) / mean
-            reached = stretch * np.maximum(
-                stretch / mean, min(usual, float(law.isf(_RARE / n)) / mean)
-            )
-            differ = min(usual**2, float(law.isf(_RARE / n)) / mean) - 1.0
-        # of so many contacts one break has been seen; first ones may be rarer
-        share = self._broken() if cold and constant else np.ones(force.size)
-        share = np.where(n * share > _NEVER, np.minimum(share, 1.0 / n), 0.0)
+            usual, rare = float(np.sqrt(law.moment(2))) / mean, float(law.isf(_RARE / n)) / mean
+            reached = stretch * np.maximum(stretch / mean, min(usual, rare))
+            differ = min(usual**2, rare) - 1.0
         least = np.maximum(reached**2 * share, differ * force**2)
         rounded = unit**2 / self.lattice.bins.square  # squares of stretches are
         if contacts.start.is_single:
             return np.maximum(np.where(seen < rounded, 0.0, seen), least)
         return np.maximum(seen, np.maximum(least, rounded))
 
-    def _broken(self) -> Array:
-        """At the points the share of contacts that have broken at T = 0, but for a factor of some 2; from above."""
-        start, law = self.contacts.start, self.contacts.thresholds
-        x, weights = np.array([start.mean()]), np.ones(1)
-        if not start.is_single:  # octaves of probability, each by its outer end
-            weights = np.repeat(2.0 ** -np.arange(2.0, 42.0), 2)
-            x = np.stack([start.ppf(weights[::2]), start.isf(weights[::2])], axis=1).ravel()
-        x = x[:, None]
-        held = np.abs(x)
-        reached = np.maximum(held, np.maximum(x + self.high, -x - self.low))
-        before = law.sf(held)
-        broken = law.cdf(reached) - law.cdf(held), before - law.sf(reached)
-        share = np.where(
-            law.cdf(held) < 0.5, *broken
-        )  # the larger tail loses digits as a difference
-        return weights @ np.divide(share, before, out=np.zeros(share.shape), where=before > 0.0)
-
     def step_error(self, blocks: Blocks, done: list[range], sums: Whole) -> Array:
         """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.
 
         The error grows faster than in proportion to the step, so this is more than it is.
         """
-        first, second, third = self.parts
-        if not third:
+        if sums.shape[1] == 2:
             return np.zeros(self.lattice.path.size)
         n = blocks.measured(done)
         some = sum(-(-blocks.size(block) // EACH) for part in done for block in part)
         if not some or not n:
             return np.full(self.lattice.path.size, np.inf)
-        fine = self._moments(n, sums[:, first : first + second])
-        other = self._moments(some, sums[:, first + second :])
+        fine, other = self._moments(n, sums[:, 1]), self._moments(some, sums[:, 2])
         doubt = np.sqrt(fine.variance / n + other.variance / some)
         return (np.abs(other.force - fine.force) + doubt) / (COARSER - 1.0)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Any, overload
 
-import numpy as np
 import numpy.typing as npt
 
-from eq_model.coupled import SLIP_FRACTION, CoupledEnsemble, CoupledResult
+from eq_model.coupled.result import CoupledResult
 from eq_model.ensemble import Ensemble
 from eq_model.ensemble_result import EnsembleResult
-from origins import Contacts, Drive
+from origins import Contacts
 from origins.drive import SlipRule
-from origins.errors import refuse
 
 
 @overload
@@ -94,31 +92,10 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
 
     Raises InputError for arguments that cannot be used, and for thresholds that cannot be tabulated.
 
-    plain.py follows one life in plain Python; closest.py is the paper's own algorithm.
+    In plain Python: eq_model/plain.py follows one life, eq_model/closest.py is the paper's own algorithm (Sec. II).
     """
-    common: dict[str, Any] = {
-        "velocity": velocity,
-        "time": time,
-        "wall_time": wall_time,
-        "seed": seed,
-    }
-    common |= {"n_contacts": n_contacts, "n_replicas": n_replicas, "comm": comm, "threads": threads}
-    ensemble: Ensemble | CoupledEnsemble
-    if spring is None:
-        if slip_fraction is not None:
-            rule = "is of a soft slider; give its spring, or leave it out"
-            refuse("slip_fraction", slip_fraction, rule)
-        Drive(path, velocity, time, None, slip)  # refuses a slip of a rigid slider
-        ensemble = Ensemble(contacts, path, tolerance=tolerance, histograms=histograms, **common)
-    else:
-        for name, value in (("tolerance", tolerance), ("histograms", histograms)):
-            if value is not None and np.size(value):
-                rule = "is of independent contacts; leave it out with a spring, and give n_replicas"
-                refuse(name, value, rule)
-        share = SLIP_FRACTION if slip_fraction is None else slip_fraction
-        ensemble = CoupledEnsemble(
-            contacts, path, spring=spring, slip=slip, slip_fraction=share, **common
-        )
+    arguments = locals()  # all of them are those of Ensemble
+    ensemble = Ensemble(**arguments)
     for _ in ensemble:
         pass
     return ensemble.result()

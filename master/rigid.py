@@ -168,11 +168,19 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
 
 
 def march_of(
-    contacts: Contacts, motion: Motion, life: Life, tolerance: float, until: float = np.inf
+    contacts: Contacts,
+    motion: Motion,
+    life: Life,
+    tolerance: float,
+    until: float = np.inf,
+    most: float = np.inf,
 ) -> March:
-    """The march along a motion, with panels that end where the number of breaks may bend."""
+    """The march along a motion, with panels that end where the number of breaks may bend.
+
+    most : the longest |x| that any contact that holds has, where that is known
+    """
     again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
-    stretch = longest_stretch(contacts, motion, life)
+    stretch = min(longest_stretch(contacts, motion, life), most)
     # what rounding and the life take of the tolerance is not the panels' any more
     taken = round_off(motion, contacts.mean_threshold)
     taken += life.error * stretch / contacts.mean_threshold

@@ -78,7 +78,7 @@ class Solution:
     nodes: int
     success: bool
     message: str
-    _march: March = field(repr=False)
+    _march: March | None = field(repr=False)
     _by_index: bool = field(repr=False)
     _moments: Array = field(repr=False)
 
@@ -95,21 +95,22 @@ class Solution:
         Raises InputError where the path does not come there, and where contacts re-form at many
         stretches: these are not followed one by one.
         """
-        if not self._march.births.law.is_single:
-            raise InputError(
-                "contacts.reforming: Q(x;X) is not known where contacts re-form at many stretches"
-            )
-        if isinstance(self._march.life, AgeingPath):
-            raise InputError(
-                "contacts.ageing: Q(x;X) is not known along paths in time yet where contacts age"
-            )
-        if isinstance(self._march.life, GrainLife) and not self._march.motion.one_leg:
+        march = self._march
+        if march is None or (isinstance(march.life, GrainLife) and not march.motion.one_leg):
             raise InputError(
                 "contacts.grains: Q(x;X) is not known along paths in time yet where thresholds grow"
             )
-        time = self._point(where) if self._by_index else self._passing(where, leg)
-        found = reading.deltas(self._march, time)
-        return StretchDistribution(found.positions, found.weights, self._march, time)
+        if not march.births.law.is_single:
+            raise InputError(
+                "contacts.reforming: Q(x;X) is not known where contacts re-form at many stretches"
+            )
+        if isinstance(march.life, AgeingPath):
+            raise InputError(
+                "contacts.ageing: Q(x;X) is not known along paths in time yet where contacts age"
+            )
+        time = self._point(where) if self._by_index else self._passing(march.motion, where, leg)
+        found = reading.deltas(march, time)
+        return StretchDistribution(found.positions, found.weights, march, time)
 
     def _point(self, point: float) -> float:
         """When the path is at its point of this index."""
@@ -118,9 +119,9 @@ class Solution:
             refuse("point", point, f"must be the index of a point, from 0 to {self.path.size - 1}")
         return float(self._moments[int(point)])
 
-    def _passing(self, position: float, leg: int | None) -> float:
+    def _passing(self, motion: Motion, position: float, leg: int | None) -> float:
         """When the slider passes X = position, on the given leg if there are several."""
-        position, motion = finite("position", position), self._march.motion
+        position = finite("position", position)
         slack = SLACK * (1.0 + np.abs(motion.positions).max())
         found = {}
         for index, (before, after) in enumerate(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import time as clock
 from typing import TYPE_CHECKING
 
+import numpy as np
 import numpy.typing as npt
 
 from master.lives.make import life_of
@@ -18,7 +20,6 @@ from origins.errors import check_tolerance, positive
 
 if TYPE_CHECKING:
     from master.paper.q15_transient import AgeingTransient
-    from master.soft.in_time.solution import TimedSolution
 
 
 def solve(
@@ -32,7 +33,7 @@ def solve(
     slip: SlipRule = "reset",
     progress: Progress = unheard,
     wall_time: float | None = None,
-) -> Solution | TimedSolution | SoftSolution | AgeingTransient:
+) -> Solution | SoftSolution | AgeingTransient:
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
 
     Solved by number conservation, written with survivals, on panels. In the order in which they
@@ -78,8 +79,7 @@ def solve(
 
     Returns
     -------
-    Solution, TimedSolution where thresholds grow in heat and the speed changes, SoftSolution where
-    there is a spring, AgeingTransient for the paper's closure of ageing
+    Solution, SoftSolution where there is a spring, AgeingTransient for the paper's closure of ageing
         With success = False and the reason in `message` where the tolerance was not reached.
 
     Raises
@@ -101,7 +101,10 @@ def solve(
             from master.soft.in_time.solution import solve_given
 
             return solve_given(contacts, drive, tolerance, progress, wall_time)
-        life = life_of(contacts, tolerance, motion)
+        until = np.inf if wall_time is None else clock.monotonic() + wall_time
+        life = life_of(contacts, tolerance, motion, until)
+        if wall_time is not None:
+            wall_time = max(until - clock.monotonic(), 0.0)
         return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
     if _by_steps(contacts, drive):
         from master.soft.in_time.solution import solve_in_time

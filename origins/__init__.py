@@ -1,8 +1,10 @@
 """What one contact is and what is asked of it: thresholds, where they come from, starts, the drive."""
 
+# ruff: noqa: F401
 from origins.contacts import Contacts
 from origins.domains.barriers import barrier, triangular_barrier
 from origins.domains.calculators import harmonic_bonds, substrate_calculator
+from origins.domains.domain_samples import DomainSamples
 from origins.domains.islands import (
     circular_island,
     hexagonal_island,
@@ -12,9 +14,14 @@ from origins.domains.islands import (
     triangular_island,
 )
 from origins.domains.relaxed_barrier import RelaxedBarrier, relaxed_barrier
-from origins.domains.rotated import DomainSamples, domains
+from origins.domains.rotated import domains
 from origins.domains.structure_factors import structure_factors, triangular_structure_factors
-from origins.domains.substrates import Substrate, fourier_substrate, hexagonal_substrate, square_substrate
+from origins.domains.substrates import (
+    Substrate,
+    fourier_substrate,
+    hexagonal_substrate,
+    square_substrate,
+)
 from origins.drive import Drive
 from origins.errors import InputError
 from origins.grains.contact import GrainContact, growing_grains
@@ -24,7 +31,6 @@ from origins.laws import SoftRates, StiffRates
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.rate_law import RateLaw
-from origins.laws.reforming import boltzmann_reforming
 from origins.laws.thermal import Thermal
 from origins.roughness.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.roughness.from_surface import from_moments, from_topography, resolution_study
@@ -38,86 +44,14 @@ from origins.roughness.spectral_moments import SpectralMoments, moments_of_summi
 from origins.roughness.spectrum import moments_of_spectrum
 from origins.samples.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
 from origins.samples.from_samples import from_samples
-from origins.start import Start, gaussian_start
+from origins.start import Start, boltzmann_reforming, gaussian_start
 from origins.thresholds.continuous_mixture import continuous_mixture
+from origins.thresholds.families import gw_elastic, gw_plastic, lubricated, persson, rectangular
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.identical import identical
 from origins.thresholds.law import Thresholds
-from origins.thresholds.lubricated import lubricated
 from origins.thresholds.mixture import mixture
-from origins.thresholds.persson import persson
 from origins.thresholds.protocol import ThresholdLaw
-from origins.thresholds.rectangular import rectangular
-from origins.thresholds.weibull import gw_elastic, gw_plastic
 
-__all__ = [
-    "Ageing",
-    "Bootstrapped",
-    "Contacts",
-    "Delay",
-    "DomainSamples",
-    "Drive",
-    "GrainContact",
-    "GrainGrowth",
-    "InputError",
-    "Interface",
-    "Material",
-    "PowerLaw",
-    "RateLaw",
-    "RelaxedBarrier",
-    "SoftRates",
-    "SpectralMoments",
-    "Start",
-    "StiffRates",
-    "Substrate",
-    "Thermal",
-    "ThresholdLaw",
-    "Thresholds",
-    "barrier",
-    "boltzmann_reforming",
-    "bootstrap",
-    "bootstrap_laws",
-    "circular_island",
-    "column_stiffness",
-    "continuous_mixture",
-    "domains",
-    "film_growth",
-    "fourier_substrate",
-    "from_moments",
-    "from_samples",
-    "from_topography",
-    "gaussian",
-    "gaussian_start",
-    "grains",
-    "growing_grains",
-    "gw_elastic",
-    "gw_gaussian",
-    "gw_plastic",
-    "harmonic_bonds",
-    "hexagonal_island",
-    "hexagonal_substrate",
-    "identical",
-    "irregular_island",
-    "lubricated",
-    "mindlin_stiffness",
-    "mixture",
-    "moments_of_spectrum",
-    "moments_of_summits",
-    "persson",
-    "pressure_of_separation",
-    "rectangular",
-    "rectangular_island",
-    "relaxed_barrier",
-    "resolution_study",
-    "self_affine_surface",
-    "separation_of_pressure",
-    "sound_stiffness",
-    "spectral_moments",
-    "square_island",
-    "square_substrate",
-    "structure_factors",
-    "substrate_calculator",
-    "triangular_barrier",
-    "triangular_island",
-    "triangular_structure_factors",
-]
+# the face is all that is imported above
+__all__ = [name for name, found in globals().items() if hasattr(found, "__qualname__")]

@@ -32,10 +32,8 @@ class Births:
         self.law, self.thresholds = law, thresholds
         self.cut_weight, reach = self._weight_beyond()
         if self.cut_weight > _CUT_LIMIT:
-            raise InputError(
-                f"{name}: a weight of {self.cut_weight:.3g} lies beyond every threshold, at |x| >= {reach:.6g}; use "
-                "stretches below it"
-            )
+            beyond = f"beyond every threshold, at |x| >= {reach:.6g}; use stretches below it"
+            raise InputError(f"{name}: a weight of {self.cut_weight:.3g} lies {beyond}")
 
     def survival(self, x: npt.ArrayLike, birth: npt.ArrayLike) -> Array:
         """S(max(|birth|, |x|))/S(|birth|): probability that a contact born at `birth` and moved straight to x holds.
@@ -46,7 +44,8 @@ class Births:
         least = np.abs(np.asarray(birth, dtype=float))
         log_birth = np.asarray(self.thresholds.logsf(least))
         if not np.isfinite(log_birth).all():
-            refuse("birth", least[~np.isfinite(log_birth)].flat[0], "no threshold lies beyond; use a smaller stretch")
+            beyond = least[~np.isfinite(log_birth)].flat[0]
+            refuse("birth", beyond, "no threshold lies beyond; use a smaller stretch")
         furthest = np.maximum(least, np.abs(np.asarray(x, dtype=float)))
         return np.exp(self.thresholds.logsf(furthest) - log_birth)
 
@@ -64,10 +63,9 @@ class Births:
         return x, np.maximum(self.thresholds.isf(left), held)
 
     def _weight_beyond(self) -> tuple[float, float]:
-        """Weight where no threshold is left, or fewer than floating point can tell; and where that begins."""
+        """Weight where fewer thresholds are left than floating point can tell, and where that begins."""
         upper = self.thresholds.support()[1]
-        furthest = max(abs(end) for end in self.law.span)
-        if float(self.thresholds.sf(furthest)) > 0.0:
+        if float(self.thresholds.sf(max(abs(end) for end in self.law.span))) > 0.0:
             return 0.0, upper
         if not np.isfinite(upper):
             upper = float(self.thresholds.isf(_LEAST_SURVIVAL))

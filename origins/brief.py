@@ -12,7 +12,11 @@ _FEW, _LONGEST = 3, 100
 def brief(record: Any) -> str:
     """The repr of a dataclass whose arrays are told by their shape and range, and whose texts are cut short: set it as
     `__repr__` in the class."""
-    told = (f"{field.name}={_short(getattr(record, field.name))}" for field in fields(record) if field.repr)
+    told = (
+        f"{field.name}={_short(getattr(record, field.name))}"
+        for field in fields(record)
+        if field.repr
+    )
     return f"{type(record).__name__}({', '.join(told)})"
 
 
@@ -23,7 +27,13 @@ def _short(value: object) -> str:
         if value.dtype.kind not in "fiu" or not known.size:
             return f"<{shape} {value.dtype}>"
         return f"<{shape} from {known.min():.6g} to {known.max():.6g}>"
-    if isinstance(value, Mapping) or (isinstance(value, Sequence) and not isinstance(value, str | tuple)):
+    if isinstance(value, Mapping) or (
+        isinstance(value, Sequence) and not isinstance(value, str | tuple)
+    ):
         return f"<{len(value)}>" if len(value) > 0 else "<none>"
     text = " ".join(repr(value).split())
-    return text if not isinstance(value, str) or len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+    return (
+        text
+        if not isinstance(value, str) or len(text) <= _LONGEST
+        else f"{text[: _LONGEST - 3]}..."
+    )

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.births import Births
-from origins.errors import InputError, refuse
+from origins.errors import InputError, one_of, refuse
 from origins.grains.contact import GrainContact
 from origins.laws import RATE_LAWS
 from origins.laws.ageing import Ageing
@@ -26,8 +26,25 @@ from origins.thresholds.scipy_laws import as_thresholds
 # is None (stiffness: "independent") where it is not there. Solvers ask this list, Contacts.laws and
 # Contacts.replace, and keep no list of their own.
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
+# Laws that do not go together, and why; "mean rate" is the thermal closure "paper".
+_LINKED = "stiffness = 'linked': not defined with"
+_APART = {
+    "stiffness, mean rate": f'{_LINKED} thermal closure = "paper", which breaks all contacts at one '
+    'mean rate; use closure = "exact"',
+    "stiffness, ageing": f"{_LINKED} ageing: nothing says whether k_i follows a threshold that changes; "
+    'use "independent"',
+    "stiffness, grains": f"{_LINKED} thresholds that grow: <x_s> at birth is 0, and nothing says "
+    "whether k_i follows",
+    "grains, mean rate": 'thermal: closure = "paper" averages the rate over one P_c for all contacts, '
+    'and thresholds that grow have another at each age; use closure = "exact"',
+    "grains, ageing": "ageing: thresholds that grow with their age do age, by a law of their own, from 0 "
+    "where no fresh law diffuses; leave one of them out",
+    "grains, reforming": "reforming: contacts form again as their grains pin, where all thresholds are "
+    "0: none exceeds |r|; leave it out",
+}
 
 _UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
+_LONGEST = 1e150  # <x_s>, so that its square is a number; the shortest is the inverse
 _HOTTEST = 100.0  # k_BT/<k> of <x_s²>: barriers are below k_BT/200
 _COLDEST = 1e-20  # k_BT/<k> of <x_s>²: barriers are beyond all that rates could tell
 
@@ -81,11 +98,8 @@ class Contacts:
         Names of the laws that are there, of origins.contacts.LAWS.
 
     Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold: such contacts
-    hold nothing; for linked stiffness with thermal closure "paper", which gives all contacts one rate, or with
-    ageing or thresholds that grow, where the source does not say whether k_i follows; for thresholds that grow together
-    with the paper's closure of temperature, with ageing, which is another law of the same, or with re-forming at
-    stretches at which they hold nothing yet; for fresh thresholds where the final law has no weight; and for
-    temperatures below 1e-20 <x_s>², at which rates tell nothing.
+    hold nothing; for laws that do not go together, with the reason; for fresh thresholds where the final law has no
+    weight; and for temperatures below 1e-20 <x_s>², at which rates tell nothing.
     """
 
     def __init__(
@@ -103,25 +117,18 @@ class Contacts:
         self.interface = self.thresholds.interface
         self.start = as_start(start)
         positions, weights = self.thresholds.atoms
-        loose = float(weights[positions <= 0.0].sum())
-        if loose > 0.0:
-            raise InputError(
-                f"thresholds: a weight of {loose:.3g} lies at x = 0; such contacts never hold, so leave them out and "
-                "count them apart"
-            )
-        try:
-            self.mean_threshold = self.thresholds.mean()
-        except (OverflowError, ZeroDivisionError) as error:
-            raise InputError(f"thresholds: {_UNIT}") from error
-        if np.isfinite(self.mean_threshold) and not 1e-150 < self.mean_threshold < 1e150:
-            raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {_UNIT}")
+        if (loose := float(weights[positions <= 0.0].sum())) > 0.0:
+            rule = "such contacts never hold, so leave them out and count them apart"
+            raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {rule}")
+        self.mean_threshold = self.thresholds.mean()
         if not np.isfinite(self.mean_threshold):
-            raise InputError(
-                f"thresholds: the mean threshold is {self.mean_threshold}; with an infinite mean contacts never reach "
-                "a steady state"
-            )
+            rule = "with an infinite mean contacts never reach a steady state"
+            raise InputError(f"thresholds: the mean threshold is {self.mean_threshold}; {rule}")
+        if not 1.0 / _LONGEST < self.mean_threshold < _LONGEST:
+            raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {_UNIT}")
         # a family that is no law is refused here, by its name, and not in the middle of a solution
-        self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
+        x = self.mean_threshold * np.linspace(0.05, 3.0, 60)
+        self.thresholds.check_survival(x, self.thresholds.sf(x))
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
         self._take(thermal, ageing, delay, reforming, stiffness)
 
@@ -158,7 +165,8 @@ class Contacts:
         InputError as the constructor does, and for a name that it does not know.
         """
         again = None if self.reforming is None else self.reforming.law
-        given = {name: getattr(self, name) for name in LAWS if name != "grains"} | {"reforming": again}
+        given = {name: getattr(self, name) for name in LAWS if name != "grains"}
+        given["reforming"] = again
         known = ("thresholds", "start", *given)
         for name, value in changes.items():
             if name not in known:
@@ -173,7 +181,8 @@ class Contacts:
     def relative_stiffness(self, threshold: npt.ArrayLike) -> Array:
         """k_i/<k> of contacts with these thresholds (lengths): 1 if independent, x_si/<x_s> if linked; same shape."""
         threshold = np.asarray(threshold, dtype=float)
-        return threshold / self.mean_threshold if self.stiffness == "linked" else np.ones_like(threshold)[()]
+        linked = self.stiffness == "linked"
+        return threshold / self.mean_threshold if linked else np.ones_like(threshold)[()]
 
     def each_by_itself(self) -> Contacts:
         """These contacts with both closures "exact": each breaks at its own rate, and ages by itself; itself where it
@@ -188,59 +197,31 @@ class Contacts:
         return self.replace(thermal=thermal, ageing=ageing)
 
     def _check_laws(self) -> None:
-        if isinstance(self.thermal, Thermal) and (rule := too_cold(self.thermal.temperature, self.thresholds)):
-            refuse("thermal.temperature", self.thermal.temperature, rule)
-        if isinstance(self.thermal, Thermal) and (told := too_hot(self.thermal.temperature, self.thresholds)):
-            warnings.warn(told, TooHot, stacklevel=4)
+        """InputError for what is no law, and for laws that do not go together."""
+        if isinstance(self.thermal, Thermal):
+            temperature = self.thermal.temperature
+            if rule := too_cold(temperature, self.thresholds):
+                refuse("thermal.temperature", temperature, rule)
+            if told := too_hot(temperature, self.thresholds):
+                warnings.warn(told, TooHot, stacklevel=4)
         if self.ageing is not None and not isinstance(self.ageing, Ageing):
-            refuse("ageing", self.ageing, "must be an origins.Ageing, such as Ageing(gaussian(1.0, 0.02), rate=5e-4)")
+            such = "Ageing(gaussian(1.0, 0.02), rate=5e-4)"
+            refuse("ageing", self.ageing, f"must be an origins.Ageing, such as {such}")
         if self.delay is not None and not isinstance(self.delay, Delay):
             refuse("delay", self.delay, "must be an origins.Delay, such as Delay(time=0.2)")
-        if self.stiffness not in ("independent", "linked"):
-            refuse("stiffness", self.stiffness, 'must be "independent" or "linked"')
+        one_of("stiffness", self.stiffness, ("independent", "linked"))
         if self.ageing is not None and self.ageing.rate == 0.0 and self.ageing.closure == "exact":
             self.ageing = None
         if self.delay is not None and self.delay.time == 0.0:
             self.delay = None
-        if self.stiffness == "linked":
-            if self.thermal is not None and self.thermal.closure == "paper":
-                refuse(
-                    "stiffness",
-                    self.stiffness,
-                    'not defined with thermal closure = "paper", which breaks all contacts at one mean rate; use '
-                    'closure = "exact"',
-                )
-            if self.ageing is not None:
-                refuse(
-                    "stiffness",
-                    self.stiffness,
-                    "not defined with ageing: nothing says whether k_i follows a threshold that changes; use "
-                    '"independent"',
-                )
+        there = set(self.laws)
+        if self.thermal is not None and self.thermal.closure == "paper":
+            there.add("mean rate")
+        for pair, told in _APART.items():
+            if there.issuperset(pair.split(", ")):
+                raise InputError(told)
         if self.ageing is not None:
             self.ageing.check_fresh(self.thresholds)
-        if self.grains is not None:
-            self._check_grains()
-
-    def _check_grains(self) -> None:
-        if self.thermal is not None and self.thermal.closure == "paper":
-            raise InputError(
-                'thermal: closure = "paper" averages the rate over one P_c for all contacts, and thresholds that grow '
-                'have another at each age; use closure = "exact"'
-            )
-        if self.ageing is not None:
-            raise InputError(
-                "ageing: thresholds that grow with their age do age, by a law of their own, from 0 where no fresh law "
-                "diffuses; leave one of them out"
-            )
-        if self.reforming is not None:
-            raise InputError(
-                "reforming: contacts form again as their grains pin, where all thresholds are 0: none exceeds |r|; "
-                "leave it out"
-            )
-        if self.stiffness == "linked":
-            rule = "not defined with thresholds that grow: <x_s> at birth is 0, and nothing says whether k_i follows"
-            refuse("stiffness", "linked", rule)
 
 
 def check_contacts(
@@ -249,22 +230,20 @@ def check_contacts(
     """Raise InputError for anything but Contacts, such as thresholds alone, and for what `solver` does not take: of
     LAWS all that is not in `takes`, and unless `own_rates` a RateLaw that is none of origins.laws."""
     if not isinstance(contacts, Contacts):
-        refuse("contacts", contacts, "must be contacts, such as origins.Contacts(origins.gaussian(mean=1.0, std=0.05))")
+        such = "origins.Contacts(origins.gaussian(mean=1.0, std=0.05))"
+        refuse("contacts", contacts, f"must be contacts, such as {such}")
     for name in contacts.laws:
-        if name in takes:
-            continue
-        if name == "grains":
-            raise InputError(
-                f"contacts.thresholds: {solver} takes none that grow with age yet; use origins.grains(...)"
-            )
-        if name == "stiffness":
-            refuse("contacts.stiffness", contacts.stiffness, f'{solver} does not take it yet; leave it "independent"')
-        raise InputError(f"contacts.{name}: {solver} does not take it yet; leave {name} out of the contacts")
+        if name == "grains" and name not in takes:
+            rule = "takes none that grow with age yet; use origins.grains(...)"
+            raise InputError(f"contacts.thresholds: {solver} {rule}")
+        if name not in takes:
+            told = " = 'linked'" if name == "stiffness" else ""
+            rule = f"does not take it yet; leave {name} out of the contacts"
+            raise InputError(f"contacts.{name}{told}: {solver} {rule}")
     if isinstance(contacts.thermal, GivenRates) and not own_rates:
         known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
-        raise InputError(
-            f'contacts.thermal: {solver} does not take the rate law "{contacts.thermal.law}" yet; use {known}'
-        )
+        rule = f'does not take the rate law "{contacts.thermal.law}" yet; use {known}'
+        raise InputError(f"contacts.thermal: {solver} {rule}")
 
 
 class TooHot(UserWarning):
@@ -276,7 +255,7 @@ def too_hot(temperature: float, thresholds: Thresholds) -> str:
     share = temperature / thresholds.moment(2)
     if not share > _HOTTEST:
         return ""
-    kelvin = "" if thresholds.interface is None else ": of kelvins write temperature = { kelvin = 300.0 }"
+    kelvin = ": of kelvins write temperature = { kelvin = 300.0 }" if thresholds.interface else ""
     return (
         f"the temperature is {share:.3g} <x_s^2>: barriers are {0.5 / share:.1g} k_BT, so that contacts break as often "
         f"as they attempt, whatever their stretch and threshold; it is k_BT/<k>, a length squared{kelvin}"

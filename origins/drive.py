@@ -7,8 +7,9 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite_array, positive, refuse
+from origins.errors import InputError, finite_array, one_of, positive, refuse
 
+Array = npt.NDArray[np.float64]
 SlipRule = Literal["reset", "reform-after", "instant"]
 
 
@@ -49,13 +50,12 @@ class Drive:
         self.velocity = positive("velocity", velocity)
         self.time = None if time is None else _check_time(time, self.path, velocity)
         self.spring = None if spring is None else positive("spring", spring)
-        if slip not in get_args(SlipRule):
-            refuse("slip", slip, 'must be "reset", "reform-after" or "instant"')
+        one_of("slip", slip, get_args(SlipRule))
         if self.spring is None and slip != "reset":
-            refuse("slip", slip, "is what a slip of a soft slider does, and without spring the slider is rigid")
+            rule = "is what a slip of a soft slider does, and without spring the slider is rigid"
+            refuse("slip", slip, rule)
         self.slip = slip
-        before = np.append(0.0, self.path[:-1])
-        self._back = np.flatnonzero(self.path < before)
+        self._back = np.flatnonzero(self.path < _before(self.path))
         self.forward = not self._back.size
 
     def only_forward(self, solver: str) -> Drive:
@@ -64,25 +64,33 @@ class Drive:
             refuse("spring", self.spring, f"{solver} takes a rigid slider; leave it out")
         if self._back.size:
             at = int(self._back[0])
-            before = f"lies behind path[{at - 1}] = {self.path[at - 1]:g}" if at else "lies behind X = 0"
-            refuse(f"path[{at}]", self.path[at], f"{before}; {solver} takes a path that does not turn round")
+            ahead = f"path[{at - 1}] = {self.path[at - 1]:g}" if at else "X = 0"
+            rule = f"lies behind {ahead}; {solver} takes a path that does not turn round"
+            refuse(f"path[{at}]", self.path[at], rule)
         return self
 
 
-def _check_time(time: npt.ArrayLike, path: npt.NDArray[np.float64], velocity: float) -> npt.NDArray[np.float64]:
+def _check_time(time: npt.ArrayLike, path: Array, velocity: float) -> Array:
+    """The times of the path's points, in order, with time to move wherever the path moves."""
     if velocity != 1.0:
-        raise InputError(f"velocity = {velocity!r}: the times of the points say how fast; give one of the two")
+        rule = "the times of the points say how fast; give one of the two"
+        raise InputError(f"velocity = {velocity!r}: {rule}")
     times = finite_array("time", time)
     if times.shape != path.shape:
         refuse("time", times, f"must have the shape of the path, {path.shape}")
     if times[0] < 0.0:
         refuse("time[0]", times[0], "must be at least 0, when the slider is at X = 0")
-    early = np.flatnonzero(np.diff(times, prepend=0.0) < 0.0)
-    if early.size:
-        at = int(early[0])
-        refuse(f"time[{at}]", times[at], f"is before time[{at - 1}] = {times[at - 1]:g}; times must be in order")
-    moved = np.flatnonzero((np.diff(times, prepend=0.0) == 0.0) & (np.diff(path, prepend=0.0) != 0.0))
-    if moved.size:
-        at = int(moved[0])
-        refuse(f"time[{at}]", times[at], "leaves no time to get there; the path moves, so must the time")
+    earlier = _before(times)
+    bad = np.flatnonzero((times < earlier) | ((times == earlier) & (path != _before(path))))
+    if bad.size:
+        at = int(bad[0])
+        rule = f"is before time[{at - 1}] = {times[at - 1]:g}; times must be in order"
+        if times[at] == earlier[at]:
+            rule = "leaves no time to get there; the path moves, so must the time"
+        refuse(f"time[{at}]", times[at], rule)
     return times
+
+
+def _before(values: Array) -> Array:
+    """The value before each one; 0 before the first. (Differences would overflow.)"""
+    return np.append(0.0, values[:-1])

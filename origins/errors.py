@@ -5,7 +5,9 @@ from typing import NoReturn
 
 import numpy as np
 
-TEMPERATURE = "k_BT/<k>, a length squared in the unit of the thresholds; for T = 0 leave the law out"
+TEMPERATURE = (
+    "k_BT/<k>, a length squared in the unit of the thresholds; for T = 0 leave the law out"
+)
 _TOLERANCE = "such as 1e-8"
 
 
@@ -54,7 +56,9 @@ def positive(name: str, value: object, instead: str = "") -> float:
     return number
 
 
-def between(name: str, value: object, least: float, most: float, instead: str = "choose another unit") -> float:
+def between(
+    name: str, value: object, least: float, most: float, instead: str = "choose another unit"
+) -> float:
     """`value` as a float above zero from `least` to `most`; else the message ends in what to do `instead`."""
     number = positive(name, value)
     if not least <= number <= most:
@@ -81,7 +85,9 @@ def non_negative(name: str, value: object) -> float:
 def whole(name: str, value: object, least: int) -> int:
     """`value` as an int of at least `least`."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
-        refuse(name, value, f"must be a whole number of at least {least}{without_point(value, least)}")
+        refuse(
+            name, value, f"must be a whole number of at least {least}{without_point(value, least)}"
+        )
     if int(value) < least:
         refuse(name, value, f"must be a whole number of at least {least}")
     return int(value)
@@ -89,7 +95,11 @@ def whole(name: str, value: object, least: int) -> int:
 
 def without_point(value: object, least: int) -> str:
     """How to write a float that is whole, as the end of a rule: "; write 100000" for 1e5; else nothing."""
-    if isinstance(value, float | np.floating) and least <= value < 1e16 and value == math.floor(value):
+    if (
+        isinstance(value, float | np.floating)
+        and least <= value < 1e16
+        and value == math.floor(value)
+    ):
         return f"; write {int(value)}"
     return ""
 

@@ -8,11 +8,12 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr, ndtri
 
-from origins.errors import InputError, finite, non_negative, refuse
+from origins.errors import TEMPERATURE, InputError, finite, non_negative, positive, refuse
 from origins.thresholds.law import Array
 from origins.thresholds.scipy_laws import as_frozen, single_mean
 
-_REACH = 8.3  # standard deviations of a Gaussian with weight 1e-16 beyond
+_BEYOND = 1e-16  # weight that lies beyond either end of a span
+_REACH = 8.3  # standard deviations of a Gaussian with that weight beyond
 
 
 class Start:
@@ -74,15 +75,17 @@ class GaussianStart(Start):
         self.span = (mean - _REACH * std, mean + _REACH * std)
         self.breakpoints = np.empty(0)
 
+    def _z(self, x: npt.ArrayLike) -> Array:
+        return (np.asarray(x, dtype=float) - self._mean) / self._std
+
     def pdf(self, x: npt.ArrayLike) -> Array:
-        z = (np.asarray(x, dtype=float) - self._mean) / self._std
-        return np.exp(-0.5 * z * z) / (self._std * np.sqrt(2.0 * np.pi))
+        return np.exp(-0.5 * self._z(x) ** 2) / (self._std * np.sqrt(2.0 * np.pi))
 
     def cdf(self, x: npt.ArrayLike) -> Array:
-        return ndtr((np.asarray(x, dtype=float) - self._mean) / self._std)
+        return ndtr(self._z(x))
 
     def sf(self, x: npt.ArrayLike) -> Array:
-        return ndtr((self._mean - np.asarray(x, dtype=float)) / self._std)
+        return ndtr(-self._z(x))
 
     def ppf(self, q: npt.ArrayLike) -> Array:
         return self._mean + self._std * ndtri(np.asarray(q, dtype=float))
@@ -98,15 +101,13 @@ class FrozenStart(Start):
         self._law = frozen
         self._mean = single_mean(name, frozen)
         if not np.isfinite(self._mean):
-            raise InputError(
-                f"{name}: the mean of the distribution is {self._mean}; stretches need a finite mean"
-            )
-        lower, upper = (float(end) for end in frozen.support())
-        self.breakpoints = np.array([end for end in (lower, upper) if np.isfinite(end)])
-        self.span = (
-            lower if np.isfinite(lower) else float(frozen.ppf(1e-16)),
-            upper if np.isfinite(upper) else float(frozen.isf(1e-16)),
-        )
+            rule = "stretches need a finite mean"
+            raise InputError(f"{name}: the mean of the distribution is {self._mean}; {rule}")
+        ends = np.array([float(end) for end in frozen.support()])
+        self.breakpoints = ends[np.isfinite(ends)]
+        reach = float(frozen.ppf(_BEYOND)), float(frozen.isf(_BEYOND))
+        lower, upper = np.where(np.isfinite(ends), ends, reach)
+        self.span = float(lower), float(upper)
 
 
 def gaussian_start(mean: float, std: float) -> Start:
@@ -116,6 +117,16 @@ def gaussian_start(mean: float, std: float) -> Start:
     """
     mean, std = finite("mean", mean), non_negative("std", std)
     return GaussianStart(mean, std) if std > 0.0 else SingleStart(mean)
+
+
+def boltzmann_reforming(temperature: float) -> Start:
+    """R(x) ~ exp(-x²/2T), the normal law of width T^(1/2) = (k_BT/<k>)^(1/2) about x = 0 (paper, Sec. IV).
+
+    temperature : k_BT/<k>, a length squared. With linked stiffness too the width is that of <k>: a contact's stretch
+    is drawn before its threshold, on which its own k_i depends.
+    Raises InputError unless it is finite and above zero.
+    """
+    return gaussian_start(0.0, float(np.sqrt(positive("temperature", temperature, TEMPERATURE))))
 
 
 def as_start(start: object, name: str = "start") -> Start:
@@ -129,8 +140,5 @@ def as_start(start: object, name: str = "start") -> Start:
         return SingleStart(finite(name, start))
     if (frozen := as_frozen(start)) is not None:
         return FrozenStart(frozen, name)
-    refuse(
-        name,
-        start,
-        "must be None, a stretch, origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution",
-    )
+    such = "origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution"
+    refuse(name, start, f"must be None, a stretch, {such}")

@@ -49,10 +49,16 @@ def key_of(seed: object) -> tuple[int, int]:
 
 
 def words(
-    key: tuple[int, int], purpose: int, replica: npt.ArrayLike, contact: npt.ArrayLike, block: npt.ArrayLike
+    key: tuple[int, int],
+    purpose: int,
+    replica: npt.ArrayLike,
+    contact: npt.ArrayLike,
+    block: npt.ArrayLike,
 ) -> Words:
     """The four words of one draw block of one contact; replica, contact, block broadcast, result (4, ...)."""
     contact = np.asarray(contact, dtype=np.uint64)
     second = np.uint64(purpose << PURPOSE_SHIFT) | np.asarray(replica, dtype=np.uint64)
-    parts = np.broadcast_arrays(np.asarray(block, dtype=np.uint64), second, contact & _MASK, contact >> _HALF)
+    parts = np.broadcast_arrays(
+        np.asarray(block, dtype=np.uint64), second, contact & _MASK, contact >> _HALF
+    )
     return philox(np.stack(parts), key)

@@ -6,9 +6,9 @@ import numpy as np
 from numba import njit
 
 from eq_model.contact import Break, Contact, Watch, life
+from eq_model.draws.streams import make_stream
 from eq_model.lattice import Lattice, make_lattice
 from eq_model.physics import law_of
-from eq_model.streams import make_stream
 from origins import Contacts, Drive
 
 NOTHING = np.zeros(0, np.int64)

@@ -7,9 +7,8 @@ from collections import deque
 
 import numpy as np
 
-from eq_model.coupled.draws import Draws, relaxed_contact, stretched_contact
-from eq_model.coupled.replica import Followed
-from eq_model.coupled.slide_kernel import SIZES
+from eq_model.coupled.draws import Draws, take
+from eq_model.coupled.result import SIZES, Followed
 from origins import Contacts, Drive
 
 
@@ -40,12 +39,7 @@ class PlainReplica:
 
     def form(self, start: bool = False) -> None:
         """A contact forms at X."""
-        own, units = self.draws, np.int64(0)
-        if own.stretched if start else own.again_stretched:
-            stretches = own.starts if start else own.again
-            whole, units = stretched_contact(own.thresholds, stretches, own.top)
-        else:
-            whole = relaxed_contact(own.thresholds)
+        whole, units = take(self.draws[0 if start else 1])
         threshold, stretch = float(whole * self.unit), float(units * self.unit)
         k = float(self.contacts.relative_stiffness(threshold))
         self.held, self.stiffness = self.held + 1, self.stiffness + k

@@ -1,7 +1,10 @@
-"""Closed form of the steady state of (Q15) where fresh and final thresholds are normal."""
+"""Closed forms of (Q15): the steady state of normal laws, and the exact propagator of hops between cells."""
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import expm
+
+from origins.laws.diffusion import Diffusion
 
 Array = npt.NDArray[np.float64]
 
@@ -25,3 +28,9 @@ def gaussian_force(
     square = std**2 + (fresh_square - 2.0 * mean * fresh_mean + mean**2 - std**2) * second
     square = square + mean**2 + 2.0 * mean * (fresh_mean - mean) * first
     return c, 0.5 * square / c
+
+
+def evolved(hops: Diffusion, weights: Array, amount: float) -> Array:
+    """The weights of cells after D t = amount."""
+    generator = np.diag(hops.up, -1) + np.diag(hops.down, 1)
+    return expm(amount * (generator - np.diag(generator.sum(axis=0)))) @ weights

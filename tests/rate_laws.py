@@ -55,7 +55,7 @@ class Loose:
     def __init__(self) -> None:
         law = Tilted()
         self.log_rate, self.log_passed, self.reached = law.log_rate, law.log_passed, law.reached
-        self.rate, self.rate_and_passed = law.rate, law.rate_and_passed
+        self.rate = law.rate
 
 
 class Rounded(Tilted):
@@ -74,21 +74,6 @@ class Careless(Tilted):
 
     def reached(self, log_amount, near, threshold, stiffness):
         return Tilted.reached(self, log_amount, 0.0 * near, threshold, stiffness)
-
-
-class Endless(Tilted):
-    """No contact stops at its threshold."""
-
-    def reached(self, log_amount, near, threshold, stiffness):
-        return Tilted.reached(self, log_amount, near, 1e3 * threshold, stiffness)
-
-
-class Even(Tilted):
-    """The integral from 0 on without its sign."""
-
-    def rate_and_passed(self, x, threshold, stiffness, velocity):
-        rate, passed = Tilted.rate_and_passed(self, x, threshold, stiffness, velocity)
-        return rate, np.abs(passed)
 
 
 class Rooted(Tilted):
@@ -157,16 +142,6 @@ def _faults_of_rates(law: RateLaw, threshold: float, stiffness: float) -> Iterat
         rate = np.exp(log_rate)
     if not np.allclose(law.rate(x, threshold, stiffness), rate, rtol=1e-12, atol=0.0):
         yield "rate is not exp(log_rate)"
-    for velocity in (1e-3, 1.0, 1e200):
-        rate, passed = law.rate_and_passed(x, threshold, stiffness, velocity)
-        log_passed = law.log_passed(0.0, x, threshold, stiffness) - np.log(velocity)
-        if not np.allclose(rate, np.exp(log_rate - np.log(velocity)), rtol=1e-11, atol=1e-300):
-            yield "rate_and_passed: rate"
-        if not np.allclose(passed, np.exp(log_passed), rtol=1e-11, atol=1e-300):
-            yield "rate_and_passed: passed"
-        behind = law.rate_and_passed(-x, threshold, stiffness, velocity)
-        if not np.allclose(behind, (rate, -passed), rtol=1e-12, atol=0.0):
-            yield "rate_and_passed: not odd in x"
 
 
 def _faults_of_integrals(law: RateLaw, threshold: float, stiffness: float) -> Iterator[str]:
@@ -214,7 +189,6 @@ def _faults_of_shapes(law: RateLaw) -> Iterator[str]:
         "rate": (law.rate, (far,)),
         "log_passed": (law.log_passed, (near, far)),
         "reached": (law.reached, (-2.0 - far, near)),
-        "rate_and_passed": (lambda *given: law.rate_and_passed(*given, 0.3)[1], (far,)),
     }
     for name, (call, given) in calls.items():
         found = np.asarray(call(*given, THRESHOLDS, STIFFNESSES))

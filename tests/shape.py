@@ -24,7 +24,7 @@ LINES, FILES, CONSTANTS, ALL_LINES = 300, 20, 200, 7500
 # What passes a limit today: files with the lines that they may have, and the numbers of constants
 # and of lines.
 ALLOWED: dict[str, int] = {}
-CONSTANTS_TODAY, LINES_TODAY = 490, 14_080
+CONSTANTS_TODAY, LINES_TODAY = 411, 13_053
 
 Graph = dict[str, set[str]]
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import eq_model
 import master
 import origins
 from origins import Ageing, Contacts, Delay, InputError, Thermal
@@ -99,6 +100,15 @@ def test_refusals() -> None:
         with pytest.raises(InputError) as refusal:
             master.solve(contacts, path, time=time)
         assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value), str(refusal.value)
+
+
+def test_stretched_contacts_age_on_a_slider_that_rests_as_discrete_ones_do():
+    contacts = Contacts(origins.gaussian(1.0, 0.2), 0.6, ageing=Ageing(origins.gaussian(0.8, 0.1), 1e-2))
+    found = master.solve(contacts, [0.0, 0.0], 1e-4, time=[1.0, 10.0])
+    seen = eq_model.simulate(contacts, [0.0, 0.0], time=[1.0, 10.0], n_contacts=20_000)
+    assert found.success and found.force[-1] < 0.3
+    off = np.abs(found.force - seen.force)
+    assert (off < found.force_error + 5.0 * seen.force_standard_error).all()
 
 
 def test_force_does_not_know_how_far_the_path_goes_on() -> None:

@@ -24,22 +24,6 @@ def test_kinetic_force_of_figure_a05() -> None:
         assert (held[x < 0.0] == 0.0).all()
 
 
-@pytest.mark.parametrize("start", [None, 0.1, -0.15, origins.gaussian_start(0.05, 0.02)])
-def test_distribution_keeps_number_and_gives_the_force(start) -> None:  # type: ignore[no-untyped-def]
-    contacts = Contacts(NARROW, start, ageing=Ageing(origins.gaussian(1.0, 0.02), 5e-4))
-    path = np.array([0.2, 0.47, 0.9])
-    solution = master.solve(contacts, path, 1e-8)
-    assert solution.success
-    nodes, weights = np.polynomial.legendre.leggauss(16)
-    for at, force in zip(path, solution.force, strict=True):
-        told = solution.distribution(float(at))
-        edges = np.unique(np.concatenate([np.linspace(-0.9, 2.0, 300), [0.0, at]]))
-        x = edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (nodes + 1.0)
-        mass = 0.5 * np.diff(edges)[:, None] * weights * told.density(x)
-        assert mass.sum() + told.delta_weights.sum() == pytest.approx(1.0, abs=2e-8)
-        assert (mass * x).sum() + told.delta_weights @ told.delta_positions == pytest.approx(force, abs=2e-8)
-
-
 def test_error_is_a_promise_here_too() -> None:
     path = np.linspace(0.05, 6.0, 240)
     for fresh, start, final, rate, fine_to in [

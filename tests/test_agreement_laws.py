@@ -56,6 +56,9 @@ CASES = {
     "ageing, soft, delay": Case(
         Contacts(origins.gaussian(0.5, 0.1), 0.1, SOFT, AGEING, Delay(0.2)), tolerance=1e-4, number=300
     ),
+    "ageing, re-forming, delay": Case(
+        Contacts(YOUNG, 0.1, ageing=AGEING, reforming=0.15, delay=Delay(0.1)), tolerance=1e-4, number=300
+    ),
     "ageing, turning": Case(Contacts(YOUNG, ageing=WIDE), TURN, {"velocity": 2.0}, 3e-4, 300),
     "ageing, hold": Case(Contacts(YOUNG, ageing=WIDE), WAIT, {"time": UNTIL}, 3e-4, 300),
     "growing grains, delay": Case(Contacts(GRAINS, 0.1, delay=Delay(0.2)), tolerance=1e-5),

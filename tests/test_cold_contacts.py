@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import master
-from origins import Contacts, Delay, Thermal, Thresholds, gaussian, gw_elastic, identical
+from origins import Contacts, Delay, Thermal, Thresholds, gaussian, identical
 from tests.moving_contacts import move
 
 WIDE = gaussian(1.0, 0.2)
@@ -30,16 +30,6 @@ def test_a_hold_of_years_breaks_in_the_logarithm_of_time(kind: str) -> None:
     # even in ln t: so thick a layer for each factor
     fallen = -np.diff(solved.holding[3:])
     assert fallen.max() < 1.25 * fallen.min() and fallen.min() > 1e-4
-
-
-def test_slide_hold_slide_and_back_contact_by_contact() -> None:
-    path = np.array([0.6, 1.1, 1.1, 1.1, 1.4, 2.0, 2.6, 1.7, 0.9])
-    time = np.array([0.6, 1.1, 2.0, 1e6, 1e6 + 0.3, 1e6 + 0.9, 1e6 + 1.5, 1e6 + 2.4, 1e6 + 3.2])
-    contacts = Contacts(gw_elastic(1.0), 0.02, thermal=Thermal("soft", 1e-3, 1e12))
-    solved = master.solve(contacts, path, 1e-4, time=time)
-    force, error, _ = move(contacts, path, time, 100_000)
-    assert solved.success and solved.force_error < 1e-4
-    assert (np.abs(solved.force - force) < 4.5 * error).all()
 
 
 def test_a_soft_slider_slips_a_little_before_it_would_without_temperature() -> None:

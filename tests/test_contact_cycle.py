@@ -21,11 +21,15 @@ PATH = np.linspace(0.05, 5.0, 23) + 0.013
 WIDE, WAIT, WARM = gaussian(1.0, 0.2), Delay(0.3), Thermal("soft", 0.1)
 CASES = {
     "delay": lambda: Contacts(WIDE, gaussian_start(0.1, 0.05), delay=WAIT),
-    "delay, exact values": lambda: Contacts(mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3]), delay=WAIT),
+    "delay, exact values": lambda: Contacts(
+        mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3]), delay=WAIT
+    ),
     "delay, jumps": lambda: Contacts(rectangular(0.5, 1.5), delay=WAIT),
     "linked": lambda: Contacts(WIDE, gaussian_start(0.1, 0.05), stiffness="linked"),
     "linked, delay, behind": lambda: Contacts(WIDE, -0.6, stiffness="linked", delay=WAIT),
-    "linked, warm, delay": lambda: Contacts(WIDE, -0.4, stiffness="linked", thermal=WARM, delay=WAIT),
+    "linked, warm, delay": lambda: Contacts(
+        WIDE, -0.4, stiffness="linked", thermal=WARM, delay=WAIT
+    ),
     "ahead": lambda: Contacts(WIDE, reforming=0.2),
     "behind, delay": lambda: Contacts(WIDE, reforming=-0.2, delay=WAIT),
     "around": lambda: Contacts(WIDE, 0.1, reforming=boltzmann_reforming(0.01)),
@@ -33,7 +37,9 @@ CASES = {
         WIDE, reforming=gaussian_start(0.05, 0.05), stiffness="linked", delay=WAIT
     ),
     "ahead, warm, delay": lambda: Contacts(WIDE, 0.1, reforming=0.1, thermal=WARM, delay=WAIT),
-    "ahead, warm, linked": lambda: Contacts(WIDE, 0.1, reforming=0.1, thermal=WARM, stiffness="linked"),
+    "ahead, warm, linked": lambda: Contacts(
+        WIDE, 0.1, reforming=0.1, thermal=WARM, stiffness="linked"
+    ),
 }
 
 
@@ -86,7 +92,9 @@ def test_one_value_with_a_delay_is_a_sawtooth_with_gaps() -> None:
     solved = master.solve(contacts, path, 1e-10)
     np.testing.assert_allclose(solved.force, [0.7, 0.0, 0.1, 0.9, 0.0, 0.5], atol=1e-12)
     np.testing.assert_allclose(solved.holding, [1.0, 0.0, 1.0, 1.0, 0.0, 1.0], atol=1e-12)
-    twice = master.solve(Contacts(identical(2.0), reforming=0.5, stiffness="linked"), [1.9, 2.4, 3.6], 1e-10)
+    twice = master.solve(
+        Contacts(identical(2.0), reforming=0.5, stiffness="linked"), [1.9, 2.4, 3.6], 1e-10
+    )
     np.testing.assert_allclose(twice.force, [1.9, 0.9, 0.6], atol=1e-12)
 
 
@@ -118,40 +126,6 @@ def test_steady_distribution_carries_what_holds_and_the_force(name: str) -> None
     assert (density * x).sum() == pytest.approx(steady.force, abs=1e-8)
 
 
-def test_force_error_bounds_what_finer_lattices_change() -> None:
-    for contacts in (CASES["linked, delay, behind"](), CASES["around"](), CASES["delay, jumps"]()):
-        rough, fine = (master.solve(contacts, PATH, tolerance) for tolerance in (1e-4, 1e-9))
-        assert np.abs(rough.force - fine.force).max() <= rough.force_error + fine.force_error
-
-
-def test_laws_that_change_nothing_cost_nothing() -> None:
-    plain = master.solve(Contacts(WIDE, 0.1), PATH, 1e-9)
-    same = master.solve(Contacts(WIDE, 0.1, delay=Delay(0.0), reforming=0.0), PATH, 1e-9)
-    np.testing.assert_array_equal(plain.force, same.force)
-    np.testing.assert_array_equal(same.holding, 1.0)
-
-
-def test_propensity_of_delayed_contacts_reads_the_same_force() -> None:
-    contacts = Contacts(WIDE, delay=WAIT)
-    judged = master.propensity(contacts)
-    path = np.linspace(0.0, 3.0, 6001)
-    force = master.solve(contacts, path, 1e-9).force
-    assert judged.critical_spring == pytest.approx(-np.diff(force).min() / np.diff(path)[0], rel=1e-4)
-    assert judged.static_to_kinetic * master.steady_state(contacts).force == pytest.approx(force.max(), rel=1e-6)
-
-
-@pytest.mark.parametrize("value", [0.12657166, 1.03764, 7.7131e3])
-def test_exact_values_stay_where_rounding_leaves_them(value: float) -> None:
-    # births elsewhere move an exact value: that its place is rounded must not make a second one beside it
-    law = mixture([gaussian(1.65 * value, 0.165 * value), identical(value)], [0.7, 0.3])
-    contacts = Contacts(law, reforming=0.373 * value, delay=Delay(0.1 * value))
-    path = law.mean() * np.linspace(0.1, 8.0, 40)
-    solved = master.solve(contacts, path, 1e-9)
-    assert solved.success, solved.message
-    again = master.solve(Contacts(law, reforming=0.373 * value, delay=Delay(0.1 * value)), path[::3], 1e-11)
-    assert np.abs(solved.force[::3] - again.force).max() <= 1e-9 * law.mean()
-
-
 def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with() -> None:
     # hundreds of breaks of each: what a table lacks would add up as their square
     contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.4484), stiffness="linked")
@@ -162,17 +136,8 @@ def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with
     assert (np.abs(solved.force - steady.force) <= solved.force_error + steady.force_error).all()
 
 
-@pytest.mark.parametrize("start", [None, 0.1, -0.3, gaussian_start(0.0, 0.1)])
-@pytest.mark.parametrize("path", [[0.0], [0.0, 0.0], [1e-200], [1e-3]])
-def test_the_shortest_paths_at_a_temperature(start, path) -> None:  # type: ignore[no-untyped-def]
-    contacts = Contacts(gaussian(1.0, 0.2), start, thermal=Thermal("stiff", 0.1, 1e-3))
-    solution = master.solve(contacts, path)
-    assert solution.success and np.abs(solution.force - contacts.start.mean() - path).max() < 1e-5
-
-
-def test_where_nothing_is_broken_but_by_rounding_an_error_is_a_number() -> None:
-    contacts = Contacts(gaussian(1.0, 0.07864858122250983), reforming=1.2557986627165292)
-    solution = master.solve(contacts, np.linspace(0.0, 0.804, 122), 5e-7)
-    assert solution.success and 0.0 < solution.force_error <= 5e-7
-    finer = master.solve(contacts, solution.path, 1e-12)
-    assert np.abs(solution.force - finer.force).max() <= solution.force_error + finer.force_error
+def test_linked_contacts_that_start_in_the_far_tail_bear_what_their_thresholds_can() -> None:
+    """As many as one in 1e13 stand where no survival is a number; before any break all move with the slider."""
+    contacts = Contacts(gaussian(1.0, 0.0027), gaussian_start(0.0, 0.15), stiffness="linked")
+    solved = master.solve(contacts, [0.05, 0.1, -0.1], 1e-6, wall_time=60.0)
+    assert solved.success and np.abs(solved.force - [0.05, 0.1, -0.1]).max() < 1e-6

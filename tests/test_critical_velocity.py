@@ -57,16 +57,6 @@ def test_propensity_tells_the_same_spring() -> None:
     assert 1.0 / rate == pytest.approx(told.decoherence_length, rel=2e-3)
 
 
-def test_propensity_of_other_starts_and_delays() -> None:
-    fresh, ageing = origins.gaussian(0.5, 0.1), Ageing(origins.gaussian(0.8, 0.05), 1e-3)
-    start = origins.gaussian_start(0.1, 0.025)
-    for contacts in (Contacts(fresh, start, ageing=ageing), Contacts(fresh, ageing=ageing, delay=origins.Delay(0.1))):
-        told = master.propensity(contacts, 1e-6)
-        path = np.linspace(0.05, 3.0, 2951)
-        force = master.solve(contacts, path, 1e-8).force
-        assert told.critical_spring == pytest.approx(-np.diff(force).min() / 1e-3, rel=1e-4)
-
-
 def test_refusals() -> None:
     by_speed = "contacts.ageing: is None; v_c is that of contacts that age by diffusion. What a temperature, a delay or"
     cases = [

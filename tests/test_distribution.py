@@ -86,29 +86,11 @@ def test_identical_contacts_are_all_at_one_stretch_for_ever():
         assert q.delta_weights == pytest.approx([1.0], abs=1e-13)
 
 
-def test_exponential_thresholds_forget():
-    solution = master.solve(origins.Contacts(scipy.stats.expon()), PATH, 1e-10)
-    q, x = solution.distribution(2.0), np.linspace(0.0, 1.999, 200)
-    assert q.density(x) == pytest.approx(np.exp(-x), abs=1e-9)
-    assert q.delta_weights == pytest.approx([np.exp(-2.0)], rel=1e-12)
-    assert (q.density(np.array([-0.1, 2.1, 50.0])) == 0.0).all()
-
-
 def test_late_contacts_follow_survival_over_the_mean():
     law = origins.gw_plastic(2.0)
     solution = master.solve(origins.Contacts(law, origins.gaussian_start(0.1, 0.05)), np.linspace(0.0, 30.0, 301), 1e-9)
     x = np.linspace(0.0, 2.5, 101)
     assert solution.distribution(30.0).density(x) == pytest.approx(law.sf(x) / law.mean(), abs=1e-9)
-
-
-def test_density_has_the_shape_asked_for_and_the_scale_of_lengths():
-    one = master.solve(origins.Contacts(origins.gaussian(1.0, 0.1), 0.1), PATH, 1e-8).distribution(2.0)
-    tiny = master.solve(origins.Contacts(origins.gaussian(1e-9, 1e-10), 1e-10), 1e-9 * PATH, 1e-8).distribution(2e-9)
-    x = np.linspace(0.0, 1.4, 12).reshape(3, 4)
-    assert one.density(x).shape == (3, 4)
-    assert one.density(0.3).shape == ()
-    assert 1e-9 * tiny.density(1e-9 * x) == pytest.approx(one.density(x), rel=1e-9, abs=1e-12)
-    assert tiny.delta_positions == pytest.approx(1e-9 * one.delta_positions, rel=1e-12)
 
 
 @pytest.mark.parametrize("position", [-0.1, 3.1, float("nan"), float("inf"), "1", None, True])

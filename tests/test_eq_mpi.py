@@ -4,8 +4,6 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-from eq_model.layout import share
-
 SCENES = """
 import json
 import numpy as np
@@ -68,13 +66,3 @@ def test_bits_do_not_depend_on_the_number_of_ranks(mpirun: Callable[..., Any]) -
         assert max(shares) < 1.05 * min(shares)
     for scene in range(len(alone)):
         assert len({told[scene][3] for told in every}) == 1
-
-
-def test_more_ranks_than_contacts() -> None:
-    for total in (1, 3, 4, 1001):
-        for size in (1, 2, 3, 4, 7):
-            gap = [range(total // 3), range(total // 2, total)]
-            for contacts in ([range(total)], [part for part in gap if len(part)]):
-                shares = [[i for part in share(contacts, rank, size) for i in part] for rank in range(size)]
-                assert [i for part in shares for i in part] == [i for part in contacts for i in part]
-                assert max(map(len, shares)) - min(map(len, shares)) <= 1

@@ -72,21 +72,6 @@ def uniform_force(
     return force
 
 
-def gamma_force(atom: float, weight: float, shape: float, scale: float, x: np.ndarray) -> np.ndarray:
-    """Exact F(X) of relaxed contacts, an exact value beside gamma thresholds."""
-    force = x.copy()
-    for n in range(1, 200):
-        for k in range(n + 1):
-            share = math.comb(n, k) * weight ** (n - k) * (1.0 - weight) ** k
-            beyond = np.maximum(x - (n - k) * atom, 0.0) / scale
-            if not k:
-                force -= share / n * n * atom * (x >= n * atom)
-                continue
-            mean = k * shape * scale * scipy.special.gammainc(k * shape + 1.0, beyond)
-            force -= share / n * (mean + (n - k) * atom * scipy.special.gammainc(k * shape, beyond))
-    return force
-
-
 def spread(start: tuple[float, float] | None) -> object:
     return None if start is None else scipy.stats.uniform(start[0], start[1] - start[0])
 
@@ -117,39 +102,6 @@ def test_exact_values_beside_a_rectangle(name, start, tolerance):
     assert solution.nodes < 100_000
 
 
-@pytest.mark.parametrize("end", [0.3, 1.0, 1.6, 2.5, 5.0])
-@pytest.mark.parametrize("start", [(-0.02, 0.02), (-0.49, -0.39), (0.1, 0.3)])
-def test_a_path_that_ends_before_the_highest_values_break(end, start):
-    # what lies beyond the lattice is not missing from it
-    atoms, weights = [1.928, 0.646], [0.96, 0.04]
-    contacts = origins.Contacts(origins.mixture([origins.identical(a) for a in atoms], weights), spread(start))
-    x = np.linspace(0.0, end, 50)
-    solution = master.solve(contacts, x)
-    error = np.abs(solution.force - uniform_force(atoms, weights, 0.7, 0.8, x, start)).max() / contacts.mean_threshold
-    assert solution.success and error <= solution.force_error
-
-
-@pytest.mark.parametrize("law", [origins.identical(1.0), origins.rectangular(0.9, 1.1), origins.gaussian(1.0, 0.01)])
-def test_before_any_break_the_force_is_that_of_the_stretches(law):
-    contacts = origins.Contacts(law, scipy.stats.uniform(-0.05, 0.2))
-    for end in (0.0, 0.1, 0.3):
-        solution = master.solve(contacts, [0.0, end])
-        assert solution.success
-        np.testing.assert_allclose(solution.force, [0.05, 0.05 + end], atol=1e-12)
-
-
-@pytest.mark.parametrize("value", [1e-5, 1e-8])
-def test_values_far_below_a_node_break_at_once(value):
-    x = np.linspace(0.0, 3.0, 31)
-    rest = [origins.rectangular(0.5, 1.0), origins.gaussian(1.0, 0.1)]
-    law = origins.mixture([origins.identical(value), *rest], [0.3, 0.3, 0.4])
-    solution = master.solve(origins.Contacts(law), x, 1e-7)
-    without = master.solve(origins.Contacts(origins.mixture(rest, [3.0 / 7.0, 4.0 / 7.0])), x, 1e-9)
-    assert solution.success and solution.nodes < 2**20
-    # each break waits for 3/7 of such a value on average
-    assert np.abs(solution.force - without.force).max() <= 2.0 * value + 1e-7
-
-
 @pytest.mark.parametrize("wait", [0.9142893233907352, 0.1, 1.0 / 3.0])
 def test_an_exact_value_where_a_density_begins_counts_once(wait):
     """Moved by the wait, value and edge are rounded apart: none of them is another value."""
@@ -158,33 +110,6 @@ def test_an_exact_value_where_a_density_begins_counts_once(wait):
     contacts = origins.Contacts(law, 0.03, delay=origins.Delay(wait), stiffness="linked")
     solution = master.solve(contacts, [0.0, 20.0])
     assert solution.success and solution.force_error < 1e-8
-
-
-@pytest.mark.parametrize("shape", [1.0, 4.0 / 3.0, 1.5, 2.0])
-def test_an_exact_value_beside_an_onset(shape):
-    law = origins.mixture([origins.identical(0.9), scipy.stats.gamma(shape, scale=1.0 / shape)], [0.4, 0.6])
-    x = np.linspace(0.0, 4.0, 401)
-    solution = master.solve(origins.Contacts(law), x, 1e-7)
-    error = np.abs(solution.force - gamma_force(0.9, 0.4, shape, 1.0 / shape, x)).max() / law.mean()
-    assert solution.success
-    assert error <= solution.force_error <= 1e-7
-
-
-@pytest.mark.parametrize("fraction", [0.0, 0.3])
-def test_the_lattice_sees_each_place_where_it_is(fraction):
-    # with the places put right, halving the step leaves the third order alone
-    atoms, weights, low, high = SCENES["one value off the lattice"]
-    law = origins.mixture([origins.identical(atoms[0]), origins.rectangular(low, high)], [weights[0], 1 - weights[0]])
-    contacts = origins.Contacts(law)
-    x = np.linspace(fraction, 3.0 + fraction, 700)
-    exact = uniform_force(atoms, weights, low, high, x)
-    errors, nodes = [], []
-    for tolerance in (1e-5, 1e-9):
-        solution = master.solve(contacts, x, tolerance)
-        errors.append(np.abs(solution.force - exact).max())
-        nodes.append(solution.nodes)
-    assert errors[1] < 1e-9
-    assert nodes[1] < 40 * nodes[0]
 
 
 @pytest.mark.parametrize("wait", [0, 2])

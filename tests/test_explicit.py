@@ -58,14 +58,6 @@ def test_agrees_with_solve_to_its_own_first_order_error(thresholds, start, break
     assert np.abs(2.0 * fine - coarse - reference).max() < 0.1 * own_error
 
 
-@pytest.mark.parametrize("breaking", ["survival", "printed"])
-def test_contacts_are_kept_to_round_off(breaking):
-    path = np.linspace(0.0, 20.0, 37)
-    for thresholds in (origins.rectangular(0.0, 1.0), origins.lubricated(1.0), origins.gw_plastic(1.0)):
-        contacts = origins.Contacts(thresholds, origins.gaussian_start(0.0, 0.1))
-        assert np.abs(explicit(contacts, path, 0.01, breaking).holding - 1.0).max() < 1e-13
-
-
 def test_constant_hazard_slides_as_in_q14c():
     """P(x) = p beyond x_s: F_k = [x_s + 1/p + 1/p/(1 + p x_s)]/2, Eq. Q14c."""
     contacts = origins.Contacts(as_thresholds(expon(0.5, 0.25)))
@@ -105,27 +97,6 @@ def test_a_start_below_zero_is_a_relaxed_start_that_comes_later():
     below = explicit(origins.Contacts(thresholds, -0.5), PATH + 0.5, 0.01).force
     assert np.abs(below - relaxed).max() < 1e-13
     assert explicit(origins.Contacts(thresholds, -0.5), [0.0, 0.25], 0.01).force == pytest.approx([-0.5, -0.25])
-
-
-def test_the_mean_of_a_start_off_the_grid_stays():
-    for start, allowed in ((0.3333, 1e-15), (origins.gaussian_start(0.3333, 0.05), 1e-14)):
-        contacts = origins.Contacts(origins.gaussian(1.0, 0.05), start)
-        assert abs(explicit(contacts, [0.0], 0.01).force[0] - contacts.start.mean()) < allowed
-
-
-def test_irregular_path_is_read_between_steps():
-    contacts = origins.Contacts(origins.gw_plastic(1.0), 0.2)
-    grid = explicit(contacts, 0.01 * np.arange(301), 0.01).force
-    path = np.array([0.0, 0.013, 0.5, 0.5, 1.2345, 3.0])
-    assert np.abs(explicit(contacts, path, 0.01).force - np.interp(path, 0.01 * np.arange(301), grid)).max() < 1e-13
-
-
-def test_lengths_only_set_the_scale():
-    path = np.linspace(0.0, 4.0, 50)
-    force = explicit(origins.Contacts(origins.gaussian(1.0, 0.1), 0.25), path, 0.01).force
-    for scale in (1e-9, 1e9):
-        contacts = origins.Contacts(origins.gaussian(scale, 0.1 * scale), 0.25 * scale)
-        assert np.abs(explicit(contacts, scale * path, 0.01 * scale).force / scale - force).max() < 1e-9
 
 
 @pytest.mark.parametrize(

@@ -71,17 +71,6 @@ def some_of(contacts: Contacts, asked: dict[str, Any], blocks: int) -> State:
     return ensemble.state
 
 
-@pytest.mark.parametrize("contacts", [PLAIN, WAITING], ids=["plain", "waiting"])
-def test_threads_share_the_blocks_and_change_nothing(contacts: Contacts) -> None:
-    asked: dict[str, Any] = {"n_contacts": 200_000, "seed": 8, "n_replicas": 2}
-    whole = eq_model.simulate(contacts, PATH, **asked)
-    for threads in (2, 3):
-        same(eq_model.simulate(contacts, PATH, **asked, threads=threads), whole)
-    part = eq_model.Ensemble(contacts, PATH, **asked, threads=3)
-    list(islice(part, 4))
-    same(followed(eq_model.Ensemble(contacts, PATH, **asked, earlier=[part.state])), whole)
-
-
 def test_it_stops_where_the_tolerance_is_reached() -> None:
     run = eq_model.simulate(PLAIN, PATH, n_contacts=2_000_000, tolerance=1e-3)
     assert run.success and "within the tolerance" in run.message
@@ -107,11 +96,6 @@ def test_a_round_that_was_not_enough_is_not_judged_again() -> None:
         same(followed(eq_model.Ensemble(PLAIN, PATH, **asked, earlier=[first.state])), whole)
 
 
-def test_a_tolerance_out_of_reach_is_said() -> None:
-    run = eq_model.simulate(PLAIN, PATH, n_contacts=50_000, tolerance=1e-4)
-    assert not run.success and run.contacts == 50_000 and "above the tolerance" in run.message
-
-
 def test_no_block_begins_after_the_wall_time() -> None:
     ensemble = eq_model.Ensemble(WAITING, PATH, n_contacts=10_000_000, wall_time=2.5)
     # two seconds and a half are over once the third block is done
@@ -131,16 +115,6 @@ def test_another_ensembles_state_is_refused() -> None:
         eq_model.Ensemble(PLAIN, PATH, n_contacts=10, earlier=[other.state])
     with pytest.raises(origins.InputError, match="no block"):
         other.result()
-
-
-def test_rounds_double_and_cover_all() -> None:
-    for total in (1, 16_384, 16_385, 1_000_003):
-        blocks = layout.make_blocks(total, 2)
-        rounds = blocks.rounds(True)
-        assert [i for part in rounds for i in (part.start, part.stop)][1:-1:2] == [part.start for part in rounds[1:]]
-        assert rounds[0] == range(1) and rounds[-1].stop == blocks.total
-        assert all(abs(len(later) - later.start) <= 1 for later in rounds[1:])
-        assert blocks.rounds(False) == [range(blocks.total)]
 
 
 @pytest.mark.parametrize("total", [1, 16_384, 16_385, 300_001])

@@ -92,19 +92,6 @@ def test_decay_to_steady_sliding() -> None:
     assert told.decoherence_length == pytest.approx(spectrum.decay_length[0], rel=1e-9)
 
 
-def test_stretches_of_those_that_hold() -> None:
-    contacts, velocity = Contacts(GRAINS, origins.gaussian_start(0.2, 0.05)), 1.0
-    solved = master.solve(contacts, [0.3, 1.1, 2.5], 1e-8, velocity=velocity)
-    for k, place in enumerate(solved.path):
-        x = np.linspace(-0.3, 3.0, 6601)
-        density = solved.distribution(place).density(x)
-        step = x[1] - x[0]
-        assert density.sum() * step == pytest.approx(solved.holding[k], abs=2e-3)
-        assert (density * x).sum() * step == pytest.approx(solved.force[k], abs=2e-3)
-    steady = master.steady_state(contacts, velocity=velocity)
-    assert steady.distribution(x).sum() * step == pytest.approx(steady.holding, abs=2e-3)
-
-
 @pytest.mark.parametrize("velocity", [1e-300, 1e-60, 1e60, 1e300])
 def test_speeds_beyond_floating_point_are_refused(velocity: float) -> None:
     contacts = Contacts(origins.growing_grains(1.0, 1.0, age=4.0))

@@ -55,19 +55,6 @@ def test_far_along_the_force_is_that_of_steady_sliding() -> None:
     assert (curve.holding[1] < curve.holding[0]).all()
 
 
-def test_steps_in_time_tell_what_the_renewal_equation_does() -> None:
-    path = np.linspace(0.0, 3.0, 7)[1:]
-    for start, thermal in ((0.05, Thermal("soft", 0.1)), (-0.2, Thermal("stiff", 0.2, 2.0))):
-        contacts = Contacts(GRAINS, start, thermal=thermal)
-        renewed = master.solve(contacts, path, 1e-8, velocity=0.5)
-        # a last leg at another speed: then the way is followed in steps
-        further, later = np.append(path, 3.1), np.append(path / 0.5, 6.3)
-        stepped = master.solve(contacts, further, 8e-3, time=later)
-        off = np.abs(renewed.force - stepped.force[:-1]).max() / contacts.mean_threshold
-        assert renewed.success and stepped.success and off < stepped.force_error < 8e-3
-        assert np.abs(renewed.holding - stepped.holding[:-1]).max() < 3e-3
-
-
 def test_so_fast_that_none_holds_which_pins_on_the_way() -> None:
     contacts, path = Contacts(GRAINS), [0.5, 1.0, 4.0]
     quick, quickest = (master.solve(contacts, path, 1e-3, velocity=velocity) for velocity in (30.0, 50.0))

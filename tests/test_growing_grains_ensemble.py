@@ -5,7 +5,7 @@ import pytest
 import scipy.stats
 
 import eq_model
-from eq_model import growing
+from eq_model.laws import growing
 from origins import Contacts, Drive, Thermal, growing_grains
 from origins.errors import InputError
 from tests.lane_contacts import Lane

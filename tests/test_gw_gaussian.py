@@ -6,8 +6,8 @@ import pytest
 
 import origins
 from origins.roughness.gw_gaussian import EXPONENTS
+from origins.thresholds.families import Weibull
 from origins.thresholds.law import Thresholds
-from origins.thresholds.weibull import Weibull
 
 UPPER = 10.0 ** -np.array([0.02, 0.3, 1, 2, 5, 10, 30, 80, 150, 220, 280])
 REGIMES = [

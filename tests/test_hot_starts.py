@@ -2,7 +2,6 @@
 than most, and short paths."""
 
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 import pytest
@@ -12,8 +11,6 @@ from scipy.integrate import quad
 
 import master
 from origins import Contacts, Delay, InputError, Thermal, gaussian, gaussian_start
-
-WIDE = scipy.stats.lomax(2.1)
 
 
 def held(contacts: Contacts, x: float) -> float:
@@ -61,19 +58,6 @@ def test_contacts_that_break_as_they_start_were_born_there(start: float, again: 
 
     path = np.linspace(0.01, 1.5, 20)
     np.testing.assert_allclose(force(start), force(again), rtol=0.0, atol=1e-4)
-
-
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-def test_a_short_path_is_the_beginning_of_a_long_one(law: Literal["soft", "stiff"]) -> None:
-    spread = Contacts(gaussian(1.0, 0.06), gaussian_start(0.08, 0.02), thermal=Thermal(law, 0.01, 1e3))
-    # its first breaks lie beyond what a path from 0 would meet
-    linked = Contacts(
-        gaussian(1.0, 2e-4), 0.25, Thermal(law, 4e-3, 1e-6), delay=Delay(0.01), reforming=0.15, stiffness="linked"
-    )
-    for contacts, end in ((spread, 3e-3), (linked, 0.5)):
-        short, long = (master.solve(contacts, path, 1e-9) for path in ([end], [end, 2.5]))
-        assert short.success
-        assert short.force[0] == pytest.approx(long.force[0], abs=short.force_error + long.force_error)
 
 
 def test_contacts_that_form_again_behind_and_break_at_once_bear_less_than_nothing() -> None:

@@ -35,13 +35,17 @@ for name in shipped_scenes():
 print(json.dumps(told))
 """
     words = [sys.executable, "-c", code]
-    done = subprocess.run(words, env=clean_environment(), capture_output=True, text=True, timeout=HANGS)
+    done = subprocess.run(
+        words, env=clean_environment(), capture_output=True, text=True, timeout=HANGS
+    )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
 
 @pytest.mark.parametrize("name", shipped_scenes())
-def test_master_alone_needs_no_heavy_package(name: str, told: dict[str, tuple[float, list[str]]]) -> None:
+def test_master_alone_needs_no_heavy_package(
+    name: str, told: dict[str, tuple[float, list[str]]]
+) -> None:
     force, modules = told[name]
     assert 0.0 < force < 2.0
     assert not set(HEAVY) & set(modules)

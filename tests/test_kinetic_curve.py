@@ -6,7 +6,6 @@ from typing import Literal
 import numpy as np
 import pytest
 from q15_references import gaussian_force
-from scipy.stats import weibull_min
 
 import master
 from origins import (
@@ -17,13 +16,12 @@ from origins import (
     Thermal,
     boltzmann_reforming,
     gaussian,
-    gaussian_start,
     gw_elastic,
     identical,
     mixture,
     rectangular,
 )
-from origins.thresholds.quadrature import NODES, gauss, panel_edges
+from origins.thresholds.quadrature import gauss
 
 SPEEDS = np.geomspace(1e-6, 1e4, 200)
 NARROW = gaussian(1.0, 0.05)
@@ -148,86 +146,6 @@ def test_wide_laws_slow_and_hot(thermal: Thermal, speed: float, more, thresholds
     assert curve.force_error <= 4e-9 * curve.force / contacts.mean_threshold
 
 
-@pytest.mark.parametrize(
-    ("law", "thermal"),
-    [
-        (weibull_min(0.8), Thermal("soft", 31.988, 1095.5)),
-        (rectangular(0.0, 0.8), Thermal("soft", 0.083387, 65946.5)),
-        (gaussian(1.0, 0.4), Thermal("stiff", 39.328, 1447.9)),
-    ],
-    ids=["wide", "rectangular", "gaussian"],
-)
-def test_fast_attempts_on_low_thresholds(law: object, thermal: Thermal) -> None:
-    """Between thresholds reached at once and those never reached, x_b changes where P_c does not."""
-    contacts = Contacts(law, thermal=thermal)
-    curve, tables = master.kinetic_curve(contacts, [0.5, 1.0]), master.steady_state(contacts)
-    off = abs(curve.force[1] - tables.force)
-    assert off <= (curve.force_error[1] + tables.force_error) * contacts.mean_threshold < 2e-8 * tables.force
-
-
-def by_stretches(contacts: Contacts, speed: float) -> float:
-    """F_k by another road: <x_b> and <k x_b^2> as integrals of what still holds over x, then over thresholds."""
-    thermal, law = contacts.thermal, contacts.thresholds
-    assert thermal is not None
-    nodes, weights = np.polynomial.legendre.leggauss(20)
-    nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
-    # far into the tail, which tells where all but the strongest break at once
-    edges = np.concatenate([np.geomspace(1e-16, 0.02, 50), np.linspace(0.0, 1.0, 41)[1:] * float(law.isf(1e-70))])
-    edges = np.unique(edges)
-    width = np.diff(edges)[:, None]
-    thresholds = (edges[:-1, None] + width * nodes).ravel()
-    shares = (width * weights).ravel() * law.pdf(thresholds)
-    stiffness = contacts.relative_stiffness(thresholds)[:, None]
-    amounts = speed * np.exp(np.append(np.arange(-40.0, -4.0, 3.0), np.arange(-4.0, 4.6, 0.5)))
-    cuts = np.sort(
-        np.hstack(
-            [
-                np.zeros((thresholds.size, 1)),
-                thermal.inverse(amounts, thresholds[:, None], stiffness=stiffness),
-                thresholds[:, None] * (1.0 - np.append(0.2 ** np.arange(1.0, 10.0), 0.0)),
-            ]
-        )
-    )
-    length, square = 0.0, 0.0
-    for begin, end in zip(cuts.T[:-1], cuts.T[1:], strict=True):
-        x = np.minimum(begin[:, None] + (end - begin)[:, None] * nodes, thresholds[:, None])
-        spent = thermal.log_cumulative(x, thresholds[:, None], stiffness=stiffness) - np.log(speed)
-        held = np.exp(-np.exp(np.minimum(spent, 7.0))) * weights * (end - begin)[:, None]
-        length += float(shares @ held.sum(axis=1))
-        square += 2.0 * float((shares * stiffness[:, 0]) @ (x * held).sum(axis=1))
-    return 0.5 * square / length
-
-
-@pytest.mark.parametrize(
-    ("thermal", "speed", "stiffness"),
-    [
-        (Thermal("soft", 0.00776, 390.0), 1.0, "linked"),
-        (Thermal("soft", 3.0, 4200.0), 0.0041, "linked"),
-        (Thermal("soft", 0.3, 1e-3), 1.0, "independent"),
-        # the strongest 1e-24 of all contacts carry the force
-        (Thermal("stiff", 2.0619038449984872, 9863759.88), 1.5167e-5, "independent"),
-        (Thermal("stiff", 18.0376, 1813.58), 3.7447e-6, "linked"),
-    ],
-)
-def test_wide_laws_by_integrals_over_stretches(thermal: Thermal, speed: float, stiffness: str) -> None:
-    contacts = Contacts(gaussian(1.0, 1.0), thermal=thermal, stiffness=stiffness)
-    curve = master.kinetic_curve(contacts, [speed, 3.0 * speed])
-    unit = contacts.mean_threshold
-    known = by_stretches(contacts, speed) / unit
-    assert abs(curve.force[0] / unit - known) <= curve.force_error[0] + 1e-12 * known
-    assert curve.force_error[0] <= 1e-10 * known
-
-
-def test_temperatures_share_the_panels_of_their_law() -> None:
-    for law in ("soft", "stiff"):
-        contacts = Contacts(gaussian(1.0, 0.3), thermal=Thermal(law, 1.0), stiffness="linked")  # type: ignore[arg-type]
-        heat = np.geomspace(1e-3, 10.0, 5)
-        together = master.kinetic_curve(contacts, 0.1, temperature=heat)
-        single = [master.kinetic_curve(contacts, 0.1, temperature=float(t)).force for t in heat]
-        np.testing.assert_array_equal(together.force, single)
-        assert (together.force_error < 1e-10).all()
-
-
 @pytest.mark.parametrize(("law", "stiffness"), [("soft", "independent"), ("stiff", "linked")])
 def test_births_at_many_stretches_at_any_speed(law: str, stiffness: str) -> None:
     """Against integrals over stretches and births."""
@@ -249,40 +167,6 @@ def test_births_at_many_stretches_at_any_speed(law: str, stiffness: str) -> None
     assert found.force_error.max() < 1e-8
     single = master.steady_state(contacts, velocity=1e-3)
     assert single.force == found.force[1] and single.force_error == found.force_error[1]
-
-
-@pytest.mark.parametrize(("law", "stiffness", "mean"), [("soft", "linked", 0.0), ("stiff", "independent", -0.2)])
-def test_births_among_the_thresholds(law: str, stiffness: str, mean: float) -> None:
-    """Against one sum over thresholds, births and stretches, where a tenth of the births meets weaker thresholds."""
-    thermal, births = Thermal(law, 0.3), gaussian_start(mean, 0.2)  # type: ignore[arg-type]
-    thresholds = gaussian(1.0, 0.2)
-    contacts = Contacts(thresholds, thermal=thermal, reforming=births, stiffness=stiffness)  # type: ignore[arg-type]
-    found = master.kinetic_curve(contacts, [0.1, 3.0])
-    edges = panel_edges(thresholds)
-    limits, shares = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
-    shares = shares * thresholds.pdf(limits)
-    lengths, areas = np.zeros(2), np.zeros(2)
-    for limit, share in zip(limits[shares > 1e-13], shares[shares > 1e-13], strict=True):
-        cuts = limit * np.concatenate([np.linspace(-1.0, 1.0, 13), [-0.99, -0.95, 0.95, 0.99]])
-        cuts = np.unique(np.clip(cuts, mean - 1.6, mean + 1.6))
-        r, weight = (part.ravel() for part in gauss(cuts[:-1], cuts[1:]))
-        weight = share * weight * births.pdf(r) / thresholds.sf(np.abs(r))
-        r, weight = r[weight > 1e-16], weight[weight > 1e-16]
-        # in roots of the distance from the threshold
-        parts = np.linspace(0.0, 1.0, 7)
-        above = np.sqrt(limit - np.maximum(r, 0.0))[:, None] * parts
-        below = np.minimum(r, 0.0)[:, None] * parts[::-1]
-        (y, w), (low, lower) = gauss(above[:, :-1], above[:, 1:]), gauss(below[:, :-1], below[:, 1:])
-        x = np.concatenate([limit - y**2, low], axis=1).reshape(r.size, 12 * NODES)
-        w = np.concatenate([2.0 * y * w, lower], axis=1).reshape(r.size, 12 * NODES)
-        kappa = contacts.relative_stiffness(limit)
-        spent = thermal.cumulative(np.maximum(x, r[:, None]), limit, r[:, None], kappa)
-        for i, speed in enumerate((0.1, 3.0)):
-            held = weight[:, None] * w * np.exp(-spent / speed)
-            lengths[i] += held.sum()
-            areas[i] += kappa * (held * x).sum()
-    assert (np.abs(found.force - areas / lengths) <= found.force_error + 1e-9).all()
-    assert found.force_error.max() < 1e-8
 
 
 def test_speeds_beyond_numbers_are_told() -> None:

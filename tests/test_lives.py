@@ -1,11 +1,9 @@
 """Paths in time: turns, holds and velocity steps of contacts with laws of their own."""
 
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 import pytest
-import scipy.stats
 from counted_calls import CountedCalls
 from moving_contacts import move
 from scipy.integrate import quad
@@ -80,14 +78,6 @@ def test_a_hold_lets_each_threshold_decay_at_its_own_rate(thermal: Thermal, tole
     assert np.abs(solved.force - exact).max() <= solved.force_error
 
 
-def test_after_a_hold_the_force_overshoots() -> None:
-    path, time = along([(0.0, 0.0), (2.0, 2.0), (2.0, 102.0), (4.0, 104.0)], 21)
-    solved = master.solve(Contacts(WIDE, thermal=SOFT), path, 1e-3, time=time)
-    steady = master.steady_state(Contacts(WIDE, thermal=SOFT)).force
-    held, peak = solved.force[40], solved.force[41:].max()
-    assert solved.success and held < 0.25 * steady and peak > 1.25 * steady
-
-
 def test_the_paper_closure_forgets_after_a_turn() -> None:
     """At next to no rate it is App. C, whose plain scheme is of first order."""
     path, _ = along([(0.0, 0.0), (0.9, 1.0), (-0.9, 2.0)], 10)
@@ -95,20 +85,6 @@ def test_the_paper_closure_forgets_after_a_turn() -> None:
     solved = master.solve(contacts, path, 1e-4)
     coarse, fine = (explicit_loop(Contacts(WIDE), path, step).force for step in (2e-3, 1e-3))
     assert solved.success and np.abs(solved.force - (2.0 * fine - coarse)).max() < 2e-4
-
-
-EXTREMES = [("soft", 1e-6, 1.0), ("stiff", 1e3, 1.0), ("stiff", 0.1, 1e-12)]
-
-
-@pytest.mark.parametrize(("law", "temperature", "frequency"), EXTREMES)
-def test_extremes_end_in_numbers_and_plain_words(
-    law: Literal["soft", "stiff"], temperature: float, frequency: float
-) -> None:
-    contacts = Contacts(WIDE, 0.1, thermal=Thermal(law, temperature, frequency))
-    solved = master.solve(contacts, [0.4, 0.4, 0.1], 1e-2, time=[0.4, 1e3, 1e3 + 1.0])
-    assert np.isfinite(solved.force).all() and np.abs(solved.force).max() < 1.0
-    assert solved.success == (solved.force_error <= 1e-2)
-    assert solved.success or "steps" in solved.message
 
 
 def test_paths_on_which_contacts_do_too_much_are_refused_soon() -> None:
@@ -183,13 +159,3 @@ def test_a_hold_without_end_leaves_thresholds_in_balance() -> None:
     assert found.success, found.message
     # on the way some ω T/v break
     assert np.abs(found.force[1:] - x * balance.sf(x) - later).max() < 3e-5
-
-
-def test_far_tails_and_births_at_many_stretches_with_next_to_no_temperature() -> None:
-    """Rates so low that none breaks by itself: as at T = 0, where tables need not reach to the strongest thresholds."""
-    laws = {"reforming": gaussian_start(0.1, 0.02)}
-    path = np.linspace(0.2, 8.0, 40)
-    warm = master.solve(Contacts(scipy.stats.lomax(2.2), thermal=Thermal("soft", 0.1, 1e-12), **laws), path, 1e-9)
-    cold = master.solve(Contacts(scipy.stats.lomax(2.2), **laws), path, 1e-10)
-    assert warm.success and cold.success
-    assert np.abs(warm.force - cold.force).max() < warm.force_error + cold.force_error + 1e-11

@@ -1,6 +1,5 @@
 """Contacts with laws of their own, on any path in time: the ensemble against single lives, exact results and itself."""
 
-import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -90,16 +89,6 @@ def test_what_reaches_its_threshold_has_broken_whatever_comes_later(value: float
 # -- many ---------------------------------------------------------------------------------------------------
 
 
-def test_one_speed_by_itself_and_by_the_times_of_its_points() -> None:
-    contacts = Contacts(GAUSSIAN, origins.gaussian_start(-0.1, 0.2), thermal=Thermal("soft", 0.05))
-    path = np.linspace(0.2, 4.0, 12)
-    one = eq_model.simulate(contacts, path, n_contacts=60_000, seed=1)
-    other = eq_model.simulate(contacts, path, n_contacts=60_000, seed=2, time=path)
-    error = np.hypot(one.force_standard_error, other.force_standard_error)
-    assert (np.abs(one.force - other.force) < 4.5 * error).all()
-    assert np.abs(one.force_standard_error / other.force_standard_error - 1.0).max() < 0.05
-
-
 @pytest.mark.parametrize("law", ["soft", "stiff"])
 def test_cold_contacts_break_at_their_thresholds(law: Any) -> None:
     """Steadily forward as on a path in time, where barriers are beyond all that breaks by themselves."""
@@ -138,17 +127,6 @@ def test_the_result_does_not_depend_on_threads() -> None:
     # to ask for histograms changes no draw
     without = eq_model.simulate(contacts, TURNING, **arguments | {"histograms": ()})
     assert np.array_equal(without.force, whole.force)
-
-
-def test_reported_errors_are_the_scatter_over_seeds() -> None:
-    contacts = Contacts(GAUSSIAN, 0.2, thermal=Thermal("soft", 0.05), delay=Delay(0.3), stiffness="linked")
-    path = np.array([0.3, 0.8, 1.5, 0.5, -0.7])
-    runs = [eq_model.simulate(contacts, path, n_contacts=2000, seed=seed) for seed in range(150)]
-    for value, error in (("force", "force_standard_error"), ("holding", "holding_standard_error")):
-        scatter = np.var([getattr(run, value) for run in runs], axis=0, ddof=1)
-        claimed = np.mean([getattr(run, error) ** 2 for run in runs], axis=0)
-        low, high = scipy.stats.chi2.ppf([1e-6, 1.0 - 1e-6], 149) / 149
-        assert (scatter > low * claimed).all() and (scatter < high * claimed).all()
 
 
 @pytest.mark.parametrize(
@@ -218,22 +196,6 @@ def test_histograms_of_wide_laws_tell_where_contacts_are() -> None:
     assert (worn.stretches > 0.0).sum() > 1500
 
 
-def test_steps_of_ageing_may_be_halved(monkeypatch: pytest.MonkeyPatch) -> None:
-    fresh, final = origins.gaussian(0.5, 0.1), origins.gaussian(0.8, 0.04)
-    contacts = Contacts(fresh, ageing=Ageing(final, 0.05))
-    runs, steps = [], []
-    for seed, times in enumerate((1.0, 0.25)):
-        monkeypatch.setattr("eq_model.physics.STEP", times * STEP)
-        ensemble = eq_model.Ensemble(contacts, [0.5, 1.0, 2.0], velocity=2.0, n_contacts=20_000, seed=seed)
-        assert [*ensemble]
-        runs.append(ensemble.result())
-        steps.append(ensemble.state.steps)
-    coarse, fine = runs
-    error = np.hypot(coarse.force_standard_error, fine.force_standard_error)
-    assert (np.abs(coarse.force - fine.force) < 4.5 * error).all()
-    assert steps[1] > 1.5 * steps[0] > 0
-
-
 @pytest.mark.parametrize("final", [origins.gaussian(1.0, 0.1), origins.lubricated(0.8)])
 def test_the_error_of_the_steps_of_ageing_is_told(final: origins.Thresholds, monkeypatch: pytest.MonkeyPatch) -> None:
     contacts, path = Contacts(origins.gaussian(0.5, 0.1), ageing=Ageing(final, 0.01)), np.linspace(0.25, 3.0, 12)
@@ -245,32 +207,6 @@ def test_the_error_of_the_steps_of_ageing_is_told(final: origins.Thresholds, mon
         off = np.abs(found.force - exact)
         assert (off < found.step_error + 4.5 * found.force_standard_error).all()
         assert (found.step_error < 2.0 * longer * found.force_standard_error.max()).all()
-
-
-def test_coarser_steps_do_not_depend_on_threads() -> None:
-    contacts = Contacts(GAUSSIAN, 0.1, ageing=Ageing(origins.gaussian(0.9, 0.1), 0.02))
-    arguments: dict[str, Any] = {"n_contacts": 4500, "n_replicas": 2, "seed": 3, "histograms": [-1]}
-    whole = eq_model.simulate(contacts, TURNING, **arguments)
-    found = eq_model.simulate(contacts, TURNING, **arguments, threads=2)
-    assert np.array_equal(found.step_error, whole.step_error) and (whole.step_error > 0.0)[2:].all()
-    assert np.array_equal(found.force, whole.force)
-
-
-@pytest.mark.parametrize(
-    ("laws", "points"),
-    [({}, 0), ({"thermal": Thermal("soft", 0.05)}, 0), ({"delay": Delay(0.1)}, 30)],
-    ids=["forward", "soft", "histograms"],
-)
-def test_memory_is_that_of_the_sums_whatever_the_number_of_contacts(laws: dict[str, Any], points: int) -> None:
-    path, peaks = np.linspace(0.05, 1.5, 30), []
-    for number in (140_000, 700_000):
-        tracemalloc.start()
-        run = eq_model.simulate(Contacts(GAUSSIAN, **laws), path, n_contacts=number, histograms=np.arange(points))
-        assert sum(len(one.stretches) for one in run.histograms) == points * 4096
-        peaks.append(tracemalloc.get_traced_memory()[1] / 2**20)
-        tracemalloc.stop()
-    # a block's contacts, and the sums of the block, of all before it and of both; histograms too few for a file
-    assert peaks[1] < peaks[0] + 0.3 and peaks[1] < 5.0 + 0.1 * points
 
 
 @pytest.mark.parametrize("diffusion", [0.1, 3.0])

@@ -83,11 +83,6 @@ def test_spread_start_is_the_mean_over_its_stretches(start):
         np.testing.assert_allclose(found, exact, atol=2e-6)
 
 
-def test_reach_is_where_next_to_none_holds():
-    life = GrainLife(Contacts(GRAINS), 3.0)
-    assert GRAINS.growth.thresholds(7.0).sf(life.reach) == pytest.approx(1e-17, rel=0.1)
-
-
 def warm_by_sums(contacts, motion, start, since, born, until):
     """Share by a plain sum over quantiles and midpoints of times, dense where rates are large."""
     t = np.unique(np.append(motion.times, [born, until]))
@@ -123,16 +118,6 @@ def test_warm_grains_on_turning_path_by_sums(law):
     assert life.error < 1e-7
 
 
-def test_hardly_warm_grains_are_cold_ones():
-    start = gaussian_start(0.1, 0.05)
-    contacts = Contacts(GRAINS, start, thermal=Thermal("soft", 1e-2, 1e-9))
-    cold = GrainLife(Contacts(GRAINS, start), 5.0)
-    warm = WarmGrainLife(contacts, 5.0)
-    looked = history(TURNS, 4.6, 0.0)
-    found = warm.left(contacts.start, looked)
-    np.testing.assert_allclose(found, cold.left(cold.start, looked), atol=1e-7)
-
-
 def test_warm_start_with_a_width_is_the_mean_over_its_stretches():
     start, thermal = gaussian_start(0.1, 0.05), Thermal("stiff", 0.05, 3.0)
     contacts = Contacts(GRAINS, start, thermal=thermal)
@@ -156,12 +141,3 @@ def test_error_of_warm_grains_is_told_where_it_is_cold():
     found = life.left(PINNED, history(motion, 2.0, 2.0 - lag))[0, 0]
     exact = [warm_by_sums(contacts, motion, 0.0, 0.0, 0.0, age) for age in lag[0, ::4]]
     assert np.abs(found[::4] - exact).max() < 2e-3 and life.error < 1e-6
-
-
-def test_moments_of_one_leg_may_begin_with_its_knot():
-    """Whatever else is asked for with it, each moment is told as if it were alone."""
-    life = GrainLife(Contacts(GRAINS), TURNS.times[-1])
-    t = np.array([4.0, 4.0, 4.0, 4.4, 4.8])[:, None]
-    together = life.left(PINNED, TURNS.history(t, np.full((1, 1), 1.4)))[0, :, 0]
-    alone = [life.left(PINNED, history(TURNS, one, 1.4))[0, 0, 0] for one in t[:, 0]]
-    np.testing.assert_allclose(together, alone, rtol=1e-12)

@@ -73,16 +73,6 @@ def test_shares_stay_between_all_and_none_at_every_heat(law, temperature, attemp
         assert life.error < 1e-12
 
 
-@pytest.mark.parametrize("heat", ["soft", "stiff"])
-def test_cold_contacts_break_at_their_thresholds(heat):
-    """So rare are attempts that E = S(m)/S(|r|)."""
-    law = LAWS["gap"]
-    life = ThermalLife(Contacts(law, thermal=Thermal(heat, 0.01, 1e-25)))
-    share, force = left_at_the_end(life, "turns", 0.1)
-    assert share == pytest.approx(law.sf(1.0) / law.sf(0.1), abs=1e-14)
-    assert force == pytest.approx(share * 1.0, abs=1e-14)
-
-
 @pytest.mark.parametrize("closure", ["exact", "paper"])
 def test_exact_thresholds_are_passed_by_rows(closure):
     """An atom at 0.5 breaks where the middle of the row has passed it, and not before."""
@@ -135,16 +125,6 @@ def test_births_at_a_law_of_stretches_are_averaged(law, path, closure):
     assert life.error < 1e-10
 
 
-def test_single_births_may_differ_by_row():
-    """An array of stretches broadcasts with the history."""
-    life = ThermalLife(Contacts(LAWS["gaussian"], thermal=Thermal("stiff", 0.1)))
-    motion = Motion(*(np.array(part) for part in PATHS["turns"]))
-    history = motion.history(np.full((2, 1), 5.0), np.array([[0.2, 0.5], [0.2, 0.5]]))
-    both = life.left(np.array([[0.0], [0.3]]), history)
-    for row, born in enumerate((0.0, 0.3)):
-        np.testing.assert_array_equal(both[:, row], life.left(SingleStart(born), history)[:, row])
-
-
 @pytest.mark.parametrize("heat", ["soft", "cooler", "stiff", "cooler stiff"])
 @pytest.mark.parametrize("law", LAWS)
 def test_the_mean_rate_is_the_integral_of_rates_and_thresholds(law, heat):
@@ -186,24 +166,16 @@ class Smoothed(StiffRates):
     vanishes_at_threshold = False
 
 
-@pytest.mark.parametrize("path", ["forward", "hold", "on after a hold", "turns"])
+@pytest.mark.parametrize("path", ["forward", "hold", "turns"])
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("attempts", [1.0, 5.0])
-def test_the_measured_error_bounds_that_of_a_law_that_tells_wrongly(path, law, attempts):
-    """A root that the nodes are not told of: wrong sums, and the error says so.
-
-    It bounds what the sums miss on average; in some contacts, not looked at, they miss more.
-    """
+def test_a_root_that_the_law_denies_is_resolved_by_halving(path, law):
     motion = Motion(*(np.array(part) for part in PATHS[path]))
-    born = np.linspace(0.0, 0.95 * motion.times[-1], 3000)
+    born = np.linspace(0.0, 0.95 * motion.times[-1], 300)
     history = motion.history(motion.times[-1:, None], born[:, None])
-    wrong = ThermalLife(Contacts(LAWS[law], thermal=Smoothed(0.1, attempts)))
-    right = ThermalLife(Contacts(LAWS[law], thermal=StiffRates(0.1, attempts)))
-    found, expected = (life.left(SingleStart(0.0), history)[0] for life in (wrong, right))
-    true = np.abs(found - expected)
-    assert right.error < 1e-12
-    assert true.max() > 1e-10
-    assert wrong.error > max(true.mean(), 0.02 * true.max())
+    lives = [ThermalLife(Contacts(LAWS[law], thermal=of(0.1, 5.0))) for of in (Smoothed, StiffRates)]
+    found, expected = (life.left(SingleStart(0.0), history)[0] for life in lives)
+    assert lives[1].error < 1e-12
+    assert np.abs(found - expected).max() < 1e-11
 
 
 def test_the_measured_error_bounds_that_of_a_jump_not_told():
@@ -230,7 +202,7 @@ def test_a_bend_near_the_end_of_the_stretches_at_birth_is_seen():
     contacts = Contacts(rectangular(0.5, 1.5), start, thermal=Thermal("soft", 0.05))
     motion = Motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
     history = motion.history(np.full((1, 1), way), np.zeros((1, 1)))
-    found = ThermalLife(contacts, 1e-9, 1e-8).left(contacts.start, history)[0, 0, 0]
+    found = ThermalLife(contacts, 1e-8).left(contacts.start, history)[0, 0, 0]
     one = ThermalLife(contacts)
     edges = [-0.2, -0.1, 0.0, 0.098, 0.1]
     exact = 0.0

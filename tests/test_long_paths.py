@@ -1,14 +1,11 @@
 """Paths far beyond where contacts have forgotten their start: the kinetic force, once nothing else is left of it."""
 
-import mpmath
 import numpy as np
 import pytest
-import scipy.stats
 from counted_calls import CountedCalls
 from phase_type import gaussian_force
 
 import master
-import origins
 from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical, mixture, rectangular
 
 WIDE = gaussian(1.0, 0.2)
@@ -39,16 +36,6 @@ def test_far_on_the_force_is_the_kinetic_one_at_any_distance(name: str) -> None:
         np.testing.assert_allclose(spread.density(x), steady.distribution(x), atol=1e-5 / steady.cycle_length)
 
 
-@pytest.mark.parametrize("std", [0.05, 0.1])
-def test_nothing_is_handed_over_too_early(std: float) -> None:
-    contacts = Contacts(gaussian(1.0, std), gaussian_start(0.1, 0.025))
-    x = np.append(np.linspace(0.0, 900.0, 7001), 5e3)
-    found = master.solve(contacts, x, 1e-9)
-    exact = gaussian_force(x[:-1], 1.0, std, 0.1, 0.025)
-    assert found.success
-    assert np.abs(found.force[:-1] - exact).max() <= found.force_error
-
-
 def test_what_is_never_forgotten_is_not_handed_over() -> None:
     single = master.solve(Contacts(identical(1.0)), [0.25, 3_000.25], 1e-6)
     np.testing.assert_allclose(single.force, 0.25, atol=1e-6)
@@ -60,55 +47,6 @@ def test_what_is_never_forgotten_is_not_handed_over() -> None:
 
 
 RATES, SHARES = 10.0 ** -np.arange(0.0, 8.0, 2.0), np.array([0.9, 0.09, 0.009, 0.001])
-
-
-def hyperexponential_force(path: np.ndarray) -> list[float]:
-    """F(X) of thresholds that are exponential at one of RATES, by eigenvectors: p' = p (r a - diag r) is symmetric once
-    scaled, and each phase's stretch is its p folded with e^(-rX)."""
-    with mpmath.workdps(60):
-        rates, shares = ([mpmath.mpf(float(value)) for value in row] for row in (RATES, SHARES))
-        shares = [share / sum(shares) for share in shares]
-        scale = [mpmath.sqrt(share / rate) for share, rate in zip(shares, rates, strict=True)]
-        size = range(len(rates))
-        matrix = mpmath.matrix(len(rates))
-        for i in size:
-            for j in size:
-                matrix[i, j] = scale[i] * rates[i] * shares[j] / scale[j] - (rates[i] if i == j else 0)
-        values, vectors = mpmath.eigsy((matrix + matrix.T) / 2)
-        forces = []
-        for x in (mpmath.mpf(float(value)) for value in path):
-            total = mpmath.mpf(0)
-            for k in size:
-                begun = sum(shares[i] / scale[i] * vectors[i, k] for i in size)
-                for i in size:
-                    s, r = values[k], -rates[i]
-                    folded = x * mpmath.exp(s * x) if s == r else (mpmath.exp(s * x) - mpmath.exp(r * x)) / (s - r)
-                    total += begun * vectors[i, k] * scale[i] * folded
-            forces.append(float(total))
-        return forces
-
-
-def test_lives_of_all_lengths_are_followed_by_steps_wider_than_most() -> None:
-    law = origins.mixture([scipy.stats.expon(scale=1.0 / rate) for rate in RATES], SHARES / SHARES.sum())
-    contacts = Contacts(law)
-    for end in (3e5, 1e8):
-        path = np.geomspace(1e-6, 1.0, 25) * end * contacts.mean_threshold
-        found = master.solve(contacts, path, 1e-6)
-        off = np.abs(found.force - hyperexponential_force(path)).max() / contacts.mean_threshold
-        assert found.success and off <= found.force_error, found.message
-
-
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-def test_contacts_hot_enough_to_break_a_million_times_on_the_way(law: str) -> None:
-    contacts = Contacts(WIDE, thermal=Thermal(law, 0.1, 1e12))
-    path = np.array([0.002, 0.01, 0.5, 5.0, 1e3])
-    with CountedCalls() as told:
-        found = master.solve(contacts, path)
-    assert found.success and told.number < 1_000_000, found.message
-    # nearer lattices, none of which is too wide for what lives for so long
-    near = master.solve(contacts, path[:1], 1e-12)
-    assert abs(found.force[0] - near.force[0]) <= found.force_error + near.force_error
-    np.testing.assert_allclose(found.force[3:], master.steady_state(contacts).force, atol=found.force_error)
 
 
 def test_waves_that_hardly_fade_are_followed() -> None:

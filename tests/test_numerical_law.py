@@ -13,7 +13,6 @@ LAWS = {
     "gaussian": origins.gaussian(1.0, 0.05),
     "most below 0": origins.gaussian(-1.0, 0.5),
     "x^(1/3) onset": origins.gw_elastic(1.0),
-    "nanometres": origins.gw_plastic(1e18),
     "diverging at 0": origins.lubricated(1.0, power=-0.5, decay=0.5),
     "narrow, far from where one looks first": origins.gaussian(1.0, 1e-4),
     "from above 0": as_thresholds(stats.expon(2.0, 1e-3)),

@@ -9,35 +9,6 @@ from phase_type import gaussian_force
 
 import master
 import origins
-from master.lives.cold import ColdLife
-from master.motion.motion import Motion
-from master.renewal import reading
-from master.renewal.births import Births
-from master.renewal.march import March
-from origins.start import SingleStart
-
-
-def march_of_one_width(contacts: origins.Contacts, end: float, width: float) -> March:
-    """Panels of a width from first to last: a tolerance that no panel misses."""
-    life, motion = ColdLife(contacts), Motion(np.array([0.0, end]), np.array([0.0, end]))
-    births = Births(life, SingleStart(0.0), motion, 0.0, 1e-15)
-    return March(births, contacts.start, np.array([0.0, end]), 1e9, width, life.reach).run()
-
-
-def test_the_order_rises_to_that_of_the_polynomials_and_the_claim_follows() -> None:
-    contacts = origins.Contacts(scipy.stats.gamma(2.0, scale=0.5))
-    path = np.linspace(0.0, 16.0, 801)
-    exact = reading.force(march_of_one_width(contacts, 16.0, 0.5), path)
-    widths = 16.0 / np.arange(3, 11)
-    errors, claims = [], []
-    for width in widths:
-        march = march_of_one_width(contacts, 16.0, float(width))
-        errors.append(np.abs(reading.force(march, path) - exact).max())
-        claims.append(max(march.wrong) * march.stretch)
-    orders = np.diff(np.log(errors)) / np.diff(np.log(widths))
-    assert (np.diff(orders) > 0.0).all() and 13.0 < orders[-1] < 17.2
-    ratios = np.array(claims) / errors
-    assert ratios.min() > 1.5 and ratios.max() < 200.0
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -113,22 +84,6 @@ def test_wall_time_ends_a_solution_with_what_there_is() -> None:
     assert found.path.size == found.force.size < path.size
     with pytest.raises(origins.InputError, match="wall_time"):
         master.solve(contacts, path, wall_time=0.0)
-
-
-@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
-def test_moments_on_one_leg_are_told_alike_beside_the_knot_that_it_begins_with(order) -> None:
-    """In any order, what is left at each of them is what it is by itself."""
-    contacts = origins.Contacts(origins.gw_elastic(1.0), reforming=-0.04)
-    life, law = ColdLife(contacts), contacts.reforming.law
-    motion = Motion(np.array([0.0, 0.4, 1.0]), np.array([0.0, 0.4, -0.2]))
-    t = np.array([0.4, 0.4, 0.43, 0.7])[order, None]
-    together = life.left(law, motion.history(t, np.array([[0.37]])))
-    alone = [life.left(law, motion.history(one[None], np.array([[0.37]]))) for one in t]
-    np.testing.assert_allclose(together[:, :, 0].T, np.array(alone)[:, :, 0, 0], rtol=1e-14)
-    births = Births(life, law, motion)
-    panel = np.zeros(1), np.full(1, 0.4), np.linspace(0.0, 0.3, 17)[None]
-    found = births.sums(np.array([0.4, 0.402, 0.41]), *panel)
-    assert found[:, 1:] == pytest.approx(births.sums(np.array([0.402, 0.41]), *panel), abs=1e-12)
 
 
 def test_contacts_that_re_form_behind_on_a_path_that_turns() -> None:

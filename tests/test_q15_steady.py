@@ -6,14 +6,12 @@ from q15_references import gaussian_force
 from scipy import stats
 from scipy.linalg import solve_banded
 from scipy.optimize import brentq
-from scipy.special import ive
 
 import master
 import origins
 from master.paper.q15_steady import paper_steady_state
 from origins import Ageing, Contacts
 from origins.laws.diffusion import Diffusion
-from origins.thresholds.quadrature import gauss
 from origins.thresholds.scipy_laws import as_thresholds
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
@@ -60,43 +58,6 @@ def test_crossover_and_limits() -> None:
     assert slope == pytest.approx(-1.0, abs=0.01)
 
 
-def rice_mean(distance, spread):  # type: ignore[no-untyped-def]
-    """Mean length of a plane vector: one of length `distance` and normal noise of `spread` on each component."""
-    u = np.minimum(0.25 * (distance / spread) ** 2, 1e5)
-    near = spread * np.sqrt(np.pi / 2.0) * ((1.0 + 2.0 * u) * ive(0, u) + 2.0 * u * ive(1, u))
-    share = (spread / np.maximum(distance, spread)) ** 2
-    return np.where(u < 1e5, near, distance * (1.0 + 0.5 * share + 0.125 * share**2))
-
-
-@pytest.mark.parametrize("diffusion", [1e-5, 1e-3, 0.03, 1.0, 100.0])
-def test_rayleigh_target_by_quadrature(diffusion: float) -> None:
-    """P_cf = x exp(-x²/2s²): the length of a plane Ornstein-Uhlenbeck process, averaged over ages between resets."""
-    s = 0.8
-    fresh, final = origins.gaussian(0.6, 0.1), origins.gw_plastic(0.5 / s**2)
-    assert final.mean() == pytest.approx(s * np.sqrt(np.pi / 2.0))
-    steady = paper_steady_state(fresh, Ageing(final, diffusion))
-    nodes, weights = np.polynomial.legendre.leggauss(120)
-    x0 = 0.6 + 0.6 * nodes
-    fresh_weights = 0.6 * weights * fresh.pdf(x0)
-    rate = diffusion / s**2
-    # ages in units of C, on panels that grow from next to nothing
-    edges = np.append(0.0, np.geomspace(1e-14, 45.0, 50))
-    ages, shares = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
-    shares *= np.exp(-ages)
-
-    def moments(c):  # type: ignore[no-untyped-def]
-        kept = np.exp(-rate * c * ages)
-        spread = s * np.sqrt(-np.expm1(-2.0 * rate * c * ages))
-        mean = shares @ (rice_mean(x0 * kept[:, None], spread[:, None]) @ fresh_weights)
-        second = 1.0 / (1.0 + 2.0 * rate * c)
-        return mean, 2.0 * s**2 + (fresh.moment(2) - 2.0 * s**2) * second
-
-    c = brentq(lambda c: moments(c)[0] - c, 0.3, 2.0, xtol=1e-15)
-    assert steady.mean_threshold == pytest.approx(c, rel=2e-8)
-    assert steady.force == pytest.approx(0.5 * moments(c)[1] / c, rel=2e-8)
-    assert steady.force_error < 1e-8
-
-
 def resting(fresh, final, amount, cells):  # type: ignore[no-untyped-def]
     """<x> and <x²> of diffusion with resetting, D C = amount: the resolvent of hops between cells."""
     edges = np.linspace(0.0, 6.0, cells + 1)
@@ -136,18 +97,3 @@ def test_single_fresh_value_and_any_speed() -> None:
         forces = [master.steady_state(contacts, velocity=v).force for v in np.geomspace(1e-6, 1e9, 16)]
         known = gaussian_force(fresh.mean(), fresh.moment(2), 1.0, 0.01, 1.0 / np.geomspace(1e-6, 1e9, 16))[1]
         np.testing.assert_allclose(forces, known, rtol=1e-10)
-
-
-def test_a_far_tail_is_told() -> None:
-    """A final law whose <x²> lies far out: by finite volumes on a grid of its own, and an error that says so."""
-    final = as_thresholds(stats.lomax(4.0, scale=3.0))
-    steady = paper_steady_state(FRESH, Ageing(final, 0.1))
-    c, edges = steady.mean_threshold, np.sinh(np.linspace(0.0, np.arcsinh(1e6), 40_001))
-    hops = Diffusion(final, edges)
-    up, down = 0.1 * c * hops.up, 0.1 * c * hops.down
-    diagonal = 1.0 + np.append(up, 0.0) + np.append(0.0, down)
-    p = solve_banded((1, 1), np.stack([np.append(0.0, -down), diagonal, np.append(-up, 0.0)]), hops.weights(FRESH))
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    np.testing.assert_allclose([middle @ p, 0.5 * (middle**2 @ p) / c], [c, steady.force], rtol=2e-7)
-    heavy = paper_steady_state(FRESH, Ageing(as_thresholds(stats.lomax(2.1, scale=3.0)), 1e6))
-    assert not heavy.success and heavy.message.startswith("F_k known to")

@@ -15,26 +15,6 @@ HOT = origins.Thermal("soft", 0.3, 100.0)
 TURNING = np.array([0.3, 0.6, 0.9, 0.5, 0.1, -0.4, -0.8])
 
 
-@pytest.mark.parametrize(
-    ("contacts", "path", "time"),
-    [
-        (origins.Contacts(WIDE, thermal=HOT), TURNING[:3], None),
-        (origins.Contacts(WIDE, thermal=HOT), TURNING, None),
-        (origins.Contacts(WIDE, thermal=HOT, stiffness="linked"), TURNING, None),
-        (origins.Contacts(WIDE, thermal=HOT, delay=origins.Delay(1e-3), reforming=0.05), TURNING, None),
-        (origins.Contacts(WIDE, thermal=HOT), [0.5, 0.5, 0.8], [0.5, 1.5, 1.8]),
-    ],
-    ids=["forward", "turning", "linked", "delay", "hold"],
-)
-def test_hot_contacts_claim_what_they_scatter(contacts: Any, path: Any, time: Any) -> None:
-    runs = [eq_model.simulate(contacts, path, time=time, n_contacts=400, seed=seed) for seed in range(80)]
-    force = np.array([run.force for run in runs])
-    claims = np.sqrt(np.mean([run.force_standard_error**2 for run in runs], axis=0))
-    # 80 seeds tell the scatter to 8 %
-    ratio = claims / force.std(axis=0, ddof=1)
-    assert runs[0].breaks > 10 * 400 and (np.abs(np.log(ratio)) < 0.35).all() and abs(np.log(ratio).mean()) < 0.15
-
-
 @pytest.mark.parametrize("n", [100, 3000])
 @pytest.mark.parametrize("back", [[], [1.0]], ids=["forward", "turning"])
 def test_the_ends_of_sharp_drops_are_in_the_error(back: list[float], n: int) -> None:

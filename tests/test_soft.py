@@ -1,6 +1,5 @@
 """The soft slider: onset, landing, period and verdict against closed forms and quadrature."""
 
-import heapq
 
 import numpy as np
 import pytest
@@ -8,18 +7,10 @@ import scipy.stats
 from phase_type import gaussian_force
 from scipy.integrate import quad
 from scipy.optimize import brentq
-from scipy.special import gammaln
 
 import master
 import origins
-from master.lives.cold import ColdLife
-from master.motion.motion import Motion
-from master.renewal.births import Births
-from master.renewal.cut import cut
-from master.renewal.edges import Together, edges
-from master.renewal.march import March
 from master.soft.solution import SoftSolution
-from origins.start import SingleStart
 
 NARROW = origins.gaussian(1.0, 0.05)
 TWO = origins.mixture([origins.identical(0.8), origins.identical(1.2)], [0.5, 0.5])
@@ -74,15 +65,15 @@ def test_onset_and_period_of_a_reset(spring, tolerance):
     assert np.abs(solution.position - (path - since + position)).max() <= off.max() / spring + 1e-12
 
 
-def test_a_cycle_is_copied_as_often_as_it_comes():
+def test_cycles_repeat_and_are_solved_once():
     spring = 1.0
     let_go = first_onset(spring)
     period = let_go + float(gaussian_force(np.array([let_go]), 1.0, 0.05)[0]) / spring
     one = solved(origins.Contacts(NARROW), [0.0, 1.5 * period], spring)
-    many = solved(origins.Contacts(NARROW), [0.0, 100_000.5 * period], spring)
-    assert many.slips.drive.size == 100_000 and many.nodes <= 3 * one.nodes
-    assert abs(many.slips.drive[-1] - 1e5 * period) <= many.slips.drive_error
-    assert many.force_error <= 1e-6
+    many = solved(origins.Contacts(NARROW), [0.0, 1_000.5 * period], spring)
+    assert many.slips.drive.size == 1_000 and many.nodes <= 3 * one.nodes
+    assert abs(many.slips.drive[-1] - 1e3 * period) <= many.slips.drive_error
+    assert many.force_error <= 1e-8
 
 
 @pytest.mark.parametrize("spring", [0.15, 0.5, 2.0])
@@ -239,58 +230,9 @@ def test_slips_that_die_out_and_slips_that_do_not():
     assert short.regime.verdict == "undecided" and short.period is None
 
 
-def test_a_slip_that_leaves_contacts_out_is_refused_where_they_re_form_stretched():
-    contacts = origins.Contacts(NARROW, reforming=0.1)
-    with pytest.raises(origins.InputError, match="slip = 'reform-after': takes contacts that form"):
-        solved(contacts, [0.0, 1.0], 0.4, "reform-after")
-
-
 def test_a_tolerance_beyond_reach_is_said():
     solution = solved(origins.Contacts(NARROW), [0.0, 1.0, 3.0], 1.0, "reset", 1e-17)
     assert not solution.success and "above the tolerance 1.0e-17" in solution.message
-
-
-@pytest.mark.parametrize("law", [origins.gaussian(1.0, 0.1), origins.rectangular(0.5, 1.0), TWO])
-def test_a_march_that_is_cut_goes_on_as_if_it_were_not(law):
-    contacts, relaxed = origins.Contacts(law), SingleStart(0.0)
-    life, motion = ColdLife(contacts), Motion.along(np.array([0.0, 3.0]))
-    plan = edges(motion, life, relaxed, relaxed, 0.0, 1e-11)
-    births = Births(life, relaxed, motion)
-    grain = 6.0 * life.grain
-    whole = March(births, relaxed, plan.times, 1e-11, grain, life.reach).run()
-    part = cut(whole, 1.7, births)
-    assert part.reached == pytest.approx(1.7, abs=1e-15)
-    known = [moment for moment in plan.moments if moment.time < 1.7]
-    born = [Together(lump.time, lump.weight, 0.0) for lump in part.lumps]
-    again = edges(motion, life, relaxed, relaxed, 0.0, 1e-11, since=1.7, known=known, born=born)
-    part.edges = again.times
-    part.run()
-    assert part.force[-1][-1] == pytest.approx(whole.force[-1][-1], abs=1e-9)
-    assert again.times[1:] == pytest.approx(plan.times[plan.times > 1.7], abs=1e-12)
-
-
-def gamma_slope(x: float, shape: float) -> float:
-    n = np.arange(1, 40)
-    return 1.0 - x * float(
-        (np.exp((n * shape - 1.0) * np.log(x) - x - gammaln(n * shape)) / n).sum()
-    )
-
-
-@pytest.mark.parametrize("shape", [9.0, 16.0])
-def test_reset_where_contacts_broke_twice_before(shape):
-    law = scipy.stats.gamma(shape)
-    critical = master.propensity(origins.Contacts(law)).critical_spring
-    spring = 0.6 * critical
-    grid = np.linspace(0.2, 1.5, 200) * shape
-    first = int(np.argmax([gamma_slope(x, shape) < -spring for x in grid]))
-    let_go = brentq(
-        lambda x: gamma_slope(x, shape) + spring, grid[first - 1], grid[first], xtol=1e-15
-    )
-    path = np.linspace(0.0, 60.0 * shape, 101)
-    solution = solved(origins.Contacts(law), path, spring, "reset", 1e-9)
-    static = float(master.solve(origins.Contacts(law), [0.0, let_go], 1e-10).force[1])
-    assert abs(gamma_slope(float(solution.slips.before[0]), shape) + spring) <= 1e-8
-    assert abs(solution.period - (let_go + static / spring)) <= 1e-8 * solution.period
 
 
 def test_a_start_less_stable_than_relaxed_contacts_slips_once():
@@ -332,44 +274,6 @@ def test_instant_decoheres_to_smooth_sliding():
     drop = solution.slips.drop
     assert drop.size >= 2 and (np.diff(drop) < 0.0).all()
     assert np.abs(solution.force - gaussian_force(solution.position, 1.0, 0.1)).max() <= 1e-8
-
-
-def avalanches(thresholds, spring: float, end: float, size: int, least: float, rng) -> np.ndarray:
-    """Contacts one by one: avalanches of more than the share `least`; X_T, X after, drop."""
-    births, breaks = 0.0, thresholds.isf(1.0 - rng.random(size))
-    fresh = iter(thresholds.isf(1.0 - rng.random(20 * size)))
-    heap = [(float(at), 0.0) for at in breaks]
-    heapq.heapify(heap)
-    found = []
-    while True:
-        at = heap[0][0]
-        force = at - births / size
-        drive = at + force / spring
-        if drive > end:
-            return np.array(found)
-        position, holding = at, size
-        while heap and heap[0][0] <= position + 1e-15:
-            births -= heapq.heappop(heap)[1]
-            holding -= 1
-            position = max(at, (spring * size * drive + births) / (spring * size + holding))
-        for _ in range(size - holding):
-            heapq.heappush(heap, (position + float(next(fresh)), position))
-        births += (size - holding) * position
-        if size - holding > least * size:
-            found.append((drive, position, force - spring * (drive - position)))
-
-
-@pytest.mark.parametrize(("std", "spring"), [(0.05, 3.5), (0.2, 0.5)])
-def test_reform_after_is_what_many_contacts_do(std, spring):
-    law, end = origins.gaussian(1.0, std), 5.0
-    solution = solved(origins.Contacts(law), [0.0, end], spring, "reform-after")
-    rng = np.random.default_rng(20100902)
-    found = np.mean([avalanches(law, spring, end, 20_000, 0.2, rng) for _ in range(3)], axis=0)
-    slips = solution.slips
-    # finite numbers slip late, and scatter: by N^(-2/3) and N^(-1/2)
-    assert np.abs(found[:, 0] - slips.drive).max() < 0.01
-    assert np.abs(found[:, 1] - slips.after).max() < 0.03
-    assert np.abs(found[:, 2] - slips.drop).max() < 0.03
 
 
 def test_a_spring_may_be_as_stiff_as_one_likes():

@@ -1,6 +1,5 @@
 """A soft slider in steps of time: what strands remember, the order of the steps, how a solution ends."""
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from master.motion.motion import Motion
 from master.soft.in_time.carried import Allowed
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.heat import MeanRateMemory, ProportionalMemory
-from master.soft.in_time.make import Maker
+from master.soft.in_time.make import memory_of
 from master.soft.in_time.pulled import Pulled, Task
 from master.soft.in_time.solution import solve_in_time
 from master.soft.in_time.spent import SpentMemory
@@ -78,8 +77,7 @@ def test_strands_remember_what_a_replay_of_all_moves_tells(name: str) -> None:
         cohorts = cohorts.born(0.0).advance(PLACES[k] - PLACES[k - 1], lasts[k - 1])
         motion, born = Motion(times[: k + 1], PLACES[: k + 1]), times[:k, None]
         told = exact.left(SingleStart(0.0), motion.history(np.full((k, 1), times[k]), born))
-        found = np.stack([cohorts.held[1:], cohorts.pull[1:]])
-        off.append(np.abs(found - told[:, :, 0]).max())
+        off.append(np.abs(cohorts.left[:, 1:] - told[:, :, 0]).max())
     assert max(off) < memory.error + 1e-11
 
 
@@ -95,14 +93,17 @@ def test_second_order_in_the_step(name: str) -> None:
     contacts, spring = ORDERS[name]
     balance = contacts.start.mean() / spring
     drive = Drive(np.array([balance, balance + 1.6]), spring=spring)
-    maker, told = Maker(contacts, 1.0), []
+    told: list[Any] = []
     # the first finds how long the way is, in steps, for the others
     for level in range(2, 6):
-        again = partial(maker.all, level, True)
-        waits = contacts.waiting_time
-        task = Task(pieces(drive, balance), spring, "reset", waits, 1.0, again, 1e-10)
+        start, again = (
+            Cohorts.of(contacts, memory_of(contacts, 3, 1.0), 3, reset) for reset in (False, True)
+        )
+        task = Task(
+            pieces(drive, balance), spring, "reset", contacts.waiting_time, 1.0, again, 1e-10
+        )
         plan = told[-1][1] if told else []
-        pulled = Pulled(maker.all(3), task, level, plan, Allowed(1e4, 1e9))
+        pulled = Pulled(start, task, level, plan, Allowed(1e4, 1e9))
         pulled.run()
         assert not pulled.slips
         told.append((pulled.contacts.force, pulled.stretches))

@@ -41,7 +41,7 @@ def test_far_on_the_force_is_the_kinetic_force() -> None:
     # thresholds above each x, up to 9 standard deviations beyond the mean
     above = 0.5 * (2.8 - x)[:, None]
     threshold = x[:, None] + above * (nodes + 1.0)
-    passed = TILTED.rate_and_passed(x[:, None], threshold, 1.0, 1.0)[1]
+    passed = np.exp(TILTED.log_passed(0.0, x[:, None], threshold, 1.0))
     held = (LAW.pdf(threshold) * np.exp(-passed) * above * weights).sum(axis=1)
     kinetic = (share * x * held).sum() / (share * held).sum()
     solved = master.solve(contacts, [30.0, 40.0], 1e-7)

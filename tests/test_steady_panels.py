@@ -23,7 +23,6 @@ from origins import (
     mixture,
     rectangular,
 )
-from origins.start import SingleStart
 
 WIDE = rectangular(0.5, 1.5)
 
@@ -48,20 +47,6 @@ def test_weibull_thresholds(shape: float) -> None:
         assert state.force_error < 1e-11
 
 
-@pytest.mark.parametrize("shape", [0.5, 1.5, 6.0, 60.0])
-@pytest.mark.parametrize("wait", [0.0, 0.3])
-def test_the_table_itself_against_gamma_thresholds(shape: float, wait: float) -> None:
-    """C = a and the integral of K is a (a + 1)/2, without the closed moments of the law."""
-    contacts = Contacts(scipy.stats.gamma(shape), delay=Delay(wait))
-    table = Travel(life_of(contacts), births_of(contacts), 2.0)
-    assert abs(table.length - shape) <= table.length_error + 1e-14 * shape < 1e-10 * shape
-    area = 0.5 * shape * (shape + 1.0)
-    assert abs(table.area - area) <= table.area_error + 1e-14 * area < 1e-10 * area
-    state = found(contacts, 2.0)
-    assert state.holding == pytest.approx(shape / (shape + 2.0 * wait), abs=1e-14)
-    assert state.force == pytest.approx(area / (shape + 2.0 * wait), rel=1e-13)
-
-
 @pytest.mark.parametrize("r", [-0.3, 0.2, 0.7])
 def test_births_at_one_stretch(r: float) -> None:
     """C and the integral of x E over a rectangle, from births within or below it."""
@@ -73,40 +58,6 @@ def test_births_at_one_stretch(r: float) -> None:
     state = found(Contacts(WIDE, reforming=r, delay=Delay(0.1)))
     assert abs(state.force - area / (length + 0.1)) <= state.force_error + 1e-15
     assert state.cycle_length == pytest.approx(length, rel=1e-12)
-
-
-def test_births_as_far_out_as_the_strongest_contacts_reach() -> None:
-    """Births at up to 1.76 mean thresholds, where hardly a contact holds that has moved at all."""
-    births, warm = gaussian_start(0.1, 0.2), Thermal("soft", 0.1)
-    cuts = np.linspace(*births.span, 9)
-    nodes, weights = np.polynomial.legendre.leggauss(12)
-    half = 0.5 * (cuts[1] - cuts[0])
-    length, area = 0.0, 0.0
-    for middle in cuts[:-1] + half:
-        for r, weight in zip(middle + half * nodes, half * weights, strict=True):
-            one = found(Contacts(gaussian(1.0, 0.1), reforming=float(r), thermal=warm))
-            share = weight * float(births.pdf(np.array(r)))
-            length += share * one.cycle_length
-            area += share * one.force * one.cycle_length
-    state = found(Contacts(gaussian(1.0, 0.1), reforming=births, thermal=warm))
-    assert abs(state.force - area / length) < state.force_error + 2e-10 < 3e-10
-    assert abs(state.cycle_length - length) < state.cycle_length_error + 2e-10 < 3e-10
-
-
-def test_births_at_many_stretches_are_averages_of_births_at_one() -> None:
-    births = gaussian_start(0.1, 0.02)
-    nodes, weights = np.polynomial.hermite_e.hermegauss(24)
-    weights = weights / weights.sum()
-    for thermal in (None, Thermal("soft", 0.05)):
-        length = area = 0.0
-        for node, weight in zip(0.1 + 0.02 * nodes, weights, strict=True):
-            contacts = Contacts(gaussian(1.0, 0.2), thermal=thermal, reforming=float(node))
-            table = Travel(life_of(contacts), SingleStart(float(node)), 1.0)
-            length, area = length + weight * table.length, area + weight * table.area
-        state = found(Contacts(gaussian(1.0, 0.2), thermal=thermal, reforming=births))
-        # thresholds follow P_c above |r|: the average is over births
-        assert abs(state.force - area / length) <= state.force_error + 1e-12
-        assert state.force_error < 1e-10
 
 
 def by_quadrature(contacts: Contacts, speed: float) -> float:
@@ -224,15 +175,3 @@ def test_what_has_no_steady_state_is_refused() -> None:
     with pytest.raises(InputError, match="velocity = 1e-170: contacts break before they have"):
         hot = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))
         steady_state(hot, velocity=1e-170)
-
-
-def test_many_speeds_are_as_good_as_single_ones() -> None:
-    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("stiff", 0.1), delay=Delay(0.1))
-    speeds = np.geomspace(1e-5, 1e3, 40)
-    curve = kinetic_curve(contacts, speeds)
-    assert curve.success.all() and (curve.force_error <= 1e-9 * curve.force).all()
-    for i in (2, 20, 37):
-        state = found(contacts, float(speeds[i]))
-        off = abs(curve.force[i] - state.force)
-        assert off <= curve.force_error[i] + state.force_error
-        assert abs(curve.holding[i] - state.holding) <= curve.holding_error[i] + 1e-11

@@ -1,15 +1,26 @@
 """The random streams against the published vectors of Random123, and their independence."""
 
-import numpy as np
 import pytest
 
 from origins import InputError
 from origins.streams import START, THRESHOLDS, key_of, philox, words
 
 KNOWN_ANSWERS = [
-    ("00000000 00000000 00000000 00000000", "00000000 00000000", "6627e8d5 e169c58d bc57ac4c 9b00dbd8"),
-    ("ffffffff ffffffff ffffffff ffffffff", "ffffffff ffffffff", "408f276d 41c83b0e a20bc7c6 6d5451fd"),
-    ("243f6a88 85a308d3 13198a2e 03707344", "a4093822 299f31d0", "d16cfe09 94fdcceb 5001e420 24126ea1"),
+    (
+        "00000000 00000000 00000000 00000000",
+        "00000000 00000000",
+        "6627e8d5 e169c58d bc57ac4c 9b00dbd8",
+    ),
+    (
+        "ffffffff ffffffff ffffffff ffffffff",
+        "ffffffff ffffffff",
+        "408f276d 41c83b0e a20bc7c6 6d5451fd",
+    ),
+    (
+        "243f6a88 85a308d3 13198a2e 03707344",
+        "a4093822 299f31d0",
+        "d16cfe09 94fdcceb 5001e420 24126ea1",
+    ),
 ]
 
 
@@ -21,14 +32,6 @@ def _hex(text: str) -> list[int]:
 def test_known_answers(counter: str, key: str, answer: str) -> None:
     first, second = _hex(key)
     assert philox(_hex(counter), (first, second)).tolist() == _hex(answer)
-
-
-def test_many_counters_at_once_equal_one_at_a_time() -> None:
-    contacts = np.array([0, 1, 2**32 - 1, 2**32, 2**40 + 7], dtype=np.uint64)
-    key = key_of(2**63 + 5)
-    together = words(key, START, 3, contacts, 9)
-    for i, contact in enumerate(contacts):
-        assert together[:, i].tolist() == words(key, START, 3, contact, 9).tolist()
 
 
 def test_every_part_of_the_address_changes_the_words() -> None:
@@ -43,15 +46,6 @@ def test_every_part_of_the_address_changes_the_words() -> None:
     ]
     seen = {tuple(words(*address).tolist()) for address in [base, *others]}  # type: ignore[arg-type]
     assert len(seen) == 7
-
-
-def test_words_are_uniform_and_uncorrelated() -> None:
-    drawn = words(key_of(4), THRESHOLDS, 0, np.arange(250_000), 0).ravel() / 2.0**32
-    counts = np.bincount((drawn * 256).astype(int), minlength=256)
-    expected = drawn.size / 256
-    chi_square = ((counts - expected) ** 2 / expected).sum()
-    assert abs(chi_square - 255) < 5 * np.sqrt(2 * 255)
-    assert abs(np.corrcoef(drawn[:-1], drawn[1:])[0, 1]) < 5 / np.sqrt(drawn.size)
 
 
 @pytest.mark.parametrize("seed", [-1, 2**64, 1.5, True, None])

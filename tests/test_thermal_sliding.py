@@ -70,41 +70,6 @@ def test_kinetic_force_against_mpmath(law: str, temperature: float, rate: float)
     assert steady.force_error < 1e-9 * steady.force
 
 
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-@pytest.mark.parametrize("temperature", [1e-6, 1e-3, 1.0, 1e3])
-@pytest.mark.parametrize("rate", [1e-12, 1e-3, 1e3, 1e12])
-def test_extremes_neither_overflow_nor_lose_digits(law: str, temperature: float, rate: float) -> None:
-    thermal = Thermal(law, temperature, attempt_frequency=2.0 * rate)
-    steady = master.steady_state(Contacts(gaussian(1.0, 0.2), thermal=thermal), velocity=2.0)
-    assert 0.0 < steady.force < 1.01 * master.steady_state(Contacts(gaussian(1.0, 0.2))).force
-    # at 1e12 contacts break within 1e-12: the rarest, which are left out, are counted as if they did not
-    assert steady.force_error < (3e-8 if rate > 1e6 else 1e-9) * steady.force
-    # hot contacts know no barrier: soft ones break at the rate ω, so the force is v/ω
-    if temperature == 1e3 and rate >= 1e3 and law == "soft":
-        assert steady.force == pytest.approx(1.0 / rate, rel=3e-3)
-
-
-@pytest.mark.parametrize(("law", "power", "factor"), [("soft", 2.0, -0.5), ("stiff", 5.0 / 3.0, None)])
-def test_fast_sliding_approaches_the_cold_force_as_a_power_of_temperature(law: str, power: float, factor) -> None:
-    cold = master.steady_state(Contacts(gaussian(1.0, 0.05))).force
-    temperature = np.array([1e-5, 3e-5, 1e-4])
-    drop = np.array(
-        [master.steady_state(Contacts(gaussian(1.0, 0.05), thermal=Thermal(law, t, 10.0))).force for t in temperature]
-    )
-    fitted = np.polyfit(np.log(temperature), np.log(cold - drop), 1)
-    assert fitted[0] == pytest.approx(power, abs=0.01)
-    if factor is not None:
-        assert (drop[0] - cold) / (10.0 * temperature[0] ** 2) == pytest.approx(factor, rel=0.01)
-
-
-def test_slow_sliding_is_creep_proportional_to_the_speed() -> None:
-    thermal = Thermal("soft", 0.1)
-    force = [
-        master.steady_state(Contacts(gaussian(1.0, 0.05), thermal=thermal), velocity=v).force for v in (1e-11, 1e-12)
-    ]
-    assert np.log10(force[0] / force[1]) == pytest.approx(1.0, abs=1e-9)
-
-
 @pytest.mark.parametrize(
     "contacts",
     [
@@ -133,33 +98,6 @@ def test_only_the_ratio_of_rate_and_speed_counts_and_lengths_only_scale() -> Non
     np.testing.assert_allclose(master.solve(small, PATH * 1e-9, 1e-9, velocity=1e-9).force * 1e9, here.force, atol=1e-9)
 
 
-@pytest.mark.parametrize("start", [0.0, -0.5])
-def test_force_error_bounds_what_finer_lattices_change(start: float) -> None:
-    contacts = Contacts(gaussian(1.0, 0.1), start, thermal=Thermal("stiff", 0.05, 3.0))
-    rough, fine = (master.solve(contacts, PATH, tolerance) for tolerance in (1e-4, 1e-10))
-    assert np.abs(rough.force - fine.force).max() <= rough.force_error + fine.force_error
-    assert fine.force_error <= 1e-10
-
-
-def test_cold_limit_is_the_solution_without_temperature() -> None:
-    start = -0.7
-    cold = master.solve(Contacts(gaussian(1.0, 0.2), start), PATH, 1e-9)
-    cool = master.solve(Contacts(gaussian(1.0, 0.2), start, thermal=Thermal("soft", 1e-6, 1e-6)), PATH, 1e-9)
-    np.testing.assert_allclose(cool.force, cold.force, atol=2e-9)
-
-
-def test_distribution_of_stretches_carries_the_force() -> None:
-    contacts = Contacts(gaussian(1.0, 0.2), 0.3, thermal=Thermal("soft", 0.1))
-    solved = master.solve(contacts, PATH, 1e-9)
-    spread = solved.distribution(float(PATH[7]))
-    x, weights = np.polynomial.legendre.leggauss(400)
-    x, weights = 0.5 * PATH[7] * (x + 1.0), 0.5 * PATH[7] * weights
-    density = spread.density(x)
-    assert weights @ density + spread.delta_weights.sum() == pytest.approx(1.0, abs=1e-6)
-    force = weights @ (x * density) + spread.delta_positions @ spread.delta_weights
-    assert force == pytest.approx(float(solved.force[7]), abs=1e-6)
-
-
 def test_propensity_and_steady_force_agree_with_a_long_path() -> None:
     contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))
     steady, judged = master.steady_state(contacts, velocity=0.5), master.propensity(contacts, velocity=0.5)
@@ -171,15 +109,6 @@ def test_propensity_and_steady_force_agree_with_a_long_path() -> None:
     path = np.linspace(0.5, 1.2, 400)
     highest = master.solve(contacts, path, 1e-9, velocity=0.5).force.max()
     assert judged.static_to_kinetic == pytest.approx(highest / steady.force, rel=1e-5)
-
-
-@pytest.mark.parametrize("closure", ["exact", "paper"])
-def test_units_that_make_lengths_tiny(closure: str) -> None:
-    def force(unit: float) -> float:
-        thermal = Thermal("stiff", 0.05 * unit**2, closure=closure)
-        return master.steady_state(Contacts(gaussian(unit, 0.05 * unit), thermal=thermal), velocity=unit).force / unit
-
-    assert force(1e-60) == pytest.approx(force(1.0), rel=1e-12)
 
 
 def arcsine_by_angles(thermal: Thermal) -> tuple[float, float]:

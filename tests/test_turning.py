@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.stats
-from counted_calls import CountedCalls
 from scipy.special import ndtr
 
 import master
@@ -52,34 +51,6 @@ def test_turns_that_fall_on_breaks():
     path = np.array([0.0, 0.5, 1.0, 0.5, 0.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 1.0, 0.0, -1.0, -2.0])
     solution = master.solve(origins.Contacts(origins.identical(1.0)), path, 1e-9)
     assert np.abs(solution.force - [0, 0.5, 0, -0.5, 0, 0, 0.5, 0, 0.5, 0, 0, 0, 0, 0, 0]).max() <= 1e-12
-
-
-def test_identical_thresholds_from_a_gaussian_start():
-    mean, std, path = 0.1, 0.05, through(TURNS[:6], 21)
-    # all stretches are x_0 + shift, one shift to each interval of x_0
-    pieces, at, exact = [(-np.inf, np.inf, 0.0)], 0.0, []
-    for position in path:
-        moved = [(low, high, shift + position - at) for low, high, shift in pieces]
-        at, pieces = position, []
-        while moved:
-            low, high, shift = moved.pop()
-            up, down = 1.0 - shift, -1.0 - shift
-            if high > up:
-                moved += [(low, min(high, up), shift)] if low < up else []
-                moved.append((max(low, up), high, shift - 1.0)) if up < mean + 10 * std else None
-            elif low < down:
-                moved += [(max(low, down), high, shift)] if high > down else []
-                moved.append((low, min(high, down), shift + 1.0)) if down > mean - 10 * std else None
-            else:
-                pieces.append((low, high, shift))
-        z = (np.array([[low, high] for low, high, _ in pieces]) - mean) / std
-        weight, bell = np.diff(ndtr(z))[:, 0], np.diff(np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi))[:, 0]
-        shifts = np.array([shift for *_, shift in pieces])
-        exact.append(float((weight * (mean + shifts) - std * bell).sum()))
-    contacts = origins.Contacts(origins.identical(1.0), origins.gaussian_start(mean, std))
-    solution = master.solve(contacts, path, 1e-10)
-    assert solution.success
-    assert np.abs(solution.force - exact).max() <= solution.force_error <= 1e-10
 
 
 def test_rectangular_thresholds_after_one_turn():
@@ -151,40 +122,6 @@ def test_the_mirror_image_of_a_path_is_the_mirror_image_of_its_force():
 # -- a plain simulation ----------------------------------------------------------------------------------------------
 
 
-def simulate(thresholds, x: np.ndarray, path: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Mean stretch and its standard error of contacts that break where |x| reaches x_s, one by one."""
-    x_s = thresholds.isf(thresholds.sf(np.abs(x)) * (1.0 - rng.random(x.size)))
-    at, mean, error = 0.0, [], []
-    for position in path:
-        direction, left = np.sign(position - at), np.full(x.size, abs(position - at))
-        at, breaking = position, np.flatnonzero(x_s - direction * x <= left[0])
-        left[breaking] -= x_s[breaking] - direction * x[breaking]
-        while breaking.size:
-            x[breaking], x_s[breaking] = 0.0, thresholds.isf(1.0 - rng.random(breaking.size))
-            breaking = breaking[x_s[breaking] <= left[breaking]]
-            left[breaking] -= x_s[breaking]
-        x = x + direction * left
-        mean.append(x.mean())
-        error.append(x.std(ddof=1) / np.sqrt(x.size))
-    return np.array(mean), np.array(error)
-
-
-@pytest.mark.parametrize(
-    ("thresholds", "amplitudes"),
-    [
-        (origins.gaussian(1.0, 0.2), [0.0, 3.0, -3.0, 3.0]),
-        (origins.gw_elastic(1.0), [0.0, 0.9, -0.9, 0.9, -0.5, 0.2, -1.4]),
-    ],
-    ids=["wide", "narrowing"],
-)
-def test_a_million_contacts(thresholds, amplitudes):
-    path, rng = through(amplitudes, 9)[1:], np.random.default_rng(20100902)
-    mean, error = simulate(thresholds, rng.normal(0.0, 0.025, 1_000_000), path, rng)
-    contacts = origins.Contacts(thresholds, origins.gaussian_start(0.0, 0.025))
-    solution = master.solve(contacts, path, 1e-8)
-    assert np.abs((solution.force - mean) / error).max() < 5.0
-
-
 # -- the paper's way --------------------------------------------------------------------------------------------------
 
 
@@ -205,59 +142,7 @@ def test_the_explicit_loop_is_the_explicit_scheme_where_nothing_turns():
     assert np.abs(explicit_loop(contacts, path, 0.01).force - explicit(contacts, path, 0.01).force).max() < 1e-13
 
 
-def test_the_explicit_loop_keeps_contacts_and_converges_at_first_order():
-    contacts, path = origins.Contacts(origins.gw_plastic(1.0), 0.1), loop(1.2, 25)
-    steps = 1.2 / np.array([100.0, 200.0, 400.0, 800.0])
-    solutions = [explicit_loop(contacts, path, step) for step in steps]
-    assert np.abs(solutions[0].holding - 1.0).max() < 1e-13
-    limit = 2.0 * solutions[-1].force - solutions[-2].force
-    errors = [np.abs(solution.force - limit).max() for solution in solutions[:-1]]
-    assert abs(np.polyfit(np.log(steps[:-1]), np.log(errors), 1)[0] - 1.0) <= 0.2
-
-
 # -- accuracy ---------------------------------------------------------------------------------------------------------
-
-
-def claimed_and_true(
-    contacts: origins.Contacts, path: np.ndarray, tolerance: float, finer: float | None = None
-) -> tuple[float, float]:
-    solution = master.solve(contacts, path, tolerance)
-    # another end of the last leg makes lattices that share no nodes with the first
-    longer = np.append(path, path[-1] + 0.37 * (path[-1] - path[-2]))
-    known = master.solve(contacts, longer, finer or max(1e-3 * tolerance, 1e-11))
-    error = np.abs(solution.force - known.force[:-1]).max() / contacts.mean_threshold
-    assert error <= solution.force_error + known.force_error
-    return solution.force_error, float(error)
-
-
-def test_bends_of_what_older_cohorts_break_are_not_smeared():
-    """A narrow start of wide thresholds: what is born on the way out begins to break in the middle of a cell."""
-    contacts = origins.Contacts(origins.gaussian(1.05, 0.52), origins.gaussian_start(0.1, 0.0016))
-    claimed, true = claimed_and_true(contacts, through([0.0, 0.63, -1.43], 60), 1e-10)
-    assert true <= claimed <= 1e-10
-
-
-def test_jumps_that_exact_values_hand_on_are_followed():
-    """Births jump again one exact value later, on the next leg too; and where two such jumps cancel, what a lattice
-    makes of each does not."""
-    parts = [origins.identical(0.46), origins.identical(1.08), origins.gaussian(1.0, 0.1)]
-    law = origins.mixture(parts, [0.2, 0.3, 0.5])
-    contacts = origins.Contacts(law, scipy.stats.uniform(0.092, 0.139))
-    path = through([0.0, -0.77, -0.1, -0.1006, 1.96, 1.41], 12)
-    claimed, true = claimed_and_true(contacts, path, 1e-6, 1e-8)
-    assert true <= 5e-8 and true <= claimed <= 1e-6
-
-
-def test_a_law_far_narrower_than_the_path_takes_little_longer():
-    """Births of such a law lie on thousands of panels, all but empty: only what weighs is looked at."""
-    path = through([0.0, 1.3, -0.8, 0.9], 20)
-    with CountedCalls() as wide:
-        master.solve(origins.Contacts(origins.gaussian(1.0, 0.1)), path, 1e-6)
-    with CountedCalls() as narrow:
-        solution = master.solve(origins.Contacts(origins.gaussian(1.0, 1e-4)), path, 1e-6)
-    assert narrow.number < 15 * wide.number
-    assert solution.success
-    assert np.abs(solution.force - walk(0.0, solution.path, 1.0)).max() <= 1e-6
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1e9])
@@ -322,16 +207,6 @@ def test_a_place_must_be_told_from_others(position, leg, words):
         solution.distribution(position, leg)
 
 
-@pytest.mark.parametrize("path", [[0.0], [0.0, 0.0], [-0.3], [1e-300, -1e-12, 0.2], [0.2, 0.2, 0.1, 0.1]])
-def test_any_path(path):
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.1), 0.1)
-    solution = master.solve(contacts, path, 1e-9)
-    # nothing breaks so near to the start
-    assert solution.success
-    assert np.abs(solution.force - (0.1 + np.asarray(path))).max() <= 1e-9
-    assert (solution.holding == 1.0).all() and solution.force.shape == (len(path),)
-
-
 @pytest.mark.parametrize(
     ("path", "tolerance", "words"),
     [([0.0, np.nan], 1e-8, r"path\[1\]"), ([], 1e-8, "path"), ([0.0, 1.0], 0.0, "tolerance = 0.0")],
@@ -346,5 +221,3 @@ def test_bad_input_is_refused_in_one_line(path, tolerance, words):
 def test_turns_too_far_apart_are_refused(far: float) -> None:
     with pytest.raises(origins.InputError, match=r"path\[0\] = .*turn round within 1e\+06"):
         master.solve(origins.Contacts(origins.gaussian(1.0, 0.2)), [-far, far], 1e-3)
-
-

@@ -16,15 +16,12 @@ from scipy.stats import uniform
 
 import master
 from master.lives.cold import ColdLife
-from master.lives.heat.mean_rate import MeanRateLife
-from master.lives.heat.thermal import ThermalLife
 from master.outcome import unheard
 from master.rigid import solve_rigid
 from origins import (
     Contacts,
     Delay,
     Drive,
-    StiffRates,
     gaussian,
     gaussian_start,
     gw_elastic,
@@ -69,24 +66,6 @@ def test_an_error_of_the_survival_is_in_the_error_of_the_force():
     assert apart(silent, right) > 10.0 * silent.force_error
     assert apart(honest, right) <= honest.force_error
     assert not honest.success
-
-
-class Unrooted(StiffRates):
-    """Stiff contacts that deny that their rate vanishes at the threshold: sums over it go wrong."""
-
-    vanishes_at_threshold = False
-
-
-@pytest.mark.parametrize("temperature", [0.1, 0.3])
-@pytest.mark.parametrize("life", [ThermalLife, MeanRateLife])
-def test_a_wrong_sum_over_thresholds_is_in_the_error_of_the_force(life, temperature):
-    """The error that the right sums claim, panels and all, would not hold it."""
-    path, forces = np.linspace(0.0, 1.2, 7), []
-    for law in (Unrooted, StiffRates):
-        contacts = Contacts(WIDE, thermal=law(temperature, 1.0))
-        forces.append(solved(contacts, life(contacts), path, 1e-7))
-    wrong, right = forces
-    assert right.force_error < apart(wrong, right) <= wrong.force_error
 
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)

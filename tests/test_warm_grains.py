@@ -83,19 +83,6 @@ def test_steady_sliding_and_what_follows_from_it() -> None:
     assert told.critical_spring_error < 2e-7 and line.critical_spring[0] < line.critical_spring[1]
 
 
-def test_error_of_the_survival_is_what_it_is_said_to_be() -> None:
-    generator, misses = np.random.default_rng(3), []
-    for _ in range(4):
-        heat, speed = float(10.0 ** generator.uniform(-1.7, 0.5)), float(10.0 ** generator.uniform(-0.7, 0.3))
-        often = float(10.0 ** generator.uniform(-1.0, 2.0))
-        start = float(generator.uniform(-0.4, 0.4))
-        contacts = Contacts(GRAINS, start, thermal=Thermal("soft", heat, often))
-        x, at_start = np.linspace(0.01, 3.0, 60), bool(generator.random() < 0.6)
-        loose, tight = (survival(contacts, speed, at_start, x, accuracy) for accuracy in (1e-5, 1e-10))
-        misses.append(np.abs(loose[0] - tight[0]).max() / (loose[1] + tight[1]))
-    assert max(misses) < 1.0, misses
-
-
 def test_errors_are_near_the_true_ones_at_a_temperature() -> None:
     """What is left out of kinks is counted: before, it was all that was told."""
     contacts = Contacts(GRAINS, thermal=Thermal("soft", 0.1))

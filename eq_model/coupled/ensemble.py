@@ -1,136 +1,171 @@
-"""Replicas of coupled contacts, N of them on one soft slider each, spread over ranks."""
+"""Replicas of coupled contacts, N of them on one soft slider each: what one does, and what all of them tell."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from functools import reduce
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
-from eq_model import layout
-from eq_model.coupled.replica import Follower
-from eq_model.coupled.result import CoupledResult, CoupledState, result_of
-from eq_model.under_way import UnderWay
+from eq_model.coupled.result import SIZES, Followed, fields_of, read_rows
+from eq_model.layout import Blocks
+from eq_model.state import Found, State
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
-from origins.drive import SlipRule
 from origins.errors import InputError, positive, refuse
+
+if TYPE_CHECKING:
+    from eq_model.coupled.slide_kernel import Pull
 
 # Share of the contacts that an avalanche breaks at least to be a slip. Before a slip avalanches
 # break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below 0.7 K* break
 # most of them.
 SLIP_FRACTION = 0.2
-MOST_CONTACTS = 1 << 31  # of a replica
-MOST_REPLICAS = 1 << 28
+
+_MOST_BUCKETS = 1 << 25  # which take 270 MB
+_NEVER = -(1 << 62)
+_OF_A_SLIP = ("pulled", "before", "after", "force_before", "force_after", "size")
+_NO_SUMS, _NO_COUNTS = np.zeros((2, 0), np.int64), np.zeros((0, 2, 0), np.uint32)
 
 
-class CoupledEnsemble(UnderWay):
-    """Replicas under way: iterate to work through them, then ask for the result.
+class Replicas:
+    """Follows replicas of `n` contacts on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
+    them (None: 0.2)."""
 
-        ensemble = CoupledEnsemble(contacts, path, spring=0.5, n_contacts=100_000, n_replicas=16)
-        for done, total in ensemble:
-            ...                       # contacts this rank has done, of its share
-        result = ensemble.result()    # all ranks together
-
-    Parameters and errors as for `eq_model.simulate` with a spring; `earlier` are the states of all
-    ranks of an ensemble of the same parameters that was cut short: replicas that are finished there
-    are not followed again, and the result is the same to the last bit.
-
-    Attributes: `total`, contacts of all replicas; `expected`, the same; `clock` and `comm`.
-    """
+    MOST = 1 << 31  # contacts of a replica
+    seconds = 0.0
 
     def __init__(
-        self,
-        contacts: Contacts,
-        path: npt.ArrayLike,
-        *,
-        spring: float,
-        slip: SlipRule = "reset",
-        slip_fraction: float = SLIP_FRACTION,
-        velocity: float = 1.0,
-        time: npt.ArrayLike | None = None,
-        n_contacts: int = 100_000,
-        n_replicas: int = 1,
-        seed: int = 0,
-        wall_time: float | None = None,
-        earlier: Iterable[CoupledState] = (),
-        comm: Any = None,
-        threads: int = 1,
+        self, contacts: Contacts, drive: Drive, n: int, seed: int, slip_fraction: float | None
     ) -> None:
-        self.drive = Drive(path, velocity, time, spring, slip)
-        check_coupled(contacts, self.drive)
-        most = (MOST_CONTACTS + 1, MOST_REPLICAS + 1)
-        self._set_up(most, n_contacts, n_replicas, threads, comm, wall_time)
-        self.slip_fraction = positive("slip_fraction", slip_fraction)
+        from eq_model.coupled.draws import Draws
+        from eq_model.coupled.queue_kernel import bucket_bits
+        from eq_model.coupled.slide_kernel import Pull
+
+        check_coupled(contacts, drive)
+        self.slip_fraction = positive(
+            "slip_fraction", SLIP_FRACTION if slip_fraction is None else slip_fraction
+        )
         if self.slip_fraction > 1.0:
             refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
-        started = self.clock()
-        self._follower = Follower(contacts, self.drive, self.n_contacts, seed, self.slip_fraction)
-        ready, started = self.clock() - started, self.clock()
-        layout.in_turn(comm, _compile)
-        self.compile_time = self.clock() - started
-        found = list(earlier)
-        self._before = {replica for state in found for replica in state.found}
-        # what was found before counts on one rank
-        nothing = CoupledState(self.n_contacts, run_time=ready)
-        first = layout.rank_and_size(comm)[0] == 0
-        self._state = reduce(CoupledState.joined, found, nothing) if first else nothing
-
-    def __iter__(self) -> Iterator[tuple[int, int]]:
-        """Follow this rank's share of the replicas, once; after each (contacts done, contacts in the share).
-
-        All ranks must go on to the end.
-        """
-        rank, ranks = layout.rank_and_size(self.comm)
-        mine = [r for r in range(self.n_replicas) if r not in self._before][rank::ranks]
-        total, begun = len(mine) * self.n_contacts, self.clock()
-        for number, one in enumerate(self._each(self._follower.follow, mine)):
-            # whatever interrupts, the state is that of whole replicas
-            self._state.run_time += one.seconds
-            self._state.found[one.unit] = one.found
-            yield (number + 1) * self.n_contacts, total
-            if self._late(begun):
-                break
-        for _ in layout.meeting(self.comm):
-            yield total, total
-
-    @property
-    def state(self) -> CoupledState:
-        """What this rank has found so far, to go on from in another run: see `earlier`."""
-        return self._state
-
-    def result(self) -> CoupledResult:
-        """What all ranks found; every rank must call, and gets the same bits."""
-        states = [self._state] if self.comm is None else self.comm.allgather(self._state)
-        rows = {replica: row for state in states for replica, row in state.here.items()}
-        if not rows:
-            raise InputError(
-                "ensemble: no replica is finished yet; iterate over it first, or give it more wall_time"
-            )
-        told = f"{len(rows)} replicas of {self.n_contacts:,} contacts"
-        finished = len(rows) == self.n_replicas
-        if not finished:
-            told += f": stopped before all {self.n_replicas} were followed"
-        return result_of(
-            [rows[replica] for replica in sorted(rows)],
-            sorted(rows),
-            path=self.drive.path,
-            slip_fraction=self.slip_fraction,
-            contacts=len(rows) * self.n_contacts,
-            breaks_per_rank=[sum(row.breaks for row in state.here.values()) for state in states],
-            run_time=max(state.run_time for state in states),
-            compile_time=self.compile_time,
-            success=finished,
-            message=told,
+        assert drive.spring is not None
+        self._draws, self._drive, self._n = Draws(contacts, seed), drive, n
+        self._unit, self._spring = self._draws.unit, drive.spring
+        law, mean = contacts.thresholds, contacts.mean_threshold
+        self._shift = bucket_bits(n, mean / self._unit, lambda width: float(law.cdf(width * mean)))
+        # contacts that pull forward take the slider beyond the drive, no further than they are stretched
+        way = drive.path[-1] + self._draws.furthest
+        self._buckets = (int(max(way, 0.0) / self._unit) >> self._shift) + 2
+        if self._buckets > _MOST_BUCKETS:
+            most = _MOST_BUCKETS * self._unit * 2.0**self._shift
+            refuse("path[-1]", drive.path[-1], f"must be below {most:.3g} for {n} coupled contacts")
+        delay, nothing = contacts.delay, np.empty(0)
+        self._pull = Pull(
+            spring=drive.spring * n,
+            path=nothing,
+            time=nothing,
+            clock=nothing,
+            clock_drive=nothing,
+            wait=contacts.waiting_time,
+            mean=mean / self._unit,
+            slip=max(int(np.ceil(self.slip_fraction * n)), 1),
+            at_once=drive.slip == "instant" and delay is None,
+            resets=drive.slip == "reset",
+            linked=contacts.stiffness == "linked",
+            delayed=delay is not None,
         )
 
+    def nothing(self) -> tuple[Any, Any, Any]:
+        """What no replica found."""
+        return _NO_SUMS, _NO_COUNTS, np.empty(0)
 
-def _compile() -> None:
-    """Follow a few contacts on a short way: the kernels are the same for all laws and rules."""
-    contacts, drive = Contacts(identical(1.0)), Drive([3.0], spring=1.0)
-    Follower(contacts, drive, 2, 0, 1.0).follow(0)
+    def follow(self, blocks: Blocks, replica: int) -> Found:
+        """What a replica does; -1 compiles."""
+        if replica < 0:
+            # kernels are the same for all laws and rules
+            Replicas(Contacts(identical(1.0)), Drive([3.0], spring=1.0), 2, 0, 1.0).pull(0)
+            return Found(*self.nothing(), 0, 0)
+        found = self.pull(replica)
+        return Found(_NO_SUMS, _NO_COUNTS, found.row(replica), found.breaks, 0)
+
+    def told(self, blocks: Blocks, state: State) -> dict[str, Any]:
+        """Fields of the result."""
+        replicas = read_rows(state.rows, self._drive.path.size)
+        return {**fields_of(replicas), "slip_fraction": self.slip_fraction}
+
+    def histograms(self, n: int, counts: Any) -> tuple[()]:
+        """None."""
+        return ()
+
+    def pull(self, replica: int) -> Followed:
+        """The replica's slider, pulled to the end of the path.
+
+        Raises InputError where contacts would break while the drive moves back to its first point.
+        """
+        from eq_model.coupled import slide_kernel as kernel
+        from eq_model.coupled.queue_kernel import clear, make_queue
+
+        n, size = self._n, self._drive.path.size
+        (first, later), queue = (
+            self._draws.of_replica(replica),
+            make_queue(n, self._shift, self._buckets),
+        )
+        slider = np.zeros(1, kernel.SLIDER)
+        s, slips = slider[0], list[list[float]]()
+        s["back"] = _NEVER
+        kernel.form_all(slider, queue, first, self._pull, n)
+        balance = float(s["force"]) / self._pull.spring
+        pull = self._driven(s, balance)
+        held, sizes = np.zeros(size, np.int64), np.zeros(SIZES, np.int64)
+        told, most = kernel.Told(np.zeros(size), np.zeros(size), held, sizes), n * pull.delayed + 1
+        returns = kernel.Returns(np.empty(most), np.empty(most, np.int64))
+        while (why := kernel.slide(slider, queue, later, pull, told, returns)) != kernel.PATH_DONE:
+            if why == kernel.BUCKETS_PASSED:
+                continue  # to let an interrupt be heard
+            if why == kernel.OVERTAKEN:
+                raise InputError(
+                    "reforming: contacts that form again stretched forward take the slider far beyond the drive; use a "
+                    "stiffer spring, or stretches closer to 0"
+                )
+            if why == kernel.RESET_DUE:  # no contact holds, no return is due, and X = X_T
+                drive = s["pulled"] / pull.spring
+                s["size"], s["after"], s["force_after"] = s["broken"], drive, 0.0
+                s["at"], s["returning"] = np.rint(drive), s["returns"]
+                for name in ("force", "stiffness", "held", "out", "broken"):
+                    s[name] = 0
+                clear(queue, int(s["at"]))
+                kernel.form_all(slider, queue, later, pull, n)
+            slips.append([float(s[name]) for name in _OF_A_SLIP])
+        unit, each = self._unit, self._unit / n
+        scales = [each / self._spring, unit, unit, each, each, 1.0]
+        return Followed(
+            position=told.position * unit,
+            force=told.force * each,
+            holding=told.held / n,
+            slips=np.reshape(slips, (-1, len(scales))) * scales,
+            avalanches=told.avalanches,
+            breaks=int(s["breaks"]),
+            balance=balance * unit,
+        )
+
+    def _driven(self, s: np.void, balance: float) -> Pull:
+        """The pull of a drive that comes to its path from X_T = balance (units)."""
+        drive, unit, spring = self._drive, self._unit, self._pull.spring
+        path, both = drive.path / unit, spring + s["stiffness"]
+        if spring * path[0] - s["force"] <= both * s["back"]:
+            first = (s["force"] + both * s["back"]) / spring * unit
+            raise InputError(
+                f"path[0] = {drive.path[0]:g}: contacts break backwards while the drive moves there"
+                f" from X_T = {balance * unit:g}, where it balances the start; begin the path above"
+                f" {first:g}"
+            )
+        way = np.abs(np.diff(path, prepend=balance))
+        time = np.cumsum(way) * unit / drive.velocity if drive.time is None else drive.time
+        # at the end the drive rests
+        clock, places = np.r_[0.0, time, time[-1] + 1.0], np.r_[balance, path, path[-1]]
+        moves = np.append(True, np.diff(clock) > 0.0)
+        return self._pull._replace(
+            path=spring * path, time=time, clock=clock[moves], clock_drive=places[moves]
+        )
 
 
 def check_coupled(contacts: Contacts, drive: Drive) -> None:

@@ -1,4 +1,4 @@
-"""Breaks that wait, in the order of the slider's positions at which they come: a ring of buckets.
+"""Breaks that wait, in the order of the slider's positions at which they come: a calendar of buckets.
 
 A waiting break is one 64-bit key, its place in its bucket above its threshold: 8 bytes a contact,
 which needs no other name, as contacts of one threshold that break at one place are alike. A bucket
@@ -22,20 +22,19 @@ PER_BUCKET = 16384  # breaks: what a core's L2 cache holds
 FEW = 64  # keys that are moved, on average, to put one more among those of a bucket
 DIGIT = 8  # bits by which breaks are sorted at a time
 WIDEST = 5  # buckets of at most 2^-5 mean thresholds: few breaks come in the bucket of their birth
-AHEAD = 4  # mean thresholds that the ring holds; breaks further on wait in a list
 
 _U = np.uint64
 _THRESHOLD, _DIGIT = _U((1 << THRESHOLD_BITS) - 1), _U((1 << DIGIT) - 1)
 
 
 class Queue(NamedTuple):
-    """Buckets as chains of chunks, and a list of what lies beyond them.
+    """Buckets as chains of chunks.
 
     shift : bits of a bucket's width; many : breaks of each bucket; last : its chunk that fills;
     before : the chunk before a chunk; free : free[0] chunks are free, and lie behind it; keys :
-    shape (chunks, CHUNK); far : positions and thresholds; far_size : how many; open : sorted keys
-    of the bucket in which the slider is; spare : to sort them; digits : how many of each digit; at :
-    next of the open keys, their end, and the bucket's number.
+    shape (chunks, CHUNK); open : sorted keys of the bucket in which the slider is; spare : to sort
+    them; digits : how many of each digit; at : next of the open keys, their end, and the bucket's
+    number.
     """
 
     shift: np.int64
@@ -44,16 +43,14 @@ class Queue(NamedTuple):
     before: npt.NDArray[np.int32]
     free: npt.NDArray[np.int32]
     keys: npt.NDArray[np.uint64]
-    far: npt.NDArray[np.int64]
-    far_size: npt.NDArray[np.int64]
     open: npt.NDArray[np.uint64]
     spare: npt.NDArray[np.uint64]
     digits: npt.NDArray[np.int64]
     at: npt.NDArray[np.int64]
 
 
-def bucket_width(n: int, share_below: Callable[[float], float]) -> float:
-    """Width of a bucket for n contacts, in mean thresholds.
+def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> int:
+    """Bits of a bucket's width for n contacts of `mean` threshold (units).
 
     share_below : share of the thresholds below so many means; breaks that come in the bucket of
         their birth are put in their place one by one.
@@ -61,27 +58,19 @@ def bucket_width(n: int, share_below: Callable[[float], float]) -> float:
     width = min(PER_BUCKET / n, 2.0**-WIDEST)
     while width * n * min(share_below(width), 1.0) > FEW and width * n > FEW:
         width *= 0.5
-    return width
+    return min(max(int(np.floor(np.log2(mean * width))), 1), 64 - THRESHOLD_BITS)
 
 
-def make_queue(n: int, mean: float, width: float) -> Queue:
-    """An empty queue for n contacts, of `mean` threshold (units), with buckets of that width (in
-    means); memory is used as it fills."""
-    bits = int(np.log2(mean))
-    shift = min(max(int(np.floor(np.log2(mean * width))), 1), 64 - THRESHOLD_BITS)
-    buckets = AHEAD << (bits - shift)
-    chunks = n // CHUNK + buckets + 1
-    free = np.empty(chunks + 1, np.int32)
-    zeros = np.zeros(buckets, np.int32)
+def make_queue(n: int, shift: int, buckets: int) -> Queue:
+    """An empty queue for n contacts, of so many buckets; memory is used as it fills."""
+    chunks = n // CHUNK + min(buckets, n) + 1
     queue = Queue(
         shift=np.int64(shift),
-        many=zeros,
-        last=zeros.copy(),
+        many=np.zeros(buckets, np.int32),
+        last=np.zeros(buckets, np.int32),
         before=np.empty(chunks, np.int32),
-        free=free,
+        free=np.empty(chunks + 1, np.int32),
         keys=np.empty((chunks, CHUNK), np.uint64),
-        far=np.empty((n, 2), np.int64),
-        far_size=np.zeros(1, np.int64),
         open=np.empty(n + 1, np.uint64),
         spare=np.empty(n + 1, np.uint64),
         digits=np.empty((-(-shift // DIGIT), 1 << DIGIT), np.int64),
@@ -96,7 +85,6 @@ def clear(queue: Queue, position: int) -> None:
     queue.many[:] = 0
     queue.free[0] = queue.free.size - 1
     queue.free[1:] = np.arange(queue.free.size - 2, -1, -1)
-    queue.far_size[0] = 0
     queue.at[:] = 0, 0, (position >> int(queue.shift)) - 1
 
 
@@ -118,29 +106,23 @@ def take_next(queue):  # type: ignore[no-untyped-def]
 
 @inlined
 def wait(queue, b, x):  # type: ignore[no-untyped-def]
-    """A break at b, of threshold x, waits; b lies in the open bucket or beyond."""
-    ahead = (b >> queue.shift) - queue.at[2]
+    """A break at b, of threshold x, waits; b lies in the open bucket or beyond.
+
+    One beyond all buckets lies beyond the drive's end and never comes.
+    """
+    k = b >> queue.shift
     key = (_U(b & ((np.int64(1) << queue.shift) - np.int64(1))) << _U(THRESHOLD_BITS)) | _U(x)
-    if ahead > 0 and ahead < queue.many.size:
-        _push(queue, (b >> queue.shift) & np.int64(queue.many.size - 1), key)
-    elif ahead > 0:
-        queue.far[queue.far_size[0], 0] = b
-        queue.far[queue.far_size[0], 1] = x
-        queue.far_size[0] += 1
-    else:
+    if k <= queue.at[2]:
         _insert(queue, key)
-
-
-@inlined
-def _push(queue, k, key):  # type: ignore[no-untyped-def]
-    slot = _U(queue.many[k]) & _U(CHUNK - 1)
-    if slot == _U(0):
-        chunk = queue.free[queue.free[0]]
-        queue.free[0] -= 1
-        queue.before[chunk] = queue.last[k]
-        queue.last[k] = chunk
-    queue.keys[_U(queue.last[k]), slot] = key
-    queue.many[k] += 1
+    elif k < queue.many.size:
+        slot = _U(queue.many[_U(k)]) & _U(CHUNK - 1)
+        if slot == _U(0):
+            chunk = queue.free[queue.free[0]]
+            queue.free[0] -= 1
+            queue.before[chunk] = queue.last[_U(k)]
+            queue.last[_U(k)] = chunk
+        queue.keys[_U(queue.last[_U(k)]), slot] = key
+        queue.many[_U(k)] += 1
 
 
 @bare
@@ -163,7 +145,7 @@ def _insert(queue, key):  # type: ignore[no-untyped-def]
 @bare
 def _take(queue, into):  # type: ignore[no-untyped-def]
     """Empty the open bucket's chunks; how many breaks there were, and how many of each digit."""
-    k = queue.at[2] & np.int64(queue.many.size - 1)
+    k = queue.at[2]
     n, m = np.int64(queue.many[k]), np.int64(0)
     chunk = np.int64(queue.last[k])
     fill = n - (n - 1) // CHUNK * CHUNK
@@ -196,29 +178,11 @@ def _sort(queue, d, n, old, new):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _come_near(queue):  # type: ignore[no-untyped-def]
-    """Breaks of the list that the ring reaches by now go into it, the open bucket among them."""
-    left = np.int64(0)
-    for i in range(queue.far_size[0]):
-        b, x = queue.far[i, 0], queue.far[i, 1]
-        if (b >> queue.shift) - queue.at[2] < queue.many.size:
-            key = (_U(b & ((np.int64(1) << queue.shift) - np.int64(1))) << _U(THRESHOLD_BITS)) | _U(
-                x
-            )
-            _push(queue, (b >> queue.shift) & np.int64(queue.many.size - 1), key)
-        else:
-            queue.far[left, 0] = b
-            queue.far[left, 1] = x
-            left += 1
-    queue.far_size[0] = left
-
-
-@bare
 def open_next(queue):  # type: ignore[no-untyped-def]
-    """Open the next bucket: its breaks, in order."""
+    """Open the next bucket: its breaks, in order; whether there is one."""
+    if queue.at[2] + 1 == queue.many.size:
+        return False
     queue.at[2] += 1
-    if queue.at[2] % (queue.many.size // AHEAD) == 0:
-        _come_near(queue)
     last = queue.digits.shape[0] - 1
     n = _take(queue, queue.open if last % 2 else queue.spare)
     for d in range(last + 1):
@@ -228,3 +192,4 @@ def open_next(queue):  # type: ignore[no-untyped-def]
             _sort(queue, d, n, queue.spare, queue.open)
     queue.at[0] = 0
     queue.at[1] = n
+    return True

@@ -1,21 +1,20 @@
-"""What replicas of coupled contacts did, and the state of those that are finished."""
+"""What replicas of coupled contacts did."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import reduce
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from eq_model import layout
-from eq_model.coupled.replica import Followed
+from eq_model.ensemble_result import EnsembleResult
 from origins.brief import brief
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
+
+SIZES = 40  # classes of avalanches: up to 2^40 breaks
 
 
 @dataclass(frozen=True)
@@ -55,23 +54,19 @@ class CoupledSlips:
         return float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))
 
 
-@dataclass(frozen=True)
-class CoupledResult:
-    """Contacts on a soft slider as the drive moves.
+@dataclass(frozen=True, kw_only=True)
+class CoupledResult(EnsembleResult):
+    """Contacts on a soft slider as the drive moves; `path` is X_T.
+
+    Other fields as of EnsembleResult, but that standard errors are those between replicas, inf for one. Near a slip F
+    is not normal: replicas have slipped or not. Compare `slips`, not the mean force across a drop.
 
     Attributes
     ----------
-    path : array of shape (n,)
-        Positions X_T of the drive (lengths).
-    position, force : arrays of shape (n,)
-        X and F/(N_c <k>), means over the replicas (lengths); at a slip, after it.
-    position_standard_error, force_standard_error : arrays of shape (n,)
-        Of these means, from the replicas (lengths); inf for one replica. Near a slip F is not normal:
-        replicas have slipped or not. Compare `slips`, not the mean force across a drop.
+    position, position_standard_error : arrays of shape (n,)
+        X, mean over the replicas (lengths); at a slip, after it.
     positions, forces : arrays of shape (replicas, n)
-        Of each replica (lengths).
-    holding, holding_standard_error : arrays of shape (n,)
-        Fraction of the contacts that hold.
+        X and F/(N_c <k>) of each replica (lengths).
     slips : CoupledSlips
         Avalanches that broke at least `slip_fraction` of a replica's contacts.
     avalanches : array of shape (replicas, 40)
@@ -79,107 +74,63 @@ class CoupledResult:
     slip_fraction : float
     balance : float
         X_T = F(0)/K, where the drive stands at t = 0, mean over the replicas (a length).
-    contacts, breaks : int
-        Of all finished replicas.
-    breaks_per_rank : list of int
-    success : bool
-        Whether all replicas are finished.
-    message : str
-    run_time, compile_time : float
-        Seconds: of the slowest rank, without compilation; of compilation.
-    step_error, histograms
-        Of other ensembles: zeros, and nothing.
     """
 
-    path: Array
     position: Array
-    force: Array
     position_standard_error: Array
-    force_standard_error: Array
     positions: Array
     forces: Array
-    holding: Array
-    holding_standard_error: Array
     slips: CoupledSlips
     avalanches: Whole
     slip_fraction: float
     balance: float
-    contacts: int
-    breaks: int
-    breaks_per_rank: list[int]
-    run_time: float
-    compile_time: float
-    success: bool
-    message: str
-    step_error: Array
-    histograms: tuple[()] = ()
 
     __repr__ = brief
 
 
-@dataclass
-class CoupledState:
-    """Replicas of `n` contacts that are finished: kept after each, written down, and gone on from.
+@dataclass(frozen=True)
+class Followed:
+    """What a replica did.
 
-    found : what they did, by their numbers; None where another rank has it. run_time : s.
+    position, force, holding : shape (n,), X and F/(N_c <k>) (lengths), and the fraction that holds, at
+        the path's points; at a slip, after it.
+    slips : shape (m, 6), X_T, X before and after, F before and after (lengths), contacts that broke.
+    avalanches : shape (SIZES,), how many that were no slips broke 1, 2 to 3, 4 to 7, ... contacts.
+    breaks : all of them; balance : X_T = F(0)/K, where the drive stands at t = 0 (a length).
     """
 
-    n: int
-    found: dict[int, Followed | None] = field(default_factory=dict)
-    run_time: float = 0.0
+    position: Array
+    force: Array
+    holding: Array
+    slips: Array
+    avalanches: Whole
+    breaks: int
+    balance: float
 
-    @property
-    def here(self) -> dict[int, Followed]:
-        """Those that this rank has."""
-        return {replica: row for replica, row in self.found.items() if row is not None}
-
-    @property
-    def contacts(self) -> int:
-        """How many, of all."""
-        return self.n * len(self.found)
-
-    @property
-    def done(self) -> list[range]:
-        """The numbers of all."""
-        parts = (range(replica, replica + 1) for replica in sorted(self.found))
-        return reduce(layout.joined, parts, [])
-
-    def joined(self, other: CoupledState) -> CoupledState:
-        """Of both."""
-        found = {**self.found, **other.found, **self.here}
-        return CoupledState(self.n, found, max(self.run_time, other.run_time))
-
-    def without_sums(self) -> CoupledState:
-        """The numbers alone."""
-        return CoupledState(self.n, dict.fromkeys(self.found), self.run_time)
-
-    def arrays(self) -> dict[str, npt.NDArray[Any]]:
-        """All that is here, for a file: a row of numbers for each replica, one after the other."""
-        rows = [row.packed() for row in self.here.values()]
-        return {
-            "told": np.array([self.n, self.run_time]),
-            "replicas": np.array(list(self.here), np.int64),
-            "lengths": np.array([row.size for row in rows], np.int64),
-            "slips": np.array([len(row.slips) for row in self.here.values()], np.int64),
-            "rows": np.concatenate([np.empty(0), *rows]),
-        }
-
-    @classmethod
-    def of_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> CoupledState:
-        """The state that has these arrays; KeyError or ValueError where there is none."""
-        n, run_time = arrays["told"].tolist()
-        rows = np.split(arrays["rows"], np.cumsum(arrays["lengths"])[:-1])
-        found: dict[int, Followed | None] = {}
-        for replica, row, slips in zip(
-            arrays["replicas"].tolist(), rows, arrays["slips"].tolist(), strict=False
-        ):
-            found[replica] = Followed.unpacked(row, slips)
-        return cls(int(n), found, run_time)
+    def row(self, replica: int) -> Array:
+        """All of it as numbers, behind the replica's number and that of its slips."""
+        first = replica, len(self.slips), *self.avalanches, self.breaks, self.balance
+        curves = self.position, self.force, self.holding
+        return np.concatenate([first, *curves, self.slips.ravel()])
 
 
-def result_of(rows: list[Followed], replicas: list[int], **others: Any) -> CoupledResult:
-    """The result of these replicas, in order; `others` are the fields that they do not tell."""
-    told: dict[str, Any] = {}
+def read_rows(rows: Array, points: int) -> dict[int, Followed]:
+    """Replicas in order, from their rows one after the other."""
+    found, at = dict[int, Followed](), 0
+    while at < rows.size:
+        replica, slips = int(rows[at]), int(rows[at + 1])
+        parts = np.cumsum([2, SIZES, 2, points, points, points, 6 * slips])
+        _, sizes, last, x, force, holding, table, _ = np.split(rows[at:], parts)
+        counts, table = sizes.astype(np.int64), table.reshape(-1, 6)
+        told = int(last[0]), float(last[1])
+        found[replica] = Followed(x, force, holding, table, counts, *told)
+        at += int(parts[-1])
+    return dict(sorted(found.items()))
+
+
+def fields_of(found: dict[int, Followed]) -> dict[str, Any]:
+    """The fields of a CoupledResult that these replicas tell."""
+    told, rows = dict[str, Any](), list(found.values())
     for name in ("position", "force", "holding"):
         table = np.array([getattr(row, name) for row in rows])
         scatter = table.std(axis=0, ddof=1) if len(rows) > 1 else np.full(table.shape[1], np.inf)
@@ -187,22 +138,15 @@ def result_of(rows: list[Followed], replicas: list[int], **others: Any) -> Coupl
         told[f"{name}_standard_error"] = scatter / np.sqrt(len(rows))
     del told["holdings"]
     lengths = [len(row.slips) for row in rows]
-    table = np.concatenate([row.slips for row in rows]).T
-    return CoupledResult(
-        **told,
-        slips=CoupledSlips(
-            replica=np.repeat(np.array(replicas, np.int64), lengths),
-            number=np.concatenate([np.arange(n) for n in lengths]),
-            drive=table[0],
-            before=table[1],
-            after=table[2],
-            force_before=table[3],
-            force_after=table[4],
-            breaks=table[5].astype(np.int64),
-        ),
-        avalanches=np.array([row.avalanches for row in rows]),
-        balance=float(np.mean([row.balance for row in rows])),
-        breaks=sum(int(row.breaks) for row in rows),
-        step_error=np.zeros(rows[0].force.size),
-        **others,
-    )
+    table = np.concatenate([row.slips for row in rows])
+    replicas = np.repeat(np.array(list(found), np.int64), lengths)
+    number = np.concatenate([np.arange(n) for n in lengths])
+    drive, before, after, loaded, left, broken = table.T
+    breaks = broken.astype(np.int64)
+    slips = CoupledSlips(replicas, number, drive, before, after, loaded, left, breaks)
+    return told | {
+        "slips": slips,
+        "avalanches": np.array([row.avalanches for row in rows]),
+        "balance": float(np.mean([row.balance for row in rows])),
+        "step_error": np.zeros(rows[0].force.size),
+    }

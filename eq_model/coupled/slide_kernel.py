@@ -14,12 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, inlined
-from eq_model.coupled.draws import relaxed_contact, stretched_contact
+from eq_model.coupled.draws import take
 from eq_model.coupled.queue_kernel import next_break, open_next, take_next, wait
 
-SIZES = 40  # classes of avalanches: up to 2^40 breaks
 OFTEN = 64  # buckets after which to tell how far the drive has come
-GOING_ON, BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE = range(5)
+GOING_ON, BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE, OVERTAKEN = range(6)
 
 # Positions are whole units, forces and stiffnesses are sums of k_i x_i and k_i in <k>.
 SLIDER = np.dtype(
@@ -86,17 +85,6 @@ class Returns(NamedTuple):
     many: npt.NDArray[np.int64]
 
 
-def make_told(points: int) -> Told:
-    """Nothing told yet."""
-    none, counts = np.zeros(points), np.zeros(SIZES, np.int64)
-    return Told(none, none.copy(), np.zeros(points, np.int64), counts)
-
-
-def make_returns(most: int) -> Returns:
-    """No contact is out."""
-    return Returns(np.empty(most), np.empty(most, np.int64))
-
-
 @inlined
 def move(s, b):  # type: ignore[no-untyped-def]
     """The slider moves to b, and nothing breaks."""
@@ -105,13 +93,9 @@ def move(s, b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def form(s, queue, thresholds, stretches, stretched, top, pull):  # type: ignore[no-untyped-def]
+def form(s, queue, supply, pull):  # type: ignore[no-untyped-def]
     """A contact forms at X."""
-    r = np.int64(0)
-    if stretched:
-        x, r = stretched_contact(thresholds, stretches, top)
-    else:
-        x = relaxed_contact(thresholds)
+    x, r = take(supply)
     k = np.float64(x) / pull.mean if pull.linked else 1.0
     s.held += 1
     s.stiffness += k
@@ -121,12 +105,10 @@ def form(s, queue, thresholds, stretches, stretched, top, pull):  # type: ignore
 
 
 @bare
-def form_all(s, queue, draws, pull, n, start):  # type: ignore[no-untyped-def]
-    """n contacts form at X: as they start, or as they form again."""
-    stretches = draws.starts if start else draws.again
-    stretched = draws.stretched if start else draws.again_stretched
+def form_all(s, queue, supply, pull, n):  # type: ignore[no-untyped-def]
+    """n contacts form at X."""
     for _ in range(n):
-        form(s[0], queue, draws.thresholds, stretches, stretched, draws.top, pull)
+        form(s[0], queue, supply, pull)
 
 
 @bare
@@ -194,7 +176,7 @@ def end_avalanche(s, pull, told, returns, slider):  # type: ignore[no-untyped-de
 
 
 @bare
-def slide(slider, queue, draws, pull, told, returns):  # type: ignore[no-untyped-def]
+def slide(slider, queue, supply, pull, told, returns):  # type: ignore[no-untyped-def]
     """Move on until there is something to do that is done elsewhere: returns one of the reasons."""
     s, passed = slider[0], 0
     while True:
@@ -244,11 +226,12 @@ def slide(slider, queue, draws, pull, told, returns):  # type: ignore[no-untyped
                 why = RESET_DUE
         else:
             move(s, b)
-            open_next(queue)
+            if not open_next(queue):
+                return OVERTAKEN
             passed += 1
             if passed == OFTEN:
                 return BUCKETS_PASSED
         for _ in range(forming):
-            form(s, queue, draws.thresholds, draws.again, draws.again_stretched, draws.top, pull)
+            form(s, queue, supply, pull)
         if why != GOING_ON:
             return why

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.stretches import Moves, averaged, missed
+from master.lives.stretches import Moves, averaged
 from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError
@@ -35,9 +35,8 @@ NARROW, CORNER, LEAST_BEND = 1e-2, 1e-4, 1e-6
 # A bend is rated by what polynomials of its sides differ by half a panel beyond it, times this: the
 # panels that resolve the breaks may be a few times wider.
 SEEN = 30.0
-# One of so many sums over stretches is made again with all pieces halved, to see what it misses; and
-# by how much the largest of these misses counts.
-CHECKED, MARGIN = 16, 2.0
+# By how much the largest error that is seen of an average over stretches counts: some are looked at.
+MARGIN = 2.0
 # Last coefficients at which pieces of the stretches are no longer halved: beside a cusp of S(|r|) sums
 # miss a twentieth of it, and leaps of more from move to move would look like slips of a soft slider.
 RESOLVED = 1e-12
@@ -171,7 +170,10 @@ class ColdLife:
     def _held(self, m: Array, side: Array) -> Array:
         """Survival at m; `side` tells which exact thresholds are met."""
         if not self.atoms.size:
-            return np.asarray(self._law.sf(m))
+            # all hold that are less stretched: the law need not be asked
+            some, out = m > self.quiet, np.ones(m.shape)
+            out[some] = self._law.sf(m[some])
+            return out
         out = self._smooth(m)
         for position, weight in zip(self.atoms, self._weights, strict=True):
             out = out + weight * (side < position * (1.0 - TIE))
@@ -181,8 +183,10 @@ class ColdLife:
         """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""
         if not self._linked:
             return held
-        inside = np.minimum(m, self.reach)
-        out = m * self._smooth(m) + self._table.beyond(inside)
+        smooth = self._smooth(m)
+        # in the far tail the table knows less than that the few that hold have thresholds in reach
+        most = np.maximum(self.reach - m, 0.0) * smooth
+        out = m * smooth + np.clip(self._table.beyond(np.minimum(m, self.reach)), 0.0, most)
         for position, weight in zip(self.atoms, self._weights, strict=True):
             out = out + position * weight * (side < position * (1.0 - TIE))
         return np.asarray(out / self._mean)
@@ -199,10 +203,9 @@ class ColdLife:
             return self._left(r, moves.largest(pair, r), r + moves.now[pair, None])
 
         pieces = int(np.clip((born.span[1] - born.span[0]) / (4.0 * self.grain), 8, 64))
-        given = born, moves, self._end, self.bends, inside
-        found = averaged(*given, RESOLVED, pieces)
-        self.error = max(self.error, MARGIN * missed(*given, found, CHECKED, RESOLVED))
-        return found.reshape(2, *history.now.shape)
+        found = averaged(born, moves, self._end, self.bends, inside, RESOLVED, pieces)
+        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        return found.value.reshape(2, *history.now.shape)
 
     def _left(self, r: Array, m: Array, x: Array) -> Array:
         """Share and force of contacts born at r, by the largest |x| so far, m, and x."""

@@ -14,25 +14,24 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.halving import Pieces, integrals
 from master.lives.life import UnbentLife
-from master.lives.stretch_rule import finite_density, stretch_panels
 from master.motion.motion import History, Legs
 from origins import Contacts, GrainContact
 from origins.grains.lifshitz_slyozov import hazard_beyond
 from origins.start import Start
-from origins.thresholds.quadrature import gauss
+from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 # Hazard above which the survival e^-H is below 1e-17: nothing to speak of holds.
 GONE = 39.2
-# Bisections that find a stretch to one part in 1e15 of its panel.
-BISECTIONS = 50
 # Length over which survivals are resolved, in standard deviations of the thresholds at first.
 GRAIN = 0.25
-# Share of contacts by which the sums over the starting stretches may be off.
-ERROR = 5e-14
+# Share of contacts by which hazards are off; and by how much what is seen of the error of sums over
+# the starting stretches counts, as some are looked at.
+ERROR, SEEN = 5e-14, 2.0
 
 
 class GrainLife(UnbentLife):
@@ -50,8 +49,8 @@ class GrainLife(UnbentLife):
     """
 
     error, fresh_start = ERROR, False
-    # of a start's panels, every so many are one
-    every = 1
+    # pieces of a start to begin with, and last coefficients at which they are not halved
+    pieces, resolved = 8, 1e-10
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         grains = contacts.grains
@@ -74,30 +73,54 @@ class GrainLife(UnbentLife):
         moves = Legs(
             legs.displacement.reshape(-1, knots), legs.duration.reshape(-1, knots - 1), legs.speed
         )
-        count = moves.displacement.shape[0]
-        row, since, lost = np.arange(count), self.start_since, np.zeros(1)
-        nodes, weights = np.zeros((count, 1)), np.ones((count, 1))
+        every = np.arange(moves.displacement.shape[0])
+        if isinstance(born, Start) and born is self.start and not born.is_single:
+            return self._of_spread(moves).reshape(2, *shape)
+        since, lost, nodes = self.start_since, np.zeros(1), np.zeros((every.size, 1))
         if not isinstance(born, Start) and np.any(born):
             nodes = np.broadcast_to(born, shape).reshape(-1, 1)
         elif born is not self.start:  # births are at 0
             since, lost = 0.0, np.broadcast_to(self._lost(legs), shape).ravel()
-        elif born.is_single:
-            nodes = np.full((count, 1), born.mean())
         else:
-            row, low, high = self._panels(moves)
-            nodes, weights = gauss(low, high)
-            weights = weights * finite_density(born, nodes)
-        stretch = self._stretches(nodes, row, moves).reshape(-1, knots)
+            nodes = np.full(nodes.shape, self.start.mean())
+        return self._holding(every, nodes, moves, since, lost).reshape(2, *shape)
+
+    def _of_spread(self, moves: Legs) -> Array:
+        """Share and force of the start; what is left bends where another moment becomes the worst."""
+        start, count = self.start, moves.displacement.shape[0]
+        edges = np.concatenate(
+            [np.linspace(*start.span, self.pieces + 1), start.breakpoints, [0.0]]
+        )
+        edges = np.clip(edges, *np.clip(start.span, -self.start_reach, self.start_reach))
+        edges = np.unique(edges)
+        row, low = np.divmod(np.arange(count * (edges.size - 1)), edges.size - 1)
+
+        def weighed(row: Rows, nodes: Array) -> Array:
+            density = finite_density(start, nodes)
+            found = self._holding(row, nodes, moves, self.start_since, np.zeros(1))
+            return np.concatenate([density * found, density[None]])
+
+        found = integrals(weighed, Pieces(row, edges[low], edges[low + 1]), count, self.resolved)
+        self.error = max(self.error, SEEN * float(found.missed[0]))
+        return found.value[:2] / found.value[2]
+
+    def _holding(self, row: Rows, nodes: Array, moves: Legs, since: float, lost: Array) -> Array:
+        """Share and force of contacts born at `nodes` (n, k), with the moves of the rows (n,).
+
+        since : time between pinning and the moves; lost : the least of the worst hazards
+        """
+        stretch = nodes[..., None] + moves.displacement[row][:, None]
+        stretch = stretch.reshape(-1, stretch.shape[-1])
         own = Legs(stretch, np.repeat(moves.duration[row], nodes.shape[1], axis=0), moves.speed)
-        hazards = self._hazards(stretch, since, own)
+        elapsed = np.cumsum(own.duration, axis=-1)
+        times = since + np.concatenate([np.zeros((elapsed.shape[0], 1)), elapsed], axis=-1)
+        hazards = pinned_hazard(self.grains, stretch, times)
         # contacts whose thresholds were met at first never hold
         met = ~np.isfinite(hazards[:, 0])
         before = np.where(met, 0.0, hazards[:, 0])
         worst = np.where(met, np.inf, np.maximum(hazards.max(axis=-1), lost))
-        hold = self._share(own, since, worst, before).reshape(nodes.shape) * weights
-        parts = np.stack([hold, hold * stretch[:, -1].reshape(nodes.shape), weights]).sum(axis=-1)
-        share, force, weight = (np.bincount(row, part, minlength=count) for part in parts)
-        return np.stack([share / weight, force / weight]).reshape(2, *shape)
+        hold = self._share(own, since, worst, before)
+        return np.stack([hold, hold * stretch[:, -1]]).reshape(2, *nodes.shape)
 
     def _share(self, moves: Legs, since: float, worst: Array, before: Array) -> Array:
         """Share that holds of contacts with these moves (their stretches), array (n,).
@@ -106,12 +129,6 @@ class GrainLife(UnbentLife):
         worst, before : arrays (n,), the largest hazard so far and the one at first
         """
         return np.exp(before - worst)
-
-    def _hazards(self, stretch: Array, since: float, legs: Legs) -> Array:
-        """H at the beginning of the first leg and at the end of each; shape of stretch (n, k + 1)."""
-        elapsed = np.cumsum(legs.duration, axis=-1)
-        first = np.zeros((*elapsed.shape[:-1], 1))
-        return pinned_hazard(self.grains, stretch, since + np.concatenate([first, elapsed], -1))
 
     def _lost(self, legs: Legs) -> Array:
         """H as contacts pin: some are stretched faster than their thresholds grow from 0 on.
@@ -123,39 +140,6 @@ class GrainLife(UnbentLife):
         birth = np.where(lived.any(axis=-1), np.argmax(lived, axis=-1), legs.speed.size - 1)
         hazard = [self.grains.lost_hazard(abs(float(speed))) for speed in legs.speed]
         return np.array(hazard)[birth].reshape(rows, 1)
-
-    def _panels(self, moves: Legs) -> tuple[Rows, Array, Array]:
-        """Rows of `moves`, and panels of starting stretches with one worst moment each.
-
-        Where another moment becomes the worst the share left bends, so panels end there.
-        """
-        within = (-self.start_reach, self.start_reach)
-        edges = np.clip(stretch_panels(self.start)[:: self.every], *within)
-        edges = np.unique(np.append(edges, np.clip(self.start.span[1], *within)))
-        count = moves.displacement.shape[0]
-        grid = np.broadcast_to(edges, (count, edges.size))
-        worst = self._worst_moment(grid, np.arange(count), moves)
-        row, panel = np.nonzero(worst[:, 1:] != worst[:, :-1])
-        low, high, old = edges[panel], edges[panel + 1], worst[row, panel]
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            same = self._worst_moment(middle[:, None], row, moves)[:, 0] == old
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
-        cuts = np.array(grid[:, 1:])
-        cuts[row, panel] = low
-        ends = np.sort(np.concatenate([grid, cuts], axis=1), axis=1)
-        row, panel = np.nonzero(np.diff(ends, axis=1) > 0.0)
-        return row, ends[row, panel], ends[row, panel + 1]
-
-    def _stretches(self, start: Array, row: Rows, moves: Legs) -> Array:
-        """Stretches along the moves of the rows (n,), from start (n, m); shape (n, m, k + 1)."""
-        return np.asarray(start[..., None] + moves.displacement[row][:, None])
-
-    def _worst_moment(self, start: Array, row: Rows, moves: Legs) -> Rows:
-        """Number of the moment at which H of contacts that started at start (n, m) is largest."""
-        own = Legs(moves.displacement, moves.duration[row][:, None], moves.speed)
-        hazards = self._hazards(self._stretches(start, row, moves), self.start_since, own)
-        return np.argmax(hazards, axis=-1)
 
 
 def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:

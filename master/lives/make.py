@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from master.lives.age.forward import ForwardAgeing
+from master.lives.age.ageing import LONGEST, AgeingLife
 from master.lives.age.path import AgeingPath
 from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
-from master.lives.heat.above import ACCURACY
 from master.lives.heat.mean_rate import MeanRateLife
+from master.lives.heat.replayed import RESOLVED
 from master.lives.heat.thermal import ThermalLife
 from master.lives.life import Life
-from master.lives.stretches import RESOLVED
 from master.lives.warm_grains import WarmGrainLife
 from master.motion.motion import Motion
 from origins import Contacts, GrainContact, InputError
 from origins.errors import refuse
 
-# Error of what is left of contacts, in units of the tolerance: a sum over births weighs many.
-_ACCURACY = 1e-3
-# The same of averages over the stretches at birth. What they miss is the square of this, or beside
-# an onset of P_c some 1e-3 of it, and is looked at as they go.
+# Last coefficients of averages over the stretches at birth, in units of the tolerance, and their least
+# and most. What they miss is the square of this, or beside an onset of P_c some 1e-3 of it.
 _RESOLVED, LEAST_RESOLVED, MOST_RESOLVED = 1e-2, 1e-12, 1e-6
 # Error of the share that holds of contacts that age, in units of the tolerance, and its least.
 _AGED, _FINEST = 0.2, 1e-10
@@ -34,11 +31,17 @@ _MOST_LOST = 300.0
 _WARM, _WARM_ENDS = 0.02, (1e-11, 1e-6)
 
 
-def life_of(contacts: Contacts, tolerance: float = 0.0, motion: Motion | None = None) -> Life:
+def life_of(
+    contacts: Contacts,
+    tolerance: float = 0.0,
+    motion: Motion | None = None,
+    until: float = np.inf,
+) -> Life:
     """The life of these contacts.
 
     tolerance : of the force, in mean thresholds; 0: what is left is known as well as can be
     motion : of the slider; contacts that age have no life that does not ask it
+    until : reading of time.monotonic() after which a life is known as well as it is by then
     """
     if contacts.grains is not None:
         assert motion is not None
@@ -50,18 +53,14 @@ def life_of(contacts: Contacts, tolerance: float = 0.0, motion: Motion | None = 
         assert motion is not None
         check_ageing(contacts)
         accuracy = max(_AGED * tolerance, _FINEST)
-        if not motion.one_leg:
-            return AgeingPath(contacts, motion, accuracy)
-        longest = float(motion.times[-1])
-        return ForwardAgeing(contacts, float(motion.speeds[0]), accuracy, longest)
+        return (AgeingLife if motion.one_leg else AgeingPath)(contacts, motion, accuracy, until)
     if contacts.thermal is None:
         return ColdLife(contacts)
     resolved = (
         min(max(_RESOLVED * tolerance, LEAST_RESOLVED), MOST_RESOLVED) if tolerance else RESOLVED
     )
-    if contacts.thermal.closure == "paper":
-        return MeanRateLife(contacts, resolved)
-    return ThermalLife(contacts, max(_ACCURACY * tolerance, ACCURACY), resolved)
+    life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife
+    return life(contacts, resolved)
 
 
 def steady_life(contacts: Contacts, velocity: float) -> Life:
@@ -78,7 +77,10 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
     if contacts.ageing is not None:
         check_ageing(contacts)
         closed = contacts.ageing.normal is not None and contacts.thermal is None
-        return ForwardAgeing(contacts, velocity, _FINEST if closed else _STEPPED)
+        laws = contacts.thresholds, contacts.ageing.final
+        way = LONGEST * max(float(law.isf(1e-17)) for law in laws)
+        motion = Motion(np.array([0.0, way / velocity]), np.array([0.0, way]))
+        return AgeingLife(contacts, motion, _FINEST if closed else _STEPPED)
     return life_of(contacts)
 
 

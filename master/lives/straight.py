@@ -48,14 +48,14 @@ class StraightLife:
 
     asked : float
         The longest time that was asked for.
-    longest : float
+    longest, reach : float
         The same, or a time from which on heat has left none.
     """
 
     def __init__(
         self, life: Life, born: Start, speed: float, longest: float, accuracy: float = ACCURACY
     ) -> None:
-        self.life, self.reach, self.quiet = life, life.reach, life.quiet
+        self.life, self.quiet = life, life.quiet
         self.atoms, self.grain, self.quick = life.atoms, life.grain, True
         self.timeless, self.fresh_start = life.timeless, life.fresh_start
         self.pair_work = 1
@@ -73,8 +73,10 @@ class StraightLife:
             dead = np.flatnonzero(left < NONE_LEFT)
             if dead.size:
                 longest, ladder = float(ladder[dead[0]]), ladder[: dead[0]]
-        self.longest, moving = longest, bends_of(life, born, speed)
-        self.bends: Array = moving[moving < longest]
+        self.longest = self.reach = longest
+        moving = bends_of(life, born, speed)
+        # at the longest time single thresholds may end all that is left
+        self.bends: Array = np.append(moving[moving < longest * (1.0 - _TIE)], longest)
         self.bend_sizes: Array = np.ones(self.bends.size)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
         shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest
@@ -104,7 +106,7 @@ class StraightLife:
             lag = np.where(np.abs(lag - jump) <= _TIE * (jump + history.t), beside, lag)
         # a time since birth may be rounded below 0, where the first panel, if narrow, tells anything
         found = self.table(np.maximum(lag, 0.0))
-        found[1] *= self.reach
+        found[1] *= self.life.reach
         return found
 
 

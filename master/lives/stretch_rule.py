@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import legendre
 
+from master.lives.halving import Pieces, nodes_of
 from origins.start import Start
-from origins.thresholds.quadrature import gauss
+from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 
-# Panels that the span of a law is cut into at first; a normal law of 16.6 standard deviations is
-# then integrated to 1e-14 by eight Gauss nodes each.
-PANELS = 16
-# Times that a panel is halved at most: beside a density that diverges what is left weighs nothing.
-HALVINGS = 40
-# Share of all weight that a panel may be off by.
-ACCURACY = 1e-14
+# Panels that the span of a law is cut into at first, and last coefficients at which they are not halved.
+PANELS, ACCURACY = 8, 1e-12
 # Numbers of stretches that stand for a law, tried one after the other: with the last of them a start
 # across 0, where survivals of contacts that age bend, is good to some 1e-8.
 COUNTS = (6, 9, 13, 19, 28)
@@ -36,57 +34,29 @@ class StretchRule(NamedTuple):
     weight: Array
 
 
-def stretch_panels(born: Start) -> Array:
-    """Edges of panels on each of which eight Gauss nodes integrate the density of the stretches.
-
-    Returns an array of shape (n + 1,), lengths. `born` has a density.
-    """
-    low, high = born.span
-    inner = born.breakpoints[(born.breakpoints > low) & (born.breakpoints < high)]
-    edges = np.unique(np.concatenate([np.linspace(low, high, PANELS + 1), inner]))
-    done = [edges]
-    left, right = edges[:-1], edges[1:]
-    for _ in range(HALVINGS):
-        middle = 0.5 * (left + right)
-        halves = _weight(born, left, middle) + _weight(born, middle, right)
-        rough = np.abs(_weight(born, left, right) - halves) > ACCURACY
-        done.append(middle[rough])
-        if not rough.any():
-            break
-        left, right = (
-            np.append(left[rough], middle[rough]),
-            np.append(middle[rough], right[rough]),
-        )
-    return np.unique(np.concatenate(done))
-
-
-def finite_density(born: Start, stretch: Array) -> Array:
-    """Density of the stretches, 0 where a node was rounded onto a point at which it diverges."""
-    density = np.asarray(born.pdf(stretch))
-    return np.where(np.isfinite(density), density, 0.0)
-
-
-def _weight(born: Start, left: Array, right: Array) -> Array:
-    nodes, weights = gauss(left, right)
-    return np.asarray((weights * finite_density(born, nodes)).sum(axis=-1))
-
-
 def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
     """The Gauss rule of `count` nodes for the stretches of `born` below `most` in size.
 
-    It averages polynomials of degree 2 count - 1 over the law exactly; by Lanczos' steps. One
-    node where all contacts stand at one stretch.
+    It averages polynomials of degree 2 count - 1 over the law exactly. One node where all contacts
+    stand at one stretch.
     """
     if born.is_single:
         return StretchRule(np.array([born.mean()]), np.ones(1))
-    edges = stretch_panels(born)
-    nodes, weights = gauss(edges[:-1], edges[1:])
-    weights = (weights * finite_density(born, nodes)).ravel()
-    kept = (weights > 0.0) & (np.abs(nodes.ravel()) < most)
-    nodes, weights = nodes.ravel()[kept], weights[kept] / weights[kept].sum()
+    low, high = max(born.span[0], -most), min(born.span[1], most)
+    edges = np.append(np.linspace(low, high, PANELS + 1), born.breakpoints)
+    edges = np.unique(np.clip(edges, low, high))
+    whole = Pieces(np.zeros(edges.size - 1, dtype=int), edges[:-1], edges[1:])
+    nodes, weights = nodes_of(lambda _, x: finite_density(born, x)[None], whole, ACCURACY)
+    kept = weights > 0.0
+    nodes, weights = nodes[kept], weights[kept] / weights[kept].sum()
     if nodes.size <= count:
         return StretchRule(nodes, weights)
-    return _gauss_rule(nodes, weights, count)
+    # orthogonal polynomials on the nodes: their Jacobi matrix has the rule's nodes as eigenvalues
+    middle, scale = 0.5 * (nodes.min() + nodes.max()), 0.5 * np.ptp(nodes)
+    at, root = (nodes - middle) / scale, np.sqrt(weights)
+    basis = np.linalg.qr(root[:, None] * legendre.legvander(at, count - 1))[0]
+    values, vectors = np.linalg.eigh(basis.T @ (at[:, None] * basis))
+    return StretchRule(middle + scale * values, (root @ basis @ vectors) ** 2)
 
 
 class StretchRules:
@@ -100,6 +70,8 @@ class StretchRules:
         Error of the share that holds that is aimed at.
     shares : callable
         What holds, at many moments, of contacts born at the stretches of a rule.
+    until : float
+        Reading of time.monotonic() after which no more nodes are tried.
 
     Attributes
     ----------
@@ -108,9 +80,13 @@ class StretchRules:
     """
 
     def __init__(
-        self, most: float, accuracy: float, shares: Callable[[StretchRule], Array]
+        self,
+        most: float,
+        accuracy: float,
+        shares: Callable[[StretchRule], Array],
+        until: float = np.inf,
     ) -> None:
-        self._most, self._accuracy, self._shares = most, accuracy, shares
+        self._most, self._accuracy, self._shares, self._until = most, accuracy, shares, until
         self._known: list[tuple[Start, StretchRule]] = []
         self.error = 0.0
 
@@ -126,26 +102,8 @@ class StretchRules:
                 rule = stretch_rule(born, self._most, count)
                 now = self._shares(rule)
                 missed, before = float(np.abs(now - before).max()), now
-                if missed <= self._accuracy:
+                if missed <= self._accuracy or clock.monotonic() > self._until:
                     break
             self.error = max(self.error, missed)
         self._known.append((born, rule))
         return rule
-
-
-def _gauss_rule(nodes: Array, weights: Array, count: int) -> StretchRule:
-    """Gauss rule for a law of many nodes: eigenvalues of the Jacobi matrix that Lanczos finds."""
-    middle, scale = 0.5 * (nodes.min() + nodes.max()), 0.5 * np.ptp(nodes)
-    at = (nodes - middle) / scale
-    basis = [np.sqrt(weights)]
-    jacobi = np.zeros((count + 1, count + 1))
-    for k in range(count):
-        vector = at * basis[-1]
-        jacobi[k, k] = vector @ basis[-1]
-        for _ in range(2):  # twice, or round-off brings the old directions back
-            for old in basis:
-                vector = vector - (old @ vector) * old
-        jacobi[k, k + 1] = jacobi[k + 1, k] = np.linalg.norm(vector)
-        basis.append(vector / jacobi[k, k + 1])
-    values, vectors = np.linalg.eigh(jacobi[:count, :count])
-    return StretchRule(middle + scale * values, vectors[0] ** 2)

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from master.lives.grains import GONE, GrainLife
 from master.lives.growing_thresholds import GrowingThresholds
+from master.lives.halving import Pieces, integrals
 from master.motion.motion import History, Legs
 from origins import Contacts
 from origins.start import Start
@@ -25,34 +26,22 @@ from origins.start import Start
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Panels of the sums over quantiles. They share out evenly what changes in the integrand: 1 - e^-y,
-# y being the root of the hazard above the worst one, and ln A between these two values, from where
-# e^-A is next to nothing to where it is next to 1.
-PANELS, LEAST_LOG, MOST_LOG = 7, -14.0, 4.0
-# Roots of hazards at which A is looked at to place them.
-LOOKS = np.sqrt(np.concatenate([[0.0], np.geomspace(1e-6, 1.0, 10), [2.0, 4.0, 8.0, 16.0, GONE]]))
-# Numbers of elements that are worked on at once, so that they stay in memory's near parts.
-CHUNK = 2_000_000
+# Sums over quantiles go over the root of the hazard above the worst one: their pieces to begin with, and
+# last coefficients at which these are not halved.
+ROOTS, RESOLVED = np.array([0.0, 0.5, 2.0, GONE**0.5]), 1e-8
 # A above which nothing holds.
 SPENT = 700.0
 
 
-class Fineness(NamedTuple):
-    """Numbers of nodes: of quantiles between two cuts, and of moments on a leg."""
-
-    quantiles: int
-    moments: int
-
-
-# Tried one after the other, until the next one changes the share by no more than asked: colder
-# contacts break within ever shorter parts of a leg.
-FINENESSES = (Fineness(9, 51), Fineness(11, 101), Fineness(13, 201), Fineness(16, 401))
+# Moments on a leg, tried one after the other until the next ones change the share by no more than
+# asked: colder contacts break within ever shorter parts of a leg.
+MOMENTS = (51, 101, 201, 401)
 ACCURACY = 1e-7
 # Of the change that is seen, as not all ages are looked at; and what the table leaves.
 MARGIN, TABLE_ERROR = 4.0, 3e-11
 
 
-class Pieces(NamedTuple):
+class Moved(NamedTuple):
     """Straight moves on which stretches do not change their sign, arrays (pieces,).
 
     owner : which contacts, rising; begin, end : stretches (lengths); since : time since pinning as
@@ -84,8 +73,8 @@ class WarmGrainLife(GrainLife):
         Measured: the first, the middle and the last of the rows' columns are told twice.
     """
 
-    # with three panels in one normal laws are summed to 1e-8
-    pair_work, every = 1000, 3
+    # normal laws are then summed to 1e-8
+    pair_work, pieces, resolved = 1000, 4, 1e-5
 
     def __init__(self, contacts: Contacts, longest: float, accuracy: float = ACCURACY) -> None:
         super().__init__(contacts, longest)
@@ -102,7 +91,7 @@ class WarmGrainLife(GrainLife):
         looked = np.ix_(rows, columns)
         some = Legs(legs.displacement[looked], legs.duration[looked], legs.speed)
         coarse = self._told(born, some)
-        for fineness in range(self._fineness + 1, len(FINENESSES)):
+        for fineness in range(self._fineness + 1, len(MOMENTS)):
             self._fineness = fineness
             fine = self._told(born, some)
             off, coarse = float(np.abs(fine[0] - coarse[0]).max(initial=0.0)), fine
@@ -114,37 +103,27 @@ class WarmGrainLife(GrainLife):
 
     def _share(self, moves: Legs, since: float, worst: Array, before: Array) -> Array:
         """See GrainLife."""
-        fineness = FINENESSES[self._fineness]
-        out = np.zeros(worst.size)
-        alive = np.flatnonzero(worst - before < GONE)
-        chunk = max(1, CHUNK // (PANELS * fineness.quantiles * fineness.moments))
-        for rows in np.array_split(alive, 1 + alive.size // chunk):
-            if rows.size:
-                own = Legs(moves.displacement[rows], moves.duration[rows], moves.speed)
-                pieces = _pieces(own, since)
-                over = self._over_quantiles(pieces, worst[rows], fineness)
-                out[rows] = over * np.exp(before[rows] - worst[rows])
+        out, alive = np.zeros(worst.size), np.flatnonzero(worst - before < GONE)
+        if not alive.size:
+            return out
+        moments = MOMENTS[self._fineness]
+
+        def held(row: Rows, roots: Array) -> Array:
+            some = alive[row]
+            own = Legs(moves.displacement[some], moves.duration[some], moves.speed)
+            spent = self._spent(_pieces(own, since), worst[some], roots, moments)
+            share = 2.0 * np.exp(-roots * roots - spent)
+            # what holds right above the worst hazard weighs nothing; halving asks not for its weight
+            return np.stack([share * roots.max(axis=1, keepdims=True), share * roots])
+
+        row, piece = np.divmod(np.arange(alive.size * (ROOTS.size - 1)), ROOTS.size - 1)
+        pieces = Pieces(row, ROOTS[piece], ROOTS[piece + 1])
+        found = integrals(held, pieces, alive.size, RESOLVED)
+        self.error = max(self.error, MARGIN * float(found.missed[1]))
+        out[alive] = found.value[1] * np.exp(before[alive] - worst[alive])
         return out
 
-    def _over_quantiles(self, pieces: Pieces, worst: Array, fineness: Fineness) -> Array:
-        """Mean of e^-A over the quantiles that are not met yet, array (n,)."""
-        count = worst.size
-        looks = np.broadcast_to(LOOKS, (count, LOOKS.size))
-        with np.errstate(divide="ignore"):
-            log_spent = np.log(self._spent(pieces, worst, looks, fineness.moments))
-        # stiff contacts right at their threshold hardly break: from the fastest on A falls
-        log_spent = np.maximum.accumulate(log_spent[:, ::-1], axis=1)[:, ::-1]
-        changed = (MOST_LOG - np.clip(log_spent, LEAST_LOG, MOST_LOG)) / (MOST_LOG - LEAST_LOG)
-        changed = changed - changed[:, :1] - np.expm1(-LOOKS)
-        parts = np.linspace(0.0, 1.0, PANELS + 1)
-        edges = np.array([np.interp(parts * row[-1], row, LOOKS) for row in changed])
-        x, w = np.polynomial.legendre.leggauss(fineness.quantiles)
-        half = 0.5 * np.diff(edges)[..., None]
-        roots = (edges[:, :-1, None] + half * (x + 1.0)).reshape(count, -1)
-        weights = (half * w).reshape(count, -1) * 2.0 * roots * np.exp(-roots * roots)
-        return (weights * np.exp(-self._spent(pieces, worst, roots, fineness.moments))).sum(axis=1)
-
-    def _spent(self, pieces: Pieces, worst: Array, roots: Array, moments: int) -> Array:
+    def _spent(self, pieces: Moved, worst: Array, roots: Array, moments: int) -> Array:
         """A of quantiles of the hazards worst + roots², shape of `roots` (n, m)."""
         out = np.zeros(roots.shape)
         if not pieces.owner.size:
@@ -177,7 +156,7 @@ def _towards_ends(moments: int) -> Rule:
     return Rule(place, weight / weight.sum())
 
 
-def _pieces(moves: Legs, since: float) -> Pieces:
+def _pieces(moves: Legs, since: float) -> Moved:
     """The legs of each of the moves (n, k + 1), cut where stretches pass 0."""
     begin, end, duration = moves.displacement[:, :-1], moves.displacement[:, 1:], moves.duration
     starts = since + np.cumsum(duration, axis=1) - duration
@@ -193,4 +172,4 @@ def _pieces(moves: Legs, since: float) -> Pieces:
     begin, end, starts, lasts = (part.reshape(begin.shape[0], -1) for part in parts)
     owner, column = np.nonzero(lasts > 0.0)
     at = owner, column
-    return Pieces(owner, begin[at], end[at], starts[at], lasts[at])
+    return Moved(owner, begin[at], end[at], starts[at], lasts[at])

@@ -14,6 +14,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from master.paper.q15_step import Q15Stepper, half_width
 from master.solve import solve
 from master.stick_slip.propensity import propensity
 from origins import Contacts, InputError
@@ -83,15 +84,12 @@ def critical_velocity(
     spring = positive("spring", spring)
     slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
     if contacts.ageing is None:
-        laws = (contacts.thermal, contacts.delay, contacts.grains)
-        if all(law is None for law in laws):
-            raise InputError(
-                "contacts.ageing: is None; without ageing nothing depends on the speed"
-            )
+        told = "contacts.ageing: is None; "
+        if not contacts.laws:
+            raise InputError(f"{told}without ageing nothing depends on the speed")
         raise InputError(
-            "contacts.ageing: is None; v_c is that of contacts that age by diffusion. What a "
-            "temperature, a delay or thresholds that grow make of K* at each speed is "
-            "master.phase_line(contacts, velocity)"
+            f"{told}v_c is that of contacts that age by diffusion. What a temperature, a delay or "
+            "thresholds that grow make of K* at each speed is master.phase_line(contacts, velocity)"
         )
     check_contacts(contacts, "master.critical_velocity", ("ageing",))
     if contacts.ageing.closure == "exact":
@@ -143,8 +141,6 @@ def _as_printed(
 
 def _printed_drop(contacts: Contacts, velocity: float, step: float) -> tuple[float, float]:
     """The largest -F' of the first drop of (Q15), and its X (a length)."""
-    from master.paper.q15_step import Q15Stepper
-
     stepper = Q15Stepper(contacts, step, velocity, parts=1)
     force = [stepper.state().force]
     fallen = False
@@ -194,9 +190,6 @@ def _first_drop_over(contacts: Contacts) -> float:
 
 
 def _narrower_width(contacts: Contacts) -> float:
-    """Half of what holds the middle two thirds of start or fresh thresholds, the narrower (a
-    length); a start from a single value has none."""
-    width = 0.5 * float(contacts.thresholds.isf(0.16) - contacts.thresholds.ppf(0.16))
-    if contacts.start.is_single:
-        return width
-    return min(width, 0.5 * float(contacts.start.isf(0.16) - contacts.start.ppf(0.16)))
+    """The width of start or fresh thresholds, the narrower (a length); single values have none."""
+    both = half_width(contacts.thresholds), half_width(contacts.start)
+    return min(width for width in both if width > 0.0)

@@ -57,6 +57,20 @@ class ExplicitSolution:
     run_time: float
 
 
+class Grid(NamedTuple):
+    """Stretches x, all multiples of the step, and the contacts on them at X = 0.
+
+    zero : index of x = 0; shares : of the contacts at each node, of sum 1
+    fraction : of the contacts now at each node that breaks in this step
+    """
+
+    step: float
+    zero: int
+    x: Array
+    shares: Array
+    fraction: Array
+
+
 def explicit(
     contacts: Contacts,
     path: npt.ArrayLike,
@@ -103,28 +117,46 @@ def explicit(
     end = float(drive.path[-1])
     lowest = max(min(contacts.start.span[0], 0.0), -contacts.thresholds.support()[1])
     span = lowest, largest_stretch(contacts, end)
-    step, zero, x, shares, fraction = make_grid(contacts, span, end, step, breaking)
+    grid = make_grid(contacts, span, end, step, breaking)
     if thermal is not None:
-        heat = MeanRateLife(contacts).table.rate(np.abs(x)) / drive.velocity * step
-        if breaking == "survival":
-            fraction = 1.0 - (1.0 - fraction) * np.exp(-heat)
-        else:
-            fraction = np.minimum(fraction + heat, 1.0)
+        heat = MeanRateLife(contacts).table.rate(np.abs(grid.x)) / drive.velocity * grid.step
+        cold = grid.fraction
+        warm = 1.0 - (1.0 - cold) * np.exp(-heat) if breaking == "survival" else cold + heat
+        grid = grid._replace(fraction=np.minimum(warm, 1.0))
+    late = 0 if delay is None else round(delay.time * drive.velocity / grid.step)
+    return followed(grid, drive.path, began, late)
 
-    steps = int(np.ceil(end / step * (1.0 - 1e-12)))  # a path of whole steps ends on one
-    late = 0 if delay is None else round(delay.time * drive.velocity / step)
+
+def followed(grid: Grid, path: Array, began: float, late: int = 0) -> ExplicitSolution:
+    """Step by step along a path (n,) of slider positions; broken contacts are out for `late` steps.
+
+    Turning points are moved to the nearest multiple of the step. began : time.perf_counter()
+    """
+    step, zero, x, shares, fraction = grid
+    moving = np.flatnonzero(np.diff(path, prepend=0.0))
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(path, prepend=0.0)[moving])))
+    corners = np.append(moving[turns], path.size - 1)
+    goals = path[corners] / step
+    goals[:-1] = np.rint(goals[:-1])
+    legs = np.diff(goals, prepend=0.0)  # steps, of which the last ends within one
     waiting = np.zeros(1 + late)  # a ring: what breaks now comes back `late` steps later
-    force, holding = np.empty(steps + 1), np.empty(steps + 1)
-    force[0], holding[0] = x @ shares, shares.sum()
-    for n in range(1, steps + 1):
-        waiting[n % waiting.size] = shift_and_break(shares, fraction)
-        shares[zero] += waiting[(n + 1) % waiting.size]
-        force[n], holding[n] = x @ shares, shares.sum()
-    at = step * np.arange(steps + 1)
+    force, holding = [x @ shares], [shares.sum()]
+    for leg in legs:
+        one_way = shares if leg >= 0.0 else shares[::-1]  # a view: backward is forward of -x
+        for _ in range(int(np.ceil(abs(leg) * (1.0 - 1e-12)))):
+            waiting[len(force) % waiting.size] = shift_and_break(one_way, fraction)
+            one_way[zero] += waiting[(len(force) + 1) % waiting.size]
+            force.append(x @ shares)
+            holding.append(shares.sum())
+    # steps taken when the slider has come to each point
+    travel = np.cumsum(np.abs(np.diff(path, prepend=0.0)))
+    taken = np.append(0.0, np.cumsum(np.abs(legs)))
+    at = np.interp(travel, np.append(0.0, travel[corners]), taken)
+    number = np.arange(len(force))
     return ExplicitSolution(
-        path=drive.path,
-        force=np.interp(drive.path, at, force),
-        holding=np.interp(drive.path, at, holding),
+        path=path,
+        force=np.interp(at, number, force),
+        holding=np.interp(at, number, holding),
         run_time=time.perf_counter() - began,
     )
 
@@ -136,20 +168,6 @@ def shift_and_break(shares: Array, fraction: Array) -> float:
     broken = fraction * shares
     shares -= broken
     return float(broken.sum())
-
-
-class Grid(NamedTuple):
-    """Stretches x, all multiples of the step, and the contacts on them at X = 0.
-
-    zero : index of x = 0; shares : of the contacts at each node, of sum 1
-    fraction : of the contacts now at each node that breaks in this step
-    """
-
-    step: float
-    zero: int
-    x: Array
-    shares: Array
-    fraction: Array
 
 
 def make_grid(

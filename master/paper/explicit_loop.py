@@ -12,18 +12,10 @@ import time
 import numpy as np
 import numpy.typing as npt
 
-from master.paper.explicit import (
-    Breaking,
-    ExplicitSolution,
-    largest_stretch,
-    make_grid,
-    shift_and_break,
-)
+from master.paper.explicit import Breaking, ExplicitSolution, followed, largest_stretch, make_grid
 from origins import Contacts
 from origins.contacts import check_contacts
 from origins.errors import finite_array
-
-Array = npt.NDArray[np.float64]
 
 
 def explicit_loop(
@@ -48,36 +40,7 @@ def explicit_loop(
     began = time.perf_counter()
     check_contacts(contacts, "master.paper.explicit_loop")
     positions = finite_array("path", path)
-    travel = np.cumsum(np.abs(np.diff(positions, prepend=0.0)))
+    travel = float(np.abs(np.diff(positions, prepend=0.0)).sum())
     reach = largest_stretch(contacts, float(np.ptp(np.append(positions, 0.0))))
-    grid = make_grid(contacts, (-reach, reach), float(travel[-1]), step, breaking)
-    step, zero, x, shares, fraction = grid
-
-    corners = _corners(positions)  # where the path turns, and its end
-    steps = np.diff(np.rint(positions[corners] / step), prepend=0.0).astype(int)
-    force, holding = [x @ shares], [shares.sum()]
-    for leg in steps:
-        one_way = shares if leg > 0 else shares[::-1]  # a view: backward is forward of -x
-        for _ in range(abs(leg)):
-            broken = shift_and_break(one_way, fraction)
-            one_way[zero] += broken
-            force.append(x @ shares)
-            holding.append(shares.sum())
-    # steps taken when the slider has come to each point
-    taken = np.append(0, np.cumsum(np.abs(steps)))
-    at = np.interp(travel, np.append(0.0, travel[corners]), taken)
-    number = np.arange(len(force))
-    return ExplicitSolution(
-        path=positions,
-        force=np.interp(at, number, force),
-        holding=np.interp(at, number, holding),
-        run_time=time.perf_counter() - began,
-    )
-
-
-def _corners(path: Array) -> npt.NDArray[np.intp]:
-    """Indices of the points at which a path from X = 0 turns round, and of its last point."""
-    moves = np.diff(path, prepend=0.0)
-    moving = np.flatnonzero(moves)
-    turns = np.flatnonzero(np.diff(np.sign(moves[moving])))  # moves before a turn
-    return np.append(moving[turns], path.size - 1)
+    grid = make_grid(contacts, (-reach, reach), travel, step, breaking)
+    return followed(grid, positions, began)

@@ -16,10 +16,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg.lapack import zgttrf, zgttrs
 
-from master.paper.q15_steady import AgeingSteadyState, check_alone
-from origins import Ageing, Contacts, InputError
+from master.paper.q15_steady import check_alone
+from origins import Ageing, Contacts, InputError, Thresholds
 from origins.errors import refuse
 from origins.laws.diffusion import Diffusion
+from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 Keep = Literal["positivity", "mass"]
@@ -38,14 +39,6 @@ _CHANGE, _BULK = 2.0, np.array([1e-3, 0.03, 0.5])
 _FEWEST_CELLS, _MOST_CELLS = 4, 128  # to a step
 # Ageing is taken in parts of 1/8 of the time in which P_cf is reached, 16 at most.
 _PARTS, _MOST_PARTS = 8.0, 16
-
-
-class Broken(NamedTuple):
-    """What breaks in one step: cohorts after it (k,), thresholds lost by each cell, and births."""
-
-    cohorts: Array
-    lost: Array
-    births: float
 
 
 class Defects(NamedTuple):
@@ -119,12 +112,8 @@ class Q15Stepper:
             diffusion = Diffusion(ageing.final, self.edges)
             self._half = make_ageing(diffusion, 0.5 * amount, parts)
             self._whole = make_ageing(diffusion, amount, parts)
-        self._stand_with(self._fresh)
-
-    def _stand_with(self, weights: Array) -> None:
-        """Set P_c at the end of a step's breaks, and after the ageing up to the next breaks."""
-        self._broken = weights  # half a step of ageing is still to come
-        self._aged = self._half(weights)
+        # P_c after a step's breaks, and after the ageing up to the next breaks
+        self._broken, self._aged = self._fresh, self._half(self._fresh)
 
     def weights(self) -> Array:
         """P_c, as weights of the cells (m,)."""
@@ -140,32 +129,24 @@ class Q15Stepper:
         below = abs(float(w[w < 0.0].sum()))
         return Defects(float(self.stretches @ self.cohorts), float(w.sum()) - 1.0, below)
 
-    def settle(self, steady: AgeingSteadyState) -> None:
-        """Stand in a steady state."""
-        stretches = steady.distribution(self.stretches)
-        self.cohorts = stretches / stretches.sum()
-        weights = np.diff(steady.thresholds.cdf(self.edges))
-        self._stand_with(weights / weights.sum())
-
     def advance(self) -> bool:
         """Take one step. False, and nothing done, with keep = "mass" where contacts stand at a
         survival that is not above 0."""
         begun = middle = self._aged
         for _ in range(2):  # the second time by the survival in the middle of the step
-            broken = self._break(middle)
+            broken = self._break(begun, middle)
             if broken is None:
                 return False
-            ended = begun - broken.lost + broken.births * self._fresh
-            if self._keep == "positivity":
-                ended = np.maximum(ended, 0.0)
-            middle, cohorts = 0.5 * (begun + ended), broken.cohorts
+            cohorts, ended = broken
+            middle = 0.5 * (begun + ended)
         self.cohorts, self._broken = cohorts, ended
         self._aged = self._whole(ended)
         return True
 
-    def _break(self, weights: Array) -> Broken | None:
-        """What breaks in a step by the survival of `weights` (m,); None as `advance` says."""
-        groups = weights.reshape(-1, self._cells)
+    def _break(self, begun: Array, middle: Array) -> tuple[Array, Array] | None:
+        """Cohorts (k,) and weights (m,) after the breaks of a step, by the survival of `middle`; None
+        as `advance` says."""
+        groups = middle.reshape(-1, self._cells)
         tail = np.append(np.cumsum(groups.sum(axis=1)[::-1])[::-1], 0.0)
         survival = np.interp(self.stretches, self.walls, tail)
         before, after = survival[:-1], survival[1:]
@@ -186,7 +167,8 @@ class Q15Stepper:
         whole = size.sum(axis=1, keepdims=True)
         share = np.where(whole > 0.0, size / np.where(whole > 0.0, whole, 1.0), 1.0 / self._cells)
         by_group = np.asarray(np.bincount(self._group, lost, minlength=tail.size - 1), dtype=float)
-        return Broken(cohorts, (share * by_group[:, None]).ravel(), births)
+        ended = begun - (share * by_group[:, None]).ravel() + births * self._fresh
+        return cohorts, np.maximum(ended, 0.0) if self._keep == "positivity" else ended
 
 
 def make_ageing(diffusion: Diffusion, amount: float, parts: int = 1) -> Ages:
@@ -229,11 +211,15 @@ def enough_parts(contacts: Contacts, step: float, velocity: float) -> int:
     return int(np.clip(np.ceil(_PARTS * approach), 1, _MOST_PARTS))
 
 
+def half_width(law: Thresholds | Start) -> float:
+    """Half of what holds the middle two thirds of a law of lengths; 0 of a start at one stretch."""
+    if isinstance(law, Start) and law.is_single:
+        return 0.0
+    return 0.5 * float(law.isf(0.16) - law.ppf(0.16))
+
+
 def ages(contacts: Contacts) -> Ageing:
     """The ageing of contacts that (Q15) takes, with a start that has a width; else InputError."""
-    if not isinstance(contacts, Contacts):
-        example = "origins.Contacts(origins.gaussian(mean=1.0, std=0.05))"
-        refuse("contacts", contacts, f"must be contacts, such as {example}")
     if contacts.ageing is None:
         raise InputError("contacts.ageing: is None; without ageing use master.solve")
     if contacts.start.is_single:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master.outcome import Progress, unheard
-from master.paper.q15_step import Defects, Keep, Q15Stepper, ages, enough_cells, enough_parts
+from master.paper.q15_step import Keep, Q15Stepper, ages, enough_cells, enough_parts, half_width
 from origins import Contacts, Drive
 from origins.brief import brief
 from origins.errors import positive, refuse, whole
@@ -54,10 +54,6 @@ class AgeingTransient:
         Ends of cells of P_c (lengths), a step wide but for the outermost.
     weights : array (n, m)
         P_c at each X, as weights of the cells.
-    stretches : array (k,)
-        Where the cohorts stand (lengths).
-    cohorts : array (n, k)
-        Q at each X, as fractions of the contacts.
     step : float
         h, a length.
     outrun : float
@@ -80,8 +76,6 @@ class AgeingTransient:
     positivity_defect: Array
     edges: Array = field(repr=False)
     weights: Array = field(repr=False)
-    stretches: Array = field(repr=False)
-    cohorts: Array = field(repr=False)
     step: float
     outrun: float
     success: bool
@@ -134,45 +128,40 @@ def paper_transient(
     stepper = Q15Stepper(contacts, step, velocity, keep, cells, parts)
 
     steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))  # a path of whole steps ends on one
-    # at each position a snapshot of the last step before it is taken
+    # at each position P_c is that of the last step before it
     last_step = np.minimum(np.floor(positions / step * (1.0 + 1e-12)).astype(int), steps)
-    wanted = set(last_step.tolist())
-    snapshots: dict[int, tuple[Array, Array]] = {}
-    told: list[Defects] = []
-    message = ""
-    for n in range(steps + 1):
-        if n > 0 and not stepper.advance():
-            message = f"from X = {n * step:g} on contacts stand where no thresholds are left"
-            break
+    told = [stepper.state()]
+    shown = {0: stepper.histogram()}
+    while len(told) <= steps and stepper.advance():
+        if len(told) in last_step:
+            shown[len(told)] = stepper.histogram()
         told.append(stepper.state())
-        if n in wanted:
-            snapshots[n] = stepper.histogram(), stepper.cohorts.copy()
-
     at: Array = step * np.arange(len(told), dtype=float)
     finished = len(told) > steps
     kept = positions if finished else positions[positions <= at[-1] * (1.0 + 1e-12)]
-    seen = [snapshots[n] for n in last_step[: kept.size].tolist()]
     force, mass, below = np.array(told).T
     lost = np.flatnonzero(np.maximum(np.abs(mass), below) > _NOTICED)
     outrun = float(at[lost[0]]) if lost.size else np.inf if finished else float(at[-1])
-    if finished and lost.size:
+    message = "P_c kept its mass and its sign"
+    if not finished:
+        message = f"from X = {len(told) * step:g} on contacts stand where no thresholds are left"
+    elif lost.size:
         off = np.abs(mass).max()
         message = f"from X = {outrun:g} on contacts outrun P_c; its mass is off by up to {off:.2g}"
+    degree = _SPLINE if at.size > _SPLINE else min(1, at.size - 1)
     return AgeingTransient(
         path=kept,
-        force=_between_steps(kept, at, force),
+        force=np.asarray(make_interp_spline(at, force, k=degree)(kept)),
         force_error=np.inf,
         holding=np.ones(kept.size),
         mass_defect=np.interp(kept, at, mass),
         positivity_defect=np.interp(kept, at, below),
         edges=stepper.walls,
-        weights=np.array([weights for weights, _ in seen]),
-        stretches=stepper.stretches,
-        cohorts=np.array([cohorts for _, cohorts in seen]),
+        weights=np.array([shown[n] for n in last_step[: kept.size].tolist()]),
         step=step,
         outrun=outrun,
         success=finished,
-        message=message or "P_c kept its mass and its sign",
+        message=message,
         run_time=time.perf_counter() - began,
     )
 
@@ -222,16 +211,6 @@ def solve_q15(
 
 
 def _narrowest(contacts: Contacts) -> float:
-    """The least width (a length) of start, fresh and final thresholds: half of what holds their
-    middle two thirds; single values have none."""
+    """The least width (a length) of start, fresh and final thresholds; single values have none."""
     laws = contacts.thresholds, contacts.start, ages(contacts).final
-    widths = [0.5 * float(law.isf(0.16) - law.ppf(0.16)) for law in laws]
-    return min(width for width in widths if width > 0.0)
-
-
-def _between_steps(x: Array, at: Array, values: Array) -> Array:
-    """Values read between steps."""
-    if at.size < 2:
-        return np.full(x.size, values[0])
-    degree = _SPLINE if at.size > _SPLINE else 1
-    return np.asarray(make_interp_spline(at, values, k=degree)(x))
+    return min(width for width in [half_width(law) for law in laws] if width > 0.0)

@@ -6,8 +6,8 @@ number and force are
 
     number: 1 for t < s + delay, E(t, s + delay) after,      force: 0, then K(t, s + delay).
 
-`blocks` integrates both against the derivatives of the polynomials that stand for the number of
-breaks on each panel.
+Both are integrated against the derivatives of the polynomials that stand for the number of breaks
+on each panel.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from master.renewal import rule
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
 
 # Two shares of a panel nearer than this are one: 1e-13 of a panel breaks next to nothing.
 CLOSE = 1e-13
@@ -39,20 +40,45 @@ MOST_WORK = 15_000_000
 DEPTH = 40
 
 
-class Pieces(NamedTuple):
-    """Pieces of panels, as seen from targets.
+class Moments(NamedTuple):
+    """Integrals of the kernels times Legendre polynomials of the share of a panel, over pieces.
 
     target, panel : indices, shape (pieces,)
-    share : where on the panel the Gauss nodes lie, shape (pieces, GAUSS)
-    weights : kernels of number and force times the weights of the nodes, shape (2, pieces, GAUSS)
-    whole : whether the piece is the whole panel, shape (pieces,)
+    values : array of shape (2, pieces, DEGREE + 1), for number and force
     """
 
-    target: npt.NDArray[np.intp]
-    panel: npt.NDArray[np.intp]
-    share: Array
-    weights: Array
-    whole: npt.NDArray[np.bool_]
+    target: Rows
+    panel: Rows
+    values: Array
+
+
+class Panels(NamedTuple):
+    """Solved panels, in the order of time.
+
+    begin, since, width : arrays of shape (m,); begin is a time, since is counted from the beginning
+        of a leg
+    breaks : array of shape (m, DEGREE + 1), values at 0 and the nodes
+    """
+
+    begin: Array
+    since: Array
+    width: Array
+    breaks: Array
+
+    def pick(self, which: Rows | npt.NDArray[np.bool_]) -> Panels:
+        """Some of them."""
+        return Panels(*(part[which] for part in self))
+
+
+class Added(NamedTuple):
+    """What panels add.
+
+    sums : array of shape (2, *grid.shape), number and force
+    gone : array of shape (panels,), whether none of a panel's births holds any more
+    """
+
+    sums: Array
+    gone: npt.NDArray[np.bool_]
 
 
 def _share(t: Array, begin: Array | float, width: Array | float) -> Array:
@@ -97,14 +123,11 @@ class Births:
         Returns an array of shape (2, n, DEGREE + 1).
         """
         out = np.zeros((2, t.size, rule.DEGREE + 1))
-        for piece in self._integrals(t, np.array([begin]), np.array([width])):
-            slopes = np.moveaxis(rule.legendre_slopes(piece.share), 0, -1)
-            added = (piece.weights[..., None, :] @ slopes)[..., 0, :] @ rule.TO_LEGENDRE
+        for found in self._moments(t, np.array([begin]), np.array([width])):
             for kind in (0, 1):
-                np.add.at(out[kind], piece.target, added[kind])
-        if self.delay > 0.0:
-            out[0] += rule.values(_share(t, begin, width))
-            out[0] -= rule.values(_share(t - self.delay, begin, width))
+                np.add.at(out[kind], found.target, found.values[kind])
+        out = out @ rule.SLOPES
+        out[0] += self._out(t, np.array([begin]), np.array([width]))[:, 0]
         return out
 
     def sums(self, t: Array, begin: Array, width: Array, breaks: Array) -> Array:
@@ -120,50 +143,53 @@ class Births:
             half = t.size // 2
             parts = (self.sums(part, begin, width, breaks) for part in (t[:half], t[half:]))
             return np.concatenate(list(parts), axis=1)
-        out = np.zeros((2, t.size))
-        slopes = breaks @ rule.SLOPES.T  # Legendre coefficients of the derivative by the share
-        at_gauss = breaks @ rule.SLOPES_AT_GAUSS.T
-        for piece in self._integrals(t, begin, width):
-            born = np.empty(piece.share.shape)
-            born[piece.whole] = at_gauss[piece.panel[piece.whole]]
-            cut = ~piece.whole
-            z = 2.0 * piece.share[cut] - 1.0
-            born[cut] = rule.legendre_sum(slopes[piece.panel[cut]], z)
-            added = (piece.weights * born).sum(axis=-1)
+        out, slopes = np.zeros((2, t.size)), breaks @ rule.SLOPES.T
+        for found in self._moments(t, begin, width):
+            added = np.einsum("kpd,pd->kp", found.values, slopes[found.panel])
             for kind in (0, 1):
-                out[kind] += np.bincount(piece.target, added[kind], t.size)
+                out[kind] += np.bincount(found.target, added[kind], t.size)
         if self.delay > 0.0:
-            share = _share(t[:, None], begin, width), _share(t[:, None] - self.delay, begin, width)
-            still_out = rule.values(share[0]) - rule.values(share[1])
-            out[0] += np.einsum("tmn,mn->t", still_out, breaks)
+            out[0] += np.einsum("tmd,md->t", self._out(t, begin, width), breaks)
         return out
 
-    def still_whole(self, t: Array, begin: Array, width: Array) -> npt.NDArray[np.bool_]:
-        """Panels all of whose births hold at all times t: none is stretched enough to break."""
-        if not self.life.quiet > 0.0 or not begin.size:
-            return np.zeros(begin.size, dtype=bool)
-        s = np.stack([begin, begin + 0.5 * width, begin + width], axis=1) + self.delay
-        last_t = float(t.max())
-        history = self.motion.history(np.full((1, 1), last_t), np.minimum(s, last_t))
-        first, last = self.law.span
-        furthest = np.maximum(last + history.high.max(axis=1), -(first + history.low.min(axis=1)))
-        return np.asarray((furthest <= self.life.quiet) & (s.max(axis=1) <= float(t.min())))
+    def added(self, grid: Array, panels: Panels) -> Added:
+        """Number and force that the births of solved panels make at later times, all on one leg.
 
-    def whole_sums(self, t: Array, begin: Array, width: Array, breaks: Array) -> Array:
-        """The same as `sums`, where all births hold: they count by their number and mean place."""
-        born = breaks[:, -1]
-        # integral of the share of the panel over the births, by parts
-        shares = born - breaks @ rule.TO_LEGENDRE[0]
-        first = self.motion.at(begin + self.delay)
-        places = first * born + (self.motion.at(begin + width + self.delay) - first) * shares
-        now = self.motion.at(t) + float(self.law.mean())
-        total = float(born.sum())
-        return np.stack([np.full(t.size, total), now * total - float(places.sum())])
+        grid : array of shape (rows, columns)
+        """
+        out, t = np.zeros((2, grid.size)), float(grid[0, 0])
+        s = panels.begin[:, None] + panels.width[:, None] * np.array([0.0, 0.5, 1.0]) + self.delay
+        # those that are out are not gone
+        gone = (s.max(axis=1) < t) & ~self.felt(np.array([[t]]), np.minimum(s, t), self.law)
+        some = panels.pick(~gone)
+        if some.begin.size:
+            out = self.sums(grid.ravel(), some.begin, some.width, some.breaks)
+        return Added(out.reshape(2, *grid.shape), gone)
 
-    def _integrals(self, t: Array, begin: Array, width: Array) -> Iterator[Pieces]:
-        """Pieces of the panels on which a polynomial follows the survival, with the kernels there."""
+    def felt(self, t: Array, s: Array, law: Start) -> npt.NDArray[np.bool_]:
+        """Whether some contacts born at s, shape (n, columns), are not stretched beyond reach at t."""
+        history = self.motion.history(t, s)
+        first, last = law.span
+        least = np.maximum(first + history.high.min(axis=1), -(last + history.low.max(axis=1)))
+        return np.asarray(least < self.life.reach)
+
+    def _out(self, t: Array, begin: Array, width: Array) -> Array:
+        """Contacts that are out, per value of the breaks: shape (n, m, DEGREE + 1)."""
+        if not self.delay > 0.0:
+            return np.zeros((t.size, begin.size, rule.DEGREE + 1))
+        shares = (_share(at[:, None], begin, width) for at in (t, t - self.delay))
+        broken, born = (rule.values(share) for share in shares)
+        return np.asarray(broken - born)
+
+    def _moments(self, t: Array, begin: Array, width: Array) -> Iterator[Moments]:
+        """Those over pieces of the panels on each of which a polynomial follows the survival."""
         born = _share(t[:, None] - self.delay, begin, width)
         row, left, right = self._pieces(t, begin, width, born)
+        target, panel = row // begin.size, row % begin.size
+        middle = begin[panel] + width[panel] * 0.5 * (left + right) + self.delay
+        if row.size:
+            felt = self.felt(t[target, None], middle[:, None], self.law)
+            row, left, right = row[felt], left[felt], right[felt]
         for _ in range(DEPTH):
             if not row.size:
                 return
@@ -174,10 +200,13 @@ class Births:
             self.work += row.size
             kernels = self.life.left(self.law, self.motion.history(t[target, None], s))
             rough = self._rough(kernels[0], t[target], length[:, 0], width[panel])
-            done = ~rough
-            whole = (left == 0.0) & (right == 1.0)
-            weights = kernels[:, done] * (length[done] * rule.GAUSS_WEIGHTS)
-            yield Pieces(target[done], panel[done], share[done], weights, whole[done])
+            whole = (left == 0.0) & (right == 1.0) & ~rough
+            cut = ~whole & ~rough
+            weights = kernels * (length * rule.GAUSS_WEIGHTS)
+            yield Moments(target[whole], panel[whole], weights[:, whole] @ rule.AT_GAUSS)
+            basis = rule.legendre_values(share[cut])
+            values = weights[:, cut].transpose(1, 0, 2) @ basis
+            yield Moments(target[cut], panel[cut], values.transpose(1, 0, 2))
             middle = 0.5 * (left + right)[rough]
             row, left, right = (
                 np.tile(row[rough], 2),

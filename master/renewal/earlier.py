@@ -13,10 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import legendre
 
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births
+from master.renewal.births import Births, Panels
 from master.renewal.table import basis_of
 
 Array = npt.NDArray[np.float64]
@@ -40,20 +41,6 @@ _INSIDE = 1e-9
 # What a polynomial may miss at the ends of a piece, in units of its accuracy: beside a root of the
 # survival it misses more there than in between.
 _END = 100.0
-
-
-class Panels(NamedTuple):
-    """Solved panels, in the order of time.
-
-    begin, since, width : arrays of shape (m,); begin is a time, since is counted from the beginning
-        of a leg
-    breaks : array of shape (m, DEGREE + 1), values at 0 and the nodes
-    """
-
-    begin: Array
-    since: Array
-    width: Array
-    breaks: Array
 
 
 class _Pieces(NamedTuple):
@@ -169,13 +156,12 @@ class EarlierBirths:
             places = np.append(motion.positions[legs], motion.positions[legs[-1] + 1])
             speeds = np.abs(motion.speeds[of_leg])
             self._knots = sign * places
-            self._begin = sign * motion.positions[of_leg] + speeds * begin
-            self._width = speeds * width
+            begin = sign * motion.positions[of_leg] + speeds * begin
+            width = speeds * width
         else:
-            self._begin, self._width = motion.times[of_leg] + begin, width
-        self._ends = np.append(self._begin, self._begin[-1] + self._width[-1])
+            begin = motion.times[of_leg] + begin
+        self._ends = np.append(begin, begin[-1] + width[-1])
         self._slopes = breaks @ rule.SLOPES.T
-        self._at_gauss = breaks @ rule.SLOPES_AT_GAUSS.T
         self._most = np.append(0.0, np.cumsum(np.abs(breaks).max(axis=1)))
 
     def sums(self, t: Array) -> Array:
@@ -199,7 +185,11 @@ class EarlierBirths:
             rough = self._rough(pieces, missed / _END, series)
             if halving == DEPTH - 1 or not self._goes_on():
                 rough[:] = False
-            self._add(out, pieces.pick(~rough), series[:, ~rough])
+            done = pieces.pick(~rough)
+            given = self._ends, self._slopes, done.left, done.right, basis.nodes.size
+            added = (series[:, ~rough] * moments(*given)).sum(axis=-1)
+            for kind in (0, 1):
+                out[kind] += np.bincount(done.target, added[kind], t.size)
             pieces = pieces.pick(rough).cut(self._knots)
         return out
 
@@ -238,36 +228,31 @@ class EarlierBirths:
         target, piece = np.nonzero(np.diff(edges, axis=1) > CLOSE * (last - first))
         return _Pieces(target, edges[target, piece], edges[target, piece + 1])
 
-    def _add(self, out: Array, pieces: _Pieces, series: Array) -> None:
-        """Add the sums over the panels that lie in resolved pieces, whole or in part."""
-        first = np.clip(np.searchsorted(self._ends, pieces.left, "right") - 1, 0, None)
-        last = np.minimum(np.searchsorted(self._ends, pieces.right, "left"), self._ends.size - 1)
-        count = np.maximum(last - first, 0)
-        ends, begin = np.cumsum(count), 0
-        while begin < count.size:
-            until = int(np.searchsorted(ends, (ends[begin - 1] if begin else 0) + CHUNK, "right"))
-            some = slice(begin, max(until, begin + 1))
-            self._add_some(out, pieces.pick(some), series[:, some], first[some], count[some])
-            begin = some.stop
 
-    def _add_some(
-        self, out: Array, pieces: _Pieces, series: Array, first: Rows, count: Rows
-    ) -> None:
-        piece = np.repeat(np.arange(count.size), count)
-        panel = np.arange(piece.size) - np.repeat(np.cumsum(count) - count, count) + first[piece]
-        begin, width = self._begin[panel], self._width[panel]
-        low = np.clip((pieces.left[piece] - begin) / width, 0.0, 1.0)
-        high = np.clip((pieces.right[piece] - begin) / width, 0.0, 1.0)
-        share = low[:, None] + (high - low)[:, None] * rule.GAUSS_NODES
-        born = np.empty(share.shape)
-        whole = (low == 0.0) & (high == 1.0)
-        born[whole] = self._at_gauss[panel[whole]]
-        cut = ~whole
-        born[cut] = rule.legendre_sum(self._slopes[panel[cut]], 2.0 * share[cut] - 1.0)
-        born *= (high - low)[:, None] * rule.GAUSS_WEIGHTS
-        place = begin[:, None] + width[:, None] * share
-        left, right = pieces.left[piece, None], pieces.right[piece, None]
-        z = np.clip((2.0 * place - left - right) / (right - left), -1.0, 1.0)
-        for kind in (0, 1):
-            values = (rule.legendre_sum(series[kind][piece], z) * born).sum(axis=1)
-            out[kind] += np.bincount(pieces.target[piece], values, out.shape[1])
+def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
+    """Births on pieces, weighted by each piece's own Legendre polynomials: shape (pieces, size).
+
+    ends : array of shape (panels + 1,), of the panels' places; slopes : of their births by the share
+        of a panel, as Legendre coefficients, shape (panels, DEGREE + 1)
+    left, right : arrays of shape (pieces,), places
+    """
+    first = np.clip(np.searchsorted(ends, left, "right") - 1, 0, None)
+    last = np.minimum(np.searchsorted(ends, right, "left"), ends.size - 1)
+    count = np.maximum(last - first, 0)
+    if count.sum() > CHUNK and count.size > 1:
+        half = count.size // 2
+        parts = (slice(None, half), slice(half, None))
+        return np.concatenate([moments(ends, slopes, left[i], right[i], size) for i in parts])
+    piece = np.repeat(np.arange(count.size), count)
+    panel = np.arange(piece.size) - np.repeat(np.cumsum(count) - count, count) + first[piece]
+    begin, width = ends[panel], np.diff(ends)[panel]
+    low = np.clip((left[piece] - begin) / width, 0.0, 1.0)[:, None]
+    high = np.clip((right[piece] - begin) / width, 0.0, 1.0)[:, None]
+    share = low + (high - low) * rule.GAUSS_NODES
+    born = rule.legendre_sum(slopes[panel], 2.0 * share - 1.0) * (high - low) * rule.GAUSS_WEIGHTS
+    place = begin[:, None] + width[:, None] * share
+    z = (2.0 * place - (left + right)[piece, None]) / (right - left)[piece, None]
+    basis = legendre.legvander(np.clip(z, -1.0, 1.0), size - 1)
+    out = np.zeros((count.size, size))
+    np.add.at(out, piece, (born[:, None] @ basis)[:, 0])
+    return out

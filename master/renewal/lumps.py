@@ -49,3 +49,23 @@ def breaking(births: Births, lumps: Sequence[Lump], before: float, t: float, aft
         lost += lump.weight * (held[0] - held[1])
         lump.holds = lump.weight * held[1] > NOTHING
     return lost
+
+
+def of_lumps(births: Births, lumps: Sequence[Lump], grid: Array) -> Array:
+    """Number and force of lumps at times of shape (rows, columns), all on one leg.
+
+    The middle column tells on which side of an exact threshold a row is. Shape (2, *grid.shape).
+    """
+    out, middle = np.zeros((2, *grid.shape)), grid[:, grid.shape[1] // 2]
+    for lump in lumps:
+        if not lump.holds:
+            continue
+        s = np.full((1, 1), lump.time)
+        if lump.time < grid[0, 0] and not births.felt(grid[:1, :1], s, lump.law)[0]:
+            continue
+        early = middle < lump.time
+        out[0, early] += lump.weight
+        if not early.all():
+            history = births.motion.history(grid[~early], s)
+            out[:, ~early] += lump.weight * births.life.left(lump.law, history)
+    return out

@@ -21,21 +21,24 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from master.renewal import known, rule
-from master.renewal.births import MOST_WORK, Births
-from master.renewal.earlier import Panels
+from master.renewal import rule
+from master.renewal.births import MOST_WORK, Births, Panels
 from master.renewal.edges import LEAST_LUMP, UNFELT
 from master.renewal.kernels import TARGETS, Kernels
-from master.renewal.lumps import NOTHING, Lump, breaking
-from master.renewal.pace import NARROWEST, NARROWEST_IN_TIME, ROUNDED, Pace
+from master.renewal.lumps import NOTHING, Lump, breaking, of_lumps
 from master.renewal.past import Past
-from master.renewal.run import Run, solve_run, steady
+from master.renewal.run import Pace, Run, solve_run, steady
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
 # Segments longer than so many of the last panels are tried on wide panels first.
 LONG = 1000.0
+# Width of the narrowest panel, in units of the life's grain, below which halving has met a point
+# that no panel resolves; and of lives that heat may end at any rate.
+NARROWEST, NARROWEST_IN_TIME = 1e-10, 1e-18
+# Width of a panel, in units of its time, that rounding spoils.
+ROUNDED = 1e-13
 # What solving a panel costs beside, in such pieces.
 RUN_WORK = 100
 
@@ -147,15 +150,17 @@ class March:
     def _pace(self, begin: float, end: float, leg: int) -> Pace:
         """The widths of panels on a segment."""
         allowed, speed = self.allowed, abs(float(self.motion.speeds[leg]))
-        most = self.life.reach / speed if speed else np.inf
-        if speed and end - begin > LONG * allowed:
-            # after a narrow feature: to find the width from above takes fewer panels
-            allowed = min(0.25 * (end - begin), most)
+        most, grain = np.inf, np.inf
+        if speed:
+            most, grain = self.life.reach / speed, self.grain / speed
+            if end - begin > LONG * allowed:
+                # after a narrow feature: to find the width from above takes fewer panels
+                allowed = min(0.25 * (end - begin), most)
         in_time = self._past is not None
         narrowest = NARROWEST_IN_TIME if in_time else NARROWEST
-        narrowest *= self.grain / speed if speed else end - begin
+        narrowest *= grain if speed else end - begin
         narrowest = max(narrowest, ROUNDED * (begin if in_time else end))
-        return Pace(allowed, self.grain, speed, most, narrowest, self.tolerance, in_time)
+        return Pace(allowed, grain, most, narrowest, self.tolerance, in_time)
 
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
         """Solve from one edge to the next; both are times since the leg's beginning."""
@@ -173,18 +178,17 @@ class March:
                 unfelt = UNFELT * self.tolerance * self.grain / left
                 width = self.kernels.known_width(leg, (end - t) / left, unfelt)
             run = self._run(t, width, min(pace.count, left), leg)
-            bad, hurried = np.flatnonzero(run.wrong > self.tolerance), self.births.work > MOST_WORK
-            if hurried:  # what is not resolved by now stays, with its error
-                bad = bad[:0]
-            elif width < max(pace.narrowest, ROUNDED * t):
-                bad = bad[bad > 0]  # no panel resolves this one: it stays, with its error
+            bad = np.flatnonzero(run.wrong > self.tolerance)
+            # what is not resolved by now, or by no panel, stays, with its error
+            hurried = self.births.work > MOST_WORK or width < max(pace.narrowest, ROUNDED * t)
+            bad = bad[:0] if hurried else bad
             good = int(bad[0]) if bad.size else run.wrong.size
             self.keep(self.motion.times[leg] + t, width, run, good, t)
             t = t + good * width if good < left else end
             if bad.size:
                 pace.refused(width, run.wrong[bad[0]])
             else:
-                pace.resolved(width, run, hurried)
+                pace.resolved(width, run, left - good, hurried)
             self.allowed = pace.allowed
             if not bad.size:
                 yield
@@ -242,10 +246,7 @@ class March:
         same = self._same(width, leg)
         kernel = self.kernels.on(leg, width, same + count)
         grid = t + width * (np.arange(count)[:, None] + TARGETS)
-        if self._past is None:
-            found = self.known(self.motion.times[leg] + grid, same)
-        else:
-            found = self._known_in_time(self._past, grid, same)
+        found = self.known(grid, same, leg)
         return solve_run(kernel, found, self.breaks[len(self.breaks) - same :], self.stretch)
 
     def _same(self, width: float, leg: int) -> int:
@@ -257,35 +258,29 @@ class March:
             same += 1
         return same
 
-    def _seen(self, same: int) -> npt.NDArray[np.intp]:
-        """The panels of whose births some may hold, but the last `same`."""
-        last = len(self.begin) - same
-        return np.array([panel for panel in self.alive if panel < last], dtype=int)
-
-    def _forget(self, gone: npt.NDArray[np.intp]) -> None:
-        """None of the births of these panels holds any more."""
-        dead = set(gone.tolist())
-        self.alive = [panel for panel in self.alive if panel not in dead] if dead else self.alive
-
-    def known(self, grid: Array, same: int = 0) -> Array:
+    def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
         """Number and force at later times, of lumps and of all panels but the last `same`.
 
-        grid : array of shape (panels, TARGETS.size), as known.of_lumps takes it
+        grid : array of shape (panels, TARGETS.size) of times, all on one leg; with `leg`, since its
+            beginning
         """
-        out, seen = known.of_lumps(self.births, self.lumps, grid), self._seen(same)
+        past = self._past if leg is not None else None
+        late = 0.0 if leg is None or past is not None else self.motion.times[leg]
+        if past is None:
+            out = of_lumps(self.births, self.lumps, late + grid)
+        else:
+            out = past.at(grid, self.lumps)
+        last = len(self.begin) - same
+        seen = np.array([panel for panel in self.alive if panel < last], dtype=int)
         if seen.size:
             panels = self._panels(seen)
-            added = known.of_panels(self.births, grid, panels.begin, panels.width, panels.breaks)
-            self._forget(seen[added.gone])
-            out += added.sums
-        return out
-
-    def _known_in_time(self, past: Past, grid: Array, same: int) -> Array:
-        """The same at times since the leg's beginning, where single survivals take long to tell."""
-        out, seen = past.at(grid, self.lumps), self._seen(same)
-        if seen.size:
-            added = past.on_leg(grid, self._panels(seen))
-            self._forget(seen[added.gone])
+            added = (
+                self.births.added(late + grid, panels)
+                if past is None
+                else past.on_leg(grid, panels)
+            )
+            dead = set(seen[added.gone].tolist())
+            self.alive = [panel for panel in self.alive if panel not in dead]
             out += added.sums
         return out
 

@@ -19,18 +19,17 @@ import numpy.typing as npt
 
 from master.lives import straight
 from master.lives.age.path import AgeingPath
-from master.renewal.births import MOST_WORK, Births
-from master.renewal.earlier import EarlierBirths, Panels
+from master.renewal.births import MOST_WORK, Added, Births, Panels
+from master.renewal.earlier import EarlierBirths
 from master.renewal.kernels import Kernels
-from master.renewal.known import Added
 from master.renewal.lumps import NOTHING, Lump
 from master.renewal.strand_births import StrandBirths
 from master.renewal.table import Table
 
 Array = npt.NDArray[np.float64]
 
-# Errors of the table and of the births of one leg, in units of the tolerance.
-ACCURACY, ACCURACY_OF_LEG = 0.1, 0.1
+# Error of the table, and of the births of one leg, in units of the tolerance.
+ACCURACY = 0.1
 # Coefficients of the table's polynomials: each of its values is a sum over all past births, so that
 # few wide panels are best; and on legs that are shorter than a share of the life's grain.
 SIZE, SIZE_OF_SHORT, SHORT = 18, 7, 0.25
@@ -70,7 +69,7 @@ class Past:
         self, births: Births, kernels: Kernels, tolerance: float, until: float = np.inf
     ) -> None:
         self._births, self._kernels, self._until = births, kernels, until
-        self._accuracy, self._of_leg = ACCURACY * tolerance, ACCURACY_OF_LEG * tolerance
+        self._accuracy = ACCURACY * tolerance
         self._earlier: list[EarlierBirths | StrandBirths] = []
         self._leg, self._begin, self._end = -1, 0.0, 0.0
         self._table: Callable[[Array], Array] | None = None
@@ -168,12 +167,12 @@ class Past:
                     born = some.begin + births.delay - motion.times[earlier]
                     some = some._replace(since=np.maximum(born, 0.0))
                 if isinstance(births.life, AgeingPath):
-                    strands = StrandBirths(births, earlier, some, self._of_leg, self._goes_on)
+                    strands = StrandBirths(births, earlier, some, self._accuracy, self._goes_on)
                     self._earlier.append(strands)
                     continue
                 last = self._earlier[-1] if self._earlier else None
                 if not isinstance(last, EarlierBirths) or not last.follows(earlier):
-                    last = EarlierBirths(births, self._of_leg, self._goes_on)
+                    last = EarlierBirths(births, self._accuracy, self._goes_on)
                     self._earlier.append(last)
                 last.add(earlier, some)
 

@@ -40,30 +40,27 @@ TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0
 GAUSS_TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * GAUSS_NODES - 1.0, GAUSS - 1))
 
 
+def legendre_values(share: Array) -> Array:
+    """Values of the Legendre polynomials at shares, shape (..., DEGREE + 1)."""
+    return np.asarray(legendre.legvander(2.0 * share - 1.0, DEGREE), dtype=float)
+
+
 def values(share: Array) -> Array:
     """The matrix from values at 0 and the nodes to values at shares, shape (..., DEGREE + 1)."""
-    return legendre.legvander(2.0 * share - 1.0, DEGREE) @ TO_LEGENDRE
+    return legendre_values(share) @ TO_LEGENDRE
 
 
 # From values at 0 and the nodes to values at the checks.
 AT_CHECKS: Array = values(CHECKS)
 
 
-def legendre_slopes(share: Array) -> Array:
-    """Derivatives by the share of the Legendre polynomials, shape (DEGREE + 1, ...)."""
-    z = 2.0 * share - 1.0
-    out = np.zeros((DEGREE + 1, *z.shape))
-    before, value = np.zeros_like(z), np.ones_like(z)
-    for k in range(DEGREE):
-        out[k + 1] = (out[k - 1] if k else 0.0) + (4 * k + 2) * value
-        before, value = value, ((2 * k + 1) * z * value - k * before) / (k + 1)
-    return out
-
-
-# Derivative by the share, at the Gauss nodes, of the polynomial with given values at 0 and the nodes.
-SLOPES_AT_GAUSS: Array = np.moveaxis(legendre_slopes(GAUSS_NODES), 0, -1) @ TO_LEGENDRE
-# The same as coefficients of Legendre polynomials.
-SLOPES: Array = 2.0 * legendre.legder(np.eye(DEGREE + 1)) @ TO_LEGENDRE
+# Those at the Gauss nodes.
+AT_GAUSS: Array = legendre_values(GAUSS_NODES)
+# From values at 0 and the nodes to coefficients of the derivative by the share.
+SLOPES: Array = np.zeros((DEGREE + 1, DEGREE + 1))
+SLOPES[:-1] = 2.0 * legendre.legder(np.eye(DEGREE + 1)) @ TO_LEGENDRE
+# The same at the Gauss nodes.
+SLOPES_AT_GAUSS: Array = AT_GAUSS @ SLOPES
 
 
 def legendre_sum(coefficients: Array, z: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Run: panels of one width, solved one after the other by conservation at their nodes."""
+"""Run: panels of one width, solved one after the other by conservation, and how wide the next are."""
 
 from __future__ import annotations
 
@@ -15,6 +15,17 @@ Array = npt.NDArray[np.float64]
 # What conservation and force miss between the nodes, times this, bounds the error of a panel: it
 # is looked for at a few points, and the largest in between is up to twice as large.
 MARGIN = 2.0
+# Panels of a first run, and of the longest: a run that fails is solved in vain.
+FIRST, LONGEST = 8, 256
+# Panels wider than half a grain are doubled after so many that resolve more than is asked, and only
+# where as many are left: other widths need other kernels. Narrower ones are doubled at once.
+PATIENCE = 32
+# Share of the tolerance below which panels are tried twice as wide: wide ones err by the power 16
+# more. Where contacts break at all rates at once, and beside a point that no polynomial follows,
+# panels may widen as that lies behind, and are tried sooner.
+WIDEN, WIDEN_SOONER = 0.5**rule.DEGREE, 1e-2
+# Width in grains below which panels lie beside such a point, as a pole of P_c.
+BESIDE = 1e-2
 
 
 class Run(NamedTuple):
@@ -70,3 +81,70 @@ def steady(run: Run, widths: Array, tolerance: float, stretch: float) -> bool:
     rates = run.breaks @ rule.SLOPES_AT_GAUSS.T / widths[:, None]
     alike = np.ptp(rates) < 0.25 * tolerance * rates.mean()
     return bool(alike and np.ptp(run.force) < 0.25 * tolerance * stretch)
+
+
+class Pace:
+    """Widths of panels from one edge to the next.
+
+    Parameters
+    ----------
+    width : float
+        Allowed at first.
+    grain : float
+        Width over which breaks have to be resolved; inf in a hold.
+    most, narrowest : float
+        Width that no panel exceeds, and below which none is halved.
+    tolerance : float
+        Largest error of a panel.
+    in_time : bool
+        Whether contacts break at rates.
+
+    Attributes
+    ----------
+    allowed : float
+        Width allowed for the next panels.
+    count : int
+        Panels of the next run.
+    """
+
+    def __init__(
+        self,
+        width: float,
+        grain: float,
+        most: float,
+        narrowest: float,
+        tolerance: float,
+        in_time: bool,
+    ) -> None:
+        self.allowed, self.count, self.narrowest = width, FIRST, narrowest
+        self._grain, self._most, self._tolerance = grain, most, tolerance
+        self._in_time, self._smooth, self._wait, self._widened = in_time, 0, 0, False
+
+    def refused(self, width: float, wrong: float) -> None:
+        """A panel of this width missed the tolerance by this error."""
+        self.allowed = (0.25 if wrong > 100.0 * self._tolerance else 0.5) * width
+        if self._widened and self._sooner(width):  # it was tried too soon
+            self._wait = min(max(2, 2 * self._wait), PATIENCE)
+        self.count, self._smooth, self._widened = 1, 0, False
+
+    def resolved(self, width: float, run: Run, left: int, hurried: bool) -> None:
+        """All panels of a run were good enough, and so many are left.
+
+        hurried : wider ones are tried whatever they miss
+        """
+        self._wait, self._widened = (self._wait // 2 if self._widened else self._wait), False
+        self.count, sooner = min(2 * self.count, LONGEST), self._sooner(width)
+        spare = max(self._tolerance * (WIDEN_SOONER if sooner else WIDEN), 1e-14)
+        self._smooth = self._smooth + run.wrong.size if run.wrong.max() < spare else 0
+        still = abs(run.breaks[:, -1]).max() < 1e-3 * self._tolerance
+        narrow = still or width <= 0.5 * self._grain
+        patience = self._wait if narrow else PATIENCE
+        wider = self._smooth > patience and width > 0.6 * self.allowed
+        if hurried or (wider and (narrow or left > PATIENCE)):
+            self.count = 1 if sooner else max(1, self.count // 2)
+            self.allowed = min(2.0 * width, self._most)
+            self._smooth, self._widened = 0, True
+
+    def _sooner(self, width: float) -> bool:
+        """Whether panels of this width are tried wider before they err by far less than asked."""
+        return self._in_time or width < BESIDE * self._grain

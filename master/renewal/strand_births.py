@@ -19,8 +19,8 @@ from master.lives.age.path import AgeingPath, Followed
 from master.lives.age.strands import Strands
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births
-from master.renewal.earlier import Panels
+from master.renewal.births import Births, Panels
+from master.renewal.earlier import moments
 
 Array = npt.NDArray[np.float64]
 
@@ -160,20 +160,9 @@ class StrandBirths:
 
     def _weights(self, left: Array, right: Array) -> Array:
         """Births that each of a piece's nodes stands for, shape (pieces, SIZE)."""
-        begin, width = self._panels.since, self._panels.width
-        low = np.clip((left[:, None] - begin) / width, 0.0, 1.0)
-        high = np.clip((right[:, None] - begin) / width, 0.0, 1.0)
-        piece, panel = np.nonzero(high > low)
-        low, high = low[piece, panel, None], high[piece, panel, None]
-        share = low + (high - low) * rule.GAUSS_NODES
-        born = rule.legendre_sum(self._slopes[panel], 2.0 * share - 1.0)
-        born *= (high - low) * rule.GAUSS_WEIGHTS
-        s = begin[panel, None] + width[panel, None] * share
-        z = (2.0 * s - left[piece, None] - right[piece, None]) / (right - left)[piece, None]
-        basis = legendre.legvander(np.clip(z, -1.0, 1.0), SIZE - 1) @ _TO_LEGENDRE.T
-        out = np.zeros((left.size, SIZE))
-        np.add.at(out, piece, np.einsum("gn,gni->gi", born, basis))
-        return out
+        since, width = self._panels.since, self._panels.width
+        ends = np.append(since, since[-1] + width[-1])
+        return moments(ends, self._slopes, left, right, SIZE) @ _TO_LEGENDRE.T
 
 
 def _missed(told: Array) -> Array:

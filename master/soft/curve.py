@@ -15,19 +15,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
-from scipy.optimize import brentq
+from scipy.optimize.elementwise import find_root
 
 from master.renewal import rule
 
 Array = npt.NDArray[np.float64]
 
-# Shares of a panel at which its polynomials are sampled for roots: twice as many as coefficients.
+# Points between which a panel's load is looked for, as shares of it.
 SHARES: Array = np.asarray(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 2 * rule.DEGREE + 1)))
-_SAMPLED = legendre.legvander(2.0 * SHARES - 1.0, rule.DEGREE).T
-# Half the second difference of the samples: twice as far as a parabola dips between them.
-_DIP = 0.5
-# Newton steps, each safe in its bracket: convergence is quadratic from a 33rd of a panel on.
-_NEWTON = 40
 
 
 class Panels(NamedTuple):
@@ -139,69 +134,36 @@ class Curve:
 
     def _first_below(self, coefficients: Array, after: float) -> float:
         """The first travel from one on at which piecewise polynomials are below 0; inf if none."""
-        values = coefficients @ _SAMPLED
-        dip = _DIP * np.abs(np.diff(values, 2, axis=1)).max(axis=1)
-        may = (values.min(axis=1) < dip) & (self._ends > after)
-        for index in np.flatnonzero(may):
+        least = coefficients[:, 0] - np.abs(coefficients[:, 1:]).sum(axis=1)
+        for index in np.flatnonzero((least < 0.0) & (self._ends > after)):
             begin, width = float(self.begin[index]), float(self.width[index])
-            share = _first_negative(coefficients[index], max(0.0, (after - begin) / width))
-            if share is not None:
-                return begin + width * share
+            first = np.clip(2.0 * (after - begin) / width - 1.0, -1.0, 1.0)
+            one = coefficients[index]
+            # coefficients of a polynomial, over its largest, that are rounding: its roots do not
+            # hang on them
+            roots = legendre.legroots(legendre.legtrim(one, 1e-15 * np.abs(one).max()))
+            # two roots that are one may have left the axis by rounding
+            real = np.sort(roots.real[np.abs(roots.imag) < 1e-6])
+            points = np.append(np.append(first, real[(real > first) & (real < 1.0)]), 1.0)
+            below = legendre.legval(0.5 * (points[1:] + points[:-1]), one) < 0.0
+            if below.any():
+                return begin + 0.5 * width * (1.0 + float(points[np.argmax(below)]))
         return np.inf
 
     def carries(self, load: Array, low: float, high: float) -> Array:
         """Travels from low to high, where the load rises, that carry loads; same shape as load."""
+
+        def lack(y: Array, load: Array) -> Array:
+            return self.force(y) + self.spring * y - load
+
         shares = self.begin[:, None] + self.width[:, None] * SHARES
         y = np.concatenate([[low], shares[(shares > low) & (shares < high)], [high]])
-        known = np.maximum.accumulate(self.force(y) + self.spring * y)
+        known = np.maximum.accumulate(lack(y, np.zeros(y.size)))
+        load = np.clip(load, known[0], known[-1])
         cell = np.clip(np.searchsorted(known, load, "right") - 1, 0, y.size - 2)
-        left, right = y[cell], y[cell + 1]
-        rise = np.maximum(known[cell + 1] - known[cell], np.finfo(float).tiny)
-        out = left + (right - left) * np.clip((load - known[cell]) / rise, 0.0, 1.0)
-        for _ in range(_NEWTON):
-            lack = self.force(out) + self.spring * out - load
-            left, right = np.where(lack < 0.0, out, left), np.where(lack < 0.0, right, out)
-            slope = self.slope(out)
-            new = out - lack / np.where(slope > 0.0, slope, np.inf)
-            inside = (new >= left) & (new <= right) & (slope > 0.0)
-            new = np.where(inside, new, 0.5 * (left + right))
-            done = np.abs(new - out).max(initial=0.0) <= 4e-16 * self.end
-            out = new
-            if done:
-                break
-        return out
+        return np.asarray(find_root(lack, (y[cell], y[cell + 1]), args=(load,)).x)
 
 
 def _slopes(coefficients: Array) -> Array:
     """Derivative of Legendre sums by z, padded to the same shape."""
     return np.pad(legendre.legder(coefficients, axis=1), ((0, 0), (0, 1)))
-
-
-def _first_negative(coefficients: Array, after: float) -> float | None:
-    """The first share from one on at which a polynomial is below 0, None if there is none."""
-
-    def value(share: Array | float) -> Array:
-        return np.asarray(legendre.legval(2.0 * np.asarray(share) - 1.0, coefficients))
-
-    def slope(share: float) -> float:
-        return float(legendre.legval(2.0 * share - 1.0, slopes))
-
-    slopes = legendre.legder(coefficients)
-    shares = np.append(after, SHARES[after < SHARES])
-    found = value(shares)
-    inner = np.arange(1, shares.size - 1)
-    lowest = inner[(found[inner] <= found[inner - 1]) & (found[inner] <= found[inner + 1])]
-    for i in lowest[found[lowest] > 0.0]:
-        if slope(shares[i - 1]) < 0.0 < slope(shares[i + 1]):
-            least = brentq(slope, shares[i - 1], shares[i + 1])
-            shares = np.sort(np.append(shares, least))
-    found = value(shares)
-    below = np.flatnonzero(found < 0.0)
-    if not below.size:
-        return None
-    if not below[0]:
-        return float(after)
-    left, right = shares[below[0] - 1], shares[below[0]]
-    return (
-        float(brentq(value, left, right, xtol=1e-15)) if found[below[0] - 1] > 0.0 else float(left)
-    )

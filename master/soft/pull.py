@@ -28,23 +28,8 @@ Array = npt.NDArray[np.float64]
 
 # First guess of a panel's width, in grains of the life: what Gaussian thresholds take to 1e-10.
 WIDE = 6.0
-# The march is asked for this share of the tolerance: where a slip begins F' counts, and the slope
-# of a polynomial of degree 16 on a panel is off by some hundred times as much as its values.
-FINER = 1e-4
-# Tolerance, in mean thresholds, beyond which nothing is saved: a slip asks for a smooth F'.
-COARSEST = 1e-6
-# Tolerance of the number of breaks on a panel below which panels are halved for round-off alone.
-FINEST = 1e-13
-# Round-off of the force, in lengths, for each length of way.
-ROUND_OFF = 1e-14
-# Way that is planned ahead first, in mean thresholds: most sliders let go before.
-AHEAD = 2.0
-# What following a lump over one run of panels costs, in pieces of births that are integrated.
-LUMP_WORK = 15
 # A slider that stops this near where it began, in grains of the life, has not moved.
 STILL = 1e-12
-# Share of the contacts that, if they break at once, make a slip: ten times what rounds.
-LEAST_DROP = 1e-13
 
 
 class StoppedError(Exception):
@@ -82,7 +67,10 @@ class Matter:
     def of(cls, contacts: Contacts, tolerance: float, until: float = np.inf) -> Matter:
         life, unit = ColdLife(contacts), contacts.mean_threshold
         again = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
-        finer = max(FINER * min(tolerance, COARSEST) * unit / life.reach, FINEST)
+        # where a slip begins F' counts, and the slope of a polynomial of degree 16 on a panel is off
+        # by some hundred times as much as its values: hence a share of 1e-4 of the tolerance, and of
+        # no more than 1e-6 of a mean threshold; below 1e-13 panels are halved for round-off alone
+        finer = max(1e-4 * min(tolerance, 1e-6) * unit / life.reach, 1e-13)
         return cls(life, contacts.start, again, unit, finer, until)
 
     def relaxed(self) -> Matter:
@@ -127,7 +115,8 @@ class Pull:
 
     def __init__(self, matter: Matter, direction: int, past: Past) -> None:
         self.matter, self.direction, self.past = matter, direction, past
-        self._moments, self._ahead = past.moments, AHEAD * matter.unit
+        # way that is planned ahead first, in mean thresholds: most sliders let go before
+        self._moments, self._ahead = past.moments, 2.0 * matter.unit
         self._march = self._plan(past.march, past.cut, past.end)
         self._first, self._runs = len(self._march.begin), self._march.runs()
 
@@ -146,7 +135,9 @@ class Pull:
 
     def _spend(self) -> None:
         """Stop where the work or the time is over."""
-        self._march.births.work += LUMP_WORK * len(self._march.lumps)
+        # what following a lump over one run of panels costs, in pieces of births that are
+        # integrated
+        self._march.births.work += 15 * len(self._march.lumps)
         if self._march.births.work > MOST_WORK or clock.monotonic() > self.matter.until:
             raise StoppedError
 
@@ -157,8 +148,10 @@ class Pull:
         panels = Panels(
             begin - past.end, width, self.direction * force, wrong * self.matter.life.reach
         )
-        drops = [lump.time for lump in lumps if lump.time > past.end and lump.weight > LEAST_DROP]
-        rounding = ROUND_OFF * (self.matter.unit + panels.begin)
+        # share of the contacts that, if they break at once, make a slip: ten times what rounds
+        drops = [lump.time for lump in lumps if lump.time > past.end and lump.weight > 1e-13]
+        # round-off of the force, in lengths, for each length of way
+        rounding = 1e-14 * (self.matter.unit + panels.begin)
         rounding += self._march.life_error * self.matter.life.reach
         error = past.error + np.maximum.accumulate(panels.rough) + rounding
         return Curve(panels, error, np.array(drops) - past.end, spring)
@@ -174,19 +167,12 @@ class Pull:
         y = max(y, STILL * self.matter.life.grain)
         end, line = self.past.end + y, self.past.line_to(self.at(y))
         met = tuple(moment for moment in self._moments if moment.time < end)
-        moments = self._lasting((*met, Moment(end, 1)), line)
-        return Past(self._march, end, end, line, moments, error)
+        return Past(self._march, end, end, line, (*met, Moment(end, 1)), error)
 
-    def _lasting(self, moments: tuple[Moment, ...], line: tuple[float, ...]) -> tuple[Moment, ...]:
-        """Those moments whose contacts may still hold."""
-        motion = Motion.along(np.array(line))
-        times = np.array([moment.time for moment in moments])
-        high, low = motion.extremes(motion.times[-1:], motion.leg(times))
-        born = motion.at(times)
-        first, last = self.matter.again.span
-        furthest = np.maximum(first + high[0] - born, born - low[0] - last)
-        kept = furthest < self.matter.life.reach
-        return tuple(moment for moment, here in zip(moments, kept, strict=True) if here)
+    @property
+    def nodes(self) -> int:
+        """Moments at which number conservation was solved on this move."""
+        return (len(self._march.begin) - self._first) * rule.DEGREE
 
     @property
     def _solved(self) -> float:
@@ -269,4 +255,4 @@ class Held(Pull):
         """What has happened when the slip ends after the travel y, and the broken re-form."""
         moved = self.after(y, error)
         met = (*self.past.moments, Moment(moved.end, 0))
-        return replace(moved, cut=self.past.end, moments=self._lasting(met, moved.line))
+        return replace(moved, cut=self.past.end, moments=met)

@@ -8,27 +8,22 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.make import steady_life
 from master.soft.slips import Slips
-from master.steady.forward import births_table
-from master.stick_slip.extremes import extremes
+from master.stick_slip.extremes import critical_spring
 from origins import Contacts
 from origins.drive import Drive
 
 Array = npt.NDArray[np.float64]
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
-# No slip for so many times the longest pause between slips: nothing more is to come.
-SILENT = 1.5
-# Relative change of the force drop from one slip to the next below which drops do not fade.
-STEADY = 1e-3
-# Slips from which a trend is told.
-FEWEST = 4
-# Mean thresholds over which contacts must have slid to show what they do when they break.
-PASSED = 1.5
-# Share of what F rises by while a slider sticks, and of F, below which F stays what it is; and the
-# points of the path that show it.
-LOADS, SETTLED, SEEN = 0.1, 1e-2, 4
+# No slip for so many times the longest pause between slips: nothing more is to come. And mean
+# thresholds over which contacts must have slid to show what they do when they break.
+SILENT = PASSED = 1.5
+# Slips from which a trend is told, and relative change of the drop from one slip to the next below
+# which drops do not fade.
+FEWEST, STEADY = 4, 1e-3
+# Share of what F rises by while a slider sticks, and of F, below which F stays what it is.
+LOADS, SETTLED = 0.1, 1e-2
 
 
 @dataclass(frozen=True)
@@ -78,13 +73,6 @@ class Course(NamedTuple):
     speed: float
 
 
-class Critical(NamedTuple):
-    """K*/(N_c <k>) and its error."""
-
-    spring: float
-    error: float
-
-
 class Found(NamedTuple):
     """Verdict and reason."""
 
@@ -104,23 +92,31 @@ def regime(
 
     course : how the slider moved; needed where contacts have laws that tell time
     """
-    spring = float(drive.spring or 0.0)
+    spring, count, trend = float(drive.spring or 0.0), slips.drive.size, _trend(slips.drop)
     speed = drive.velocity if course is None else course.speed
-    critical, error = _critical(contacts, tolerance, speed)
-    trend, rates = _trend(slips.drop), {"thermal", "ageing", "grains"}.intersection(contacts.laws)
-    count = slips.drive.size
+    critical, error = critical_spring(contacts, speed, tolerance)
+    rates = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
+    known = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
     if not whole:
         found = Found("undecided", f"{count} slips up to where the solution stopped")
-    elif rates and (not count or drive.slip == "reset"):
+    elif not count and rates:
         # K* is that of a rigid slider, and a soft one has a speed of its own
-        found = _rated(contacts, drive, count, critical, course)
+        lacking = _lacking(contacts, spring, critical, course)
+        told = f"no slip up to the end of the path, at the slider's own speed{lacking}; {known}"
+        found = Found("undecided" if lacking else "smooth", told)
+    elif not count and spring >= critical:
+        found = Found("smooth", f"{known}: the spring never lets go")
     elif not count:
-        found = _without_slips(spring, critical)
+        found = Found("undecided", f"{known}, but the path ends before the first slip")
+    elif drive.slip == "reset" and rates:
+        found = _after_resets(contacts, count, known)
     elif drive.slip == "reset":
-        again = critical
-        if contacts.start.span != (0.0, 0.0):
-            again = _critical(_relaxed(contacts), tolerance, speed).spring
-        found = _after_resets(spring, critical, again)
+        again, limit = contacts.reforming, critical
+        if again is not None or contacts.start.span != (0.0, 0.0):
+            relaxed = contacts.replace(start=None if again is None else again.law)
+            limit = critical_spring(relaxed, speed, tolerance)[0]
+        told = f"{known}; left by a slip, relaxed contacts have K* = {limit:.6g}"
+        found = Found("stick-slip" if spring < limit else "decaying transient", told)
     else:
         found = _by_trend(contacts, drive, slips, trend, course)
     verdict, reason = found
@@ -130,36 +126,18 @@ def regime(
     return Regime(verdict, reason, critical, error, ratio, count, trend)
 
 
-def _critical(contacts: Contacts, tolerance: float, speed: float) -> Critical:
-    """K* of a rigid slider that moves forward at a speed, as master.propensity tells it."""
-    life = steady_life(contacts, speed)
-    travel = births_table(contacts, life, speed, tolerance)
-    found = extremes(contacts, life, travel, speed, tolerance)
-    return Critical(found.spring, found.spring_error)
-
-
-def _relaxed(contacts: Contacts) -> Contacts:
-    """The same contacts, all just formed again."""
-    again = None if contacts.reforming is None else contacts.reforming.law
-    return contacts.replace(start=again)
-
-
-def _without_slips(spring: float, critical: float) -> Found:
-    known = f"K = {spring:.6g} is {{}} K* = {critical:.6g}"
-    if spring >= critical:
-        return Found("smooth", f"{known.format('at least')}: the spring never lets go")
-    early = f"{known.format('below')}, but the path ends before the first slip"
-    return Found("undecided", early)
-
-
-def _after_resets(spring: float, critical: float, again: float) -> Found:
-    """K* is `critical` from the start, `again` from a reset."""
-    left = "of relaxed contacts, left by a slip"
-    if again != critical:
-        left += f"; from the start, up to the first slip, K* = {critical:.6g}"
-    if spring < again:
-        return Found("stick-slip", f"K = {spring:.6g} is below K* = {again:.6g} {left}")
-    return Found("decaying transient", f"K = {spring:.6g} is at least K* = {again:.6g} {left}")
+def _after_resets(contacts: Contacts, count: int, known: str) -> Found:
+    """Whether resets go on of contacts that have rates of their own."""
+    # grains that grow are younger after a reset than they began
+    alike = contacts.reforming is None and contacts.grains is None
+    if count > 1:
+        told = f"{count} slips, each after a reset that leaves nothing of what was before"
+    elif contacts.start.span == (0.0, 0.0) and alike:
+        told = "one slip, after which contacts stand as they began, and so slip again"
+    else:
+        few = "one slip up to the end of the path is too few to tell, lengthen it"
+        return Found("undecided", f"{few}; {known}")
+    return Found("stick-slip", f"{told}; {known}")
 
 
 def _by_trend(
@@ -169,7 +147,8 @@ def _by_trend(
     spring, path, count = float(drive.spring or 0.0), drive.path, slips.drive.size
     way = np.abs(np.diff(path, prepend=path[0])).cumsum()
     since = float(way[-1] - way[np.abs(path - slips.drive[-1]).argmin()])
-    first = (spring + 1.0) / spring * _oldest(contacts, course)
+    oldest = _oldest(contacts, np.zeros(1) if course is None else course.clock[-1:])
+    first = (spring + 1.0) / spring * float(oldest[0])
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     if since > SILENT * longest:
         silent = f"then none for {since / longest:.3g} times the longest pause"
@@ -184,89 +163,51 @@ def _by_trend(
     return Found("stick-slip", told)
 
 
-def _oldest(contacts: Contacts, course: Course | None) -> float:
-    """Mean threshold of contacts as old as any that was there."""
-    grains = contacts.grains
-    if grains is not None and grains.age is not None and course is not None:
-        return grains.growth.thresholds(grains.age + float(course.clock[-1])).mean()
-    final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
-    return max(contacts.mean_threshold, final)
-
-
-def _rated(
-    contacts: Contacts, drive: Drive, count: int, critical: float, course: Course | None
-) -> Found:
-    """Where contacts have rates of their own; what slips there are must be resets."""
-    spring = float(drive.spring or 0.0)
-    beside = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
-    if not count:
-        if contacts.ageing is not None or contacts.grains is not None:
-            missing = _missing(contacts, spring, course)
-        else:
-            missing = _unsettled(contacts, spring, critical, course)
-        seen = "no slip up to the end of the path, at the slider's own speed"
-        return Found("undecided" if missing else "smooth", f"{seen}{missing}; {beside}")
-    # grains that grow are younger than they began
-    alike = contacts.reforming is None and contacts.grains is None
-    if count > 1:
-        told = f"{count} slips, each after a reset that leaves nothing of what was before"
-    elif contacts.start.span == (0.0, 0.0) and alike:
-        told = "one slip, after which contacts stand as they began, and so slip again"
-    else:
-        few = "one slip up to the end of the path is too few to tell, lengthen it"
-        return Found("undecided", f"{few}; {beside}")
-    return Found("stick-slip", f"{told}; {beside}")
-
-
-def _missing(contacts: Contacts, spring: float, course: Course | None) -> str:
-    """What a path lacks that shows contacts which grow older to slide smoothly; or nothing.
-
-    A slider that runs ahead gives its contacts no time to age: their drop is steeper than a rigid
-    one's, and no K* tells. So all that age with the load must have broken, at thresholds as high as
-    they have come to be by then.
-    """
-    if course is None:
-        return ", of which too little is known; lengthen it"
-    clock, place = np.append(0.0, course.clock), np.append(0.0, course.position)
-    on = clock >= course.begin
-    slid = np.abs(place - np.interp(course.begin, clock, place))[on]
+def _oldest(contacts: Contacts, clock: Array) -> Array:
+    """Thresholds of contacts as old as any that is there at times, same shape: about the mean."""
     grains = contacts.grains
     if grains is not None and grains.age is not None:
-        reach = grains.quantile(1.0, grains.age + clock[on])
-    else:
-        reach = np.full(slid.shape, _oldest(contacts, course))
-    if not (slid > PASSED * reach).any():
-        held = f"contacts that aged as the spring loaded may still hold, up to x = {reach[-1]:.3g}"
-        return f", by which {held}; lengthen it"
-    path, force = course.position + course.force / spring, np.abs(course.force)
-    if force.size > 1 and force[-1] > force[:-1].max():
-        loads = LOADS * spring / (1.0 + spring) * abs(path[-1] - path[-2])
-        if force[-1] - force[-2] > loads:
-            return ", where the force still rises as high as never before; lengthen it"
-    return ""
+        return np.asarray(grains.quantile(1.0, grains.age + clock))
+    final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
+    return np.full(clock.shape, max(contacts.mean_threshold, final))
 
 
-def _unsettled(contacts: Contacts, spring: float, critical: float, course: Course | None) -> str:
-    """The same of contacts that break at a rate but do not age.
+def _lacking(contacts: Contacts, spring: float, critical: float, course: Course | None) -> str:
+    """What a path without slips lacks that shows contacts with rates to slide smoothly; or nothing.
 
-    A slider on a spring softer than K* may creep so fast, beside the drive, that it never slips.
-    Then its force stays what it is.
+    Of contacts that do not age none slips above K*; on a softer spring they may creep so fast,
+    beside the drive, that they never slip: then the force stays what it is. A slider that runs ahead
+    gives its contacts no time to age: their drop is steeper than a rigid one's, and no K* tells. So
+    all that age with the load must have broken, and the force no longer rise.
     """
-    if spring >= critical:
+    ages = contacts.ageing is not None or contacts.grains is not None
+    if not ages and spring >= critical:
         return ""
-    if course is not None:
-        path, on = course.position + course.force / spring, course.clock >= course.begin
-        far = PASSED * contacts.mean_threshold + course.last * contacts.waiting_time
-        stuck = far * spring / (1.0 + spring)
-        late = (np.abs(path - path[-1]) <= far) & on
-        there = float(np.ptp(path[on])) >= far and int(late.sum()) >= SEEN
-        little = min(SETTLED * abs(float(course.force[-1])), LOADS * stuck)
-        if there and np.ptp(course.force[late]) <= little:
-            return ""
+    if course is None:
+        return ", of which too little is known; lengthen it"
+    path, force, on = course.position + course.force / spring, course.force, spring / (1.0 + spring)
+    late = course.clock >= course.begin
+    if ages:
+        place = np.append(0.0, course.position)
+        turned = np.interp(course.begin, np.append(0.0, course.clock), place)
+        slid, oldest = np.abs(course.position - turned), _oldest(contacts, course.clock)
+        if not (slid > PASSED * oldest)[late].any():
+            reach = f"up to x = {oldest[-1]:.3g}"
+            return f", by which contacts that aged may still hold, {reach}; lengthen it"
+        last = np.abs(force[-2:])
+        rises = last[-1] - last[0] > LOADS * on * abs(path[-1] - path[-2:][0])
+        if rises and last[-1] > np.abs(force[:-1]).max():
+            return ", where the force still rises as high as never before; lengthen it"
+        return ""
+    far = PASSED * contacts.mean_threshold + course.last * contacts.waiting_time
+    late &= np.abs(path - path[-1]) <= far
+    little = min(SETTLED * abs(float(force[-1])), LOADS * far * on)
+    enough = np.ptp(path[course.clock >= course.begin]) >= far and np.count_nonzero(late) > 3
+    if enough and np.ptp(force[late]) <= little:
+        return ""
     return (
-        ", but K < K*: a slip may come yet, or the drive is slow beside the slider's creep and none "
-        f"ever comes, which shows where the force stays as it is for {PASSED:g} <x_s>; lengthen the "
-        "path, or give it more points"
+        f", but K < K*: a slip may come yet, unless the force stays as it is for {PASSED:g} <x_s>; "
+        "lengthen the path, or give it more points"
     )
 
 

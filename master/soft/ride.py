@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
+import time as clock
+
 import numpy as np
 import numpy.typing as npt
 
-from master.renewal import rule as panels
 from master.soft.curve import Curve
 from master.soft.pull import Held, Matter, Past, Pull, StoppedError
 from master.soft.slips import LettingGo, landing, letting_go
 from origins.drive import SlipRule
 
 Array = npt.NDArray[np.float64]
-
-# A drive that begins this near the balance, in mean thresholds, begins there.
-SAME = 1e-12
 
 
 class Ride:
@@ -26,8 +24,8 @@ class Ride:
         X_T at which the spring balances the start (a length).
     position, force : arrays of shape (n,)
         X and F where the drive stands at the points of its path (lengths).
-    slips : list of arrays of shape (5, any)
-        Rows: X_T, X before and after, F before and after.
+    slips : list of arrays of shape (5,)
+        X_T, X before and after, F before and after.
     told : int
         Points, from the first, that were answered: all unless the work or the time was over.
     error : float
@@ -41,14 +39,15 @@ class Ride:
         start = matter.start.mean()
         self.balance, self._rest = start / spring, matter.again.mean()
         self.position, self.force = np.zeros(path.size), np.full(path.size, start)
-        self.slips, self.nodes = [np.empty((5, 0))], 0
+        self.slips, self._solved = list[Array](), 0
         self.error = self.drive_error = 0.0
         # what happened since the slider was at X = base, and how far off that may be
         self._base, self._shift = 0.0, 0.0
         self._last, self._relaxed = (matter, Past()), matter.relaxed()
         self._fresh: dict[int, Pull] = {}  # of contacts that just re-formed, by direction
         steps = np.diff(path, prepend=self.balance)
-        if abs(steps[0]) <= SAME * matter.unit:
+        # a drive that begins this near the balance, in mean thresholds, begins there
+        if abs(steps[0]) <= 1e-12 * matter.unit:
             steps[0] = 0.0
         moving = np.flatnonzero(steps)
         signs = np.sign(steps[moving])
@@ -67,6 +66,11 @@ class Ride:
         """Whether more exact thresholds met than can be followed."""
         return self.matter.crowded or self._relaxed.crowded
 
+    @property
+    def nodes(self) -> int:
+        """Moments at which number conservation was solved."""
+        return self._solved + sum(pull.nodes for pull in self._fresh.values())
+
     def _move(self, direction: int, points: npt.NDArray[np.intp]) -> None:
         """The drive goes straight on over points of its path, through all slips on the way."""
         end = direction * float(self.path[points[-1]])
@@ -78,10 +82,6 @@ class Ride:
             begin = direction * (self._base + pull.at(0.0))
             target, y = self.spring * (end - begin), 0.0
             go = letting_go(pull, self.spring, y, target)
-            if go.slips and self.rule == "reset" and pull is self._fresh.get(direction):
-                points = self._repeat(pull, go, points, end)
-                begin = direction * (self._base + pull.at(0.0))
-                target, go = self.spring * (end - begin), LettingGo(go.curve)
             while True:
                 loads = self.spring * (direction * self.path[points] - begin)
                 count = int(np.searchsorted(loads, go.level))
@@ -89,6 +89,7 @@ class Ride:
                 points = points[count:]
                 if not go.slips:
                     y = float(go.curve.carries(np.array([target]), y, go.curve.end)[0])
+                    self._leave(pull)
                     self._last = pull.matter, pull.after(y, self._turn_error(go.curve, y))
                     return
                 if self.rule != "instant":
@@ -98,7 +99,13 @@ class Ride:
                 y = caught.travel
                 go = letting_go(pull, self.spring, y, target)
             jump = self._reset if self.rule == "reset" else self._reform_after
+            self._leave(pull)
             pull = jump(pull, go, begin)
+
+    def _leave(self, pull: Pull) -> None:
+        """A move is over: what was solved on it is counted, once for moves that come back."""
+        if pull is not self._fresh.get(pull.direction):
+            self._solved += pull.nodes
 
     def _answer(
         self, pull: Pull, go: LettingGo, points: npt.NDArray[np.intp], loads: Array, low: float
@@ -106,23 +113,11 @@ class Ride:
         """X and F at points before the slider lets go, where it carries these loads."""
         if points.size:
             y = go.curve.carries(loads, low, min(go.travel, go.curve.end))
-            self._tell(pull, go.curve, points, y, np.zeros(y.size), self._shift)
-
-    def _tell(
-        self,
-        pull: Pull,
-        curve: Curve,
-        points: npt.NDArray[np.intp],
-        y: Array,
-        further: Array,
-        shift: Array | float,
-    ) -> None:
-        """X and F at points where the slider has gone y on this move, and `further` before."""
-        self.position[points] = self._base + pull.at(y) + pull.direction * further
-        self.force[points] = pull.direction * curve.force(y)
-        self.told = max(self.told, int(points.max(initial=-1)) + 1)
-        off = self.spring * curve.misplaced(y, shift)
-        self.error = max(self.error, float(off.max(initial=0.0)))
+            self.position[points] = self._base + pull.at(y)
+            self.force[points] = pull.direction * go.curve.force(y)
+            self.told = max(self.told, int(points.max()) + 1)
+            off = self.spring * go.curve.misplaced(y, self._shift)
+            self.error = max(self.error, float(off.max()))
 
     def _turn_error(self, curve: Curve, y: float) -> float:
         """Error of the force after a turn: its place is not known, and F' jumps to 1 there."""
@@ -142,28 +137,6 @@ class Ride:
             self._fresh[pull.direction] = Pull(self._relaxed, pull.direction, Past())
         return self._fresh[pull.direction]
 
-    def _repeat(
-        self, pull: Pull, go: LettingGo, points: npt.NDArray[np.intp], end: float
-    ) -> npt.NDArray[np.intp]:
-        """All whole cycles of contacts that just re-formed; returns the points that come after."""
-        d, rest = pull.direction, pull.direction * self._rest
-        stands = d * self._base + rest / self.spring
-        period = (go.level - rest) / self.spring
-        count = int((end - stands) / period)
-        asked = d * self.path[points] - stands
-        cycle = np.maximum(np.floor(asked / period), 0.0)
-        here = int(np.searchsorted(cycle, count))
-        cycle, loads = cycle[:here], rest + self.spring * (asked - cycle * period)[:here]
-        y = go.curve.carries(loads, 0.0, go.travel)
-        drift = go.error / self.spring
-        self._tell(pull, go.curve, points[:here], y, cycle * period, self._shift + cycle * drift)
-        begins: Array = np.asarray(d * self._base + period * np.arange(count), dtype=float)
-        self._shift += max(count - 1, 0) * drift
-        self._note(pull, go, begins, np.asarray(begins + period), rest)
-        self._shift += drift
-        self._base += d * count * period
-        return points[here:]
-
     def _reform_after(self, pull: Pull, go: LettingGo, begin: float) -> Pull:
         """Broken contacts stay out until the slider stands again."""
         spring, d = self.spring, pull.direction
@@ -180,18 +153,14 @@ class Ride:
         error *= held.holding(caught.travel)
         return Pull(pull.matter, d, held.stands(caught.travel, error))
 
-    def _note(
-        self, pull: Pull, go: LettingGo, begin: Array | float, after: Array | float, force: float
-    ) -> None:
-        """A slip, or one for each cycle, of moves that begin at `begin` along the motion."""
-        d, spring = pull.direction, self.spring
+    def _note(self, pull: Pull, go: LettingGo, begin: float, after: float, force: float) -> None:
+        """A slip of a move that begins at `begin` along the motion, which the force after it ends."""
+        drive = begin + go.level / self.spring
         before = float(go.curve.force(np.array([go.travel]))[0])
-        rest = force if self.rule == "reset" else 0.0
-        begin, after = np.atleast_1d(begin), np.atleast_1d(after)
-        drive = after + rest / spring if self.rule == "reset" else begin + go.level / spring
-        same = np.ones(begin.size)
-        rows = [drive, begin + go.travel, after, before * same, force * same]
-        self.slips.append(d * np.stack(rows))
-        self.drive_error = max(self.drive_error, go.error / spring + self._shift)
-        self.error = max(self.error, spring * self.drive_error)
-        self.nodes += go.curve.begin.size * panels.DEGREE
+        row = drive, begin + go.travel, after, before, force
+        self.slips.append(pull.direction * np.array(row))
+        self.drive_error = max(self.drive_error, go.error / self.spring + self._shift)
+        self.error = max(self.error, self.spring * self.drive_error)
+        # slips, at most: each takes some 1 ms
+        if len(self.slips) > 20_000 or clock.monotonic() > self.matter.until:
+            raise StoppedError

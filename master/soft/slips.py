@@ -14,11 +14,6 @@ from origins.brief import brief
 
 Array = npt.NDArray[np.float64]
 
-# A load that begins to fall is sure to be seen to fall this many times its error beyond.
-SURE = 10.0
-# Share of the travel that a slip takes at least, unless contacts at one exact threshold break.
-FAR = 1e-4
-
 
 @dataclass(frozen=True)
 class Slips:
@@ -96,7 +91,9 @@ class LettingGo(NamedTuple):
     @property
     def beside(self) -> float:
         """Travel beyond which the load is seen to fall; 0 where it falls at once."""
-        return 0.0 if self.dropped else min(SURE * self.misplaced, FAR * self.curve.end)
+        # ten errors beyond a load that begins to fall is sure to be seen to fall, and a slip takes a
+        # share of 1e-4 of the travel at least
+        return 0.0 if self.dropped else min(10.0 * self.misplaced, 1e-4 * self.curve.end)
 
 
 def letting_go(pull: Pull, spring: float, after: float, target: float) -> LettingGo:

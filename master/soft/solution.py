@@ -17,13 +17,14 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from master.outcome import Progress, outcome, unheard
 from master.soft.pull import Matter
-from master.soft.regime import Regime, regime
+from master.soft.regime import Course, Regime, regime
 from master.soft.ride import Ride
 from master.soft.slips import Slips
 from origins import Contacts, InputError
@@ -32,6 +33,9 @@ from origins.drive import Drive
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
+
+# What "reform-after" asks for.
+AT_REST = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
 
 
 @dataclass(frozen=True)
@@ -83,6 +87,42 @@ class SoftSolution:
     __repr__ = brief
 
 
+def solution_of(
+    contacts: Contacts,
+    drive: Drive,
+    tolerance: float,
+    began: float,
+    reason: str,
+    over: str,
+    course: Course | None = None,
+    **found: Any,
+) -> SoftSolution:
+    """The solution up to where it ended, with its verdict and its message.
+
+    began : time.perf_counter() at the beginning
+    reason : why the error is no smaller
+    over : what ended the solution where that is before the path's end
+    found : what stands in a SoftSolution under the same names
+    """
+    end, error, slips = drive.path[: found["force"].size], found["force_error"], found["slips"]
+    success, message = outcome(contacts, error, tolerance, reason)
+    whole = end.size == drive.path.size
+    if not whole:
+        last = f"X_T = {end[-1]:.6g}" if end.size else "the first point"
+        success, message = False, f"stopped at {last} {over}; the path is cut there"
+    return SoftSolution(
+        path=end,
+        period=slips.period,
+        regime=regime(
+            contacts, drive, slips, tolerance, whole and bool(np.isfinite(error)), course
+        ),
+        run_time=time.perf_counter() - began,
+        success=success,
+        message=message,
+        **found,
+    )
+
+
 def solve_soft(
     contacts: Contacts,
     drive: Drive,
@@ -103,36 +143,28 @@ def solve_soft(
     if drive.spring is None:
         raise InputError("spring = None: a soft slider needs K/(N_c <k>), such as spring=0.5")
     if drive.slip == "reform-after" and contacts.reforming is not None:
-        rule = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
-        refuse("slip", drive.slip, rule)
-    spring, unit = drive.spring, contacts.mean_threshold
+        refuse("slip", drive.slip, AT_REST)
     until = np.inf if wall_time is None else time.monotonic() + wall_time
-    ride = Ride(Matter.of(contacts, tolerance, until), spring, drive.slip, drive.path)
-    error = ride.error / unit
+    matter = Matter.of(contacts, tolerance, until)
+    ride = Ride(matter, drive.spring, drive.slip, drive.path)
+    error, told = ride.error / contacts.mean_threshold, ride.told
     progress(error)
-    reason = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
-    success, message = outcome(contacts, error, tolerance, reason)
-    whole, end = ride.told == drive.path.size, drive.path[: ride.told]
-    if not whole:
-        over = "by wall_time" if time.monotonic() > until else "as slips ask for too much work"
-        if ride.crowded:
-            over = "as exact thresholds break together more often than can be followed"
-        last = f"X_T = {end[-1]:.6g}" if end.size else "the first point"
-        success, message = False, f"stopped at {last} {over}; the path is cut there"
-    drives, before, after, above, below = np.concatenate(ride.slips, axis=1)
-    slips = Slips(drives, before, after, above, below, ride.drive_error)
-    return SoftSolution(
-        path=end,
+    over = "by wall_time" if time.monotonic() > until else "as slips ask for too much work"
+    if ride.crowded:
+        over = "as exact thresholds break together more often than can be followed"
+    drives, before, after, above, below = np.array(ride.slips).reshape(-1, 5).T
+    return solution_of(
+        contacts,
+        drive,
+        tolerance,
+        began,
+        f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}",
+        over,
         balance=ride.balance,
-        position=ride.position[: ride.told],
-        force=ride.force[: ride.told],
+        position=ride.position[:told],
+        force=ride.force[:told],
+        holding=np.ones(told),
+        slips=Slips(drives, before, after, above, below, ride.drive_error),
         force_error=error,
-        holding=np.ones(ride.told),
-        slips=slips,
-        period=slips.period,
-        regime=regime(contacts, drive, slips, tolerance, whole),
-        run_time=time.perf_counter() - began,
         nodes=ride.nodes,
-        success=success,
-        message=message,
     )

@@ -8,8 +8,6 @@ over the way gone since the birth (paper, Eqs. Q11a-Q11d):
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
@@ -35,13 +33,9 @@ STEPPED = 1e-11
 SHORTEST = 1e-13
 # Ways that differ by less than this share are one.
 SAME = 1e-14
-# Panels of a life, of the typical way, that are narrower mark where many contacts break together.
-STEEP = 0.01
-# Distance of the outermost Gauss nodes from a panel's end, in its width: steps may hide there. How
-# large these are at least, of E and of K, and how often they are closed in upon by a factor of 50.
-OUTER, STEP, SEARCHES = 0.01, 1e-6, 8
-# By so many times the accuracy polynomials differ at the ends of panels, without any step.
-ROUGH = 10.0
+# What polynomials may miss at the ends of their panels, in units of the accuracy: a step that the
+# outermost nodes do not see is seen there.
+ENDS = 10.0
 # Ratio of the ways at which survival is looked at to find out between which of them contacts break,
 # and how many are looked at together, from the longest down.
 RATIO, TOGETHER = 4.0, 6
@@ -57,17 +51,7 @@ UNBROKEN, FEW, NONE = 1e-3, 1e-4, 1e-17
 # Share of contacts that break between two of the ways, from which on it is cut into so many parts:
 # one sum over many ways takes less time than several sums over few.
 MANY, PARTS = 0.05, 8
-
-
 TOO_SLOW = "contacts break before they have moved a length that is a number; slide faster"
-
-
-class _Ends(NamedTuple):
-    """Ends of panels, and how wide the panels before and after these are; arrays of shape (n,)."""
-
-    at: Array
-    before: Array
-    after: Array
 
 
 class Travel:
@@ -123,28 +107,16 @@ class Travel:
         accuracy = max(accuracy, min(life.error, COARSEST))
         self.bends: Array = velocity * bends_of(life, born, velocity)
         self.atoms: Array = life.atoms - born.mean() if born.is_single else np.empty(0)
-        edges = np.concatenate([ways, self.bends, self._steep()])
+        edges = np.concatenate([ways, self.bends])
         edges = np.unique(np.append(0.0, edges[(edges > 0.0) & (edges < ways[-1])]))
         # what is one but for rounding is one
         later = np.append(edges[1:], ways[-1])
         edges = np.append(edges[later - edges > SAME * later], ways[-1])
-        for _ in range(SEARCHES):
-            shortest = SHORTEST * min(self.typical, float(edges[1]))
-            self.table = Table(self._scaled, edges, accuracy, shortest)
-            unseen = self._unseen()
-            steps = np.flatnonzero(unseen.max(axis=0) > STEP)
-            if not steps.size:
-                break
-            at, before, after = (part[steps] for part in self._ends())
-            close = np.concatenate([at - 2.0 * OUTER * before, at + 2.0 * OUTER * after])
-            before_now, edges = edges.size, np.union1d(edges, close[close < ways[-1]])
-            if edges.size == before_now:
-                break
+        shortest = SHORTEST * min(self.typical, float(edges[1]))
+        self.table = Table(self._scaled, edges, accuracy, shortest, ends=ENDS)
         self.most = float(np.abs(self.table(self.table.edges)[1]).max()) * self.scale
         length, area = self.table.integrals()
-        _, before, after = self._ends()
-        hidden = np.maximum(unseen - ROUGH * accuracy, 0.0)
-        length_off, area_off = self.table.missed() + OUTER * (hidden @ (before + after))
+        length_off, area_off = self.table.missed()
         # an error of E itself, which is one of its share where few hold
         weights = np.minimum(self.table(self.table.begin)[0] / FEW, 1.0) * self.table.widths
         self.longest = float(ways[-1])
@@ -169,28 +141,6 @@ class Travel:
         held = last > 0.0
         fall[held] = np.log(before[held] / last[held]) / np.log(ways[1] / ways[0])
         return np.asarray(last * ways[1] / np.clip(fall - 1.0, LEAST_FALL, 1.0))
-
-    def _steep(self) -> Array:
-        """Ways at which contacts born at one stretch come to where many of them break together."""
-        if not self.born.is_single:
-            return np.empty(0)
-        return self.life.marks(STEEP * self.typical) - float(self.born.mean())
-
-    def _ends(self) -> _Ends:
-        """The ends of all panels."""
-        widths = self.table.widths
-        return _Ends(self.table.end, widths, np.append(widths[1:], 0.0))
-
-    def _unseen(self) -> Array:
-        """By how much E and K change between the nodes of two panels, shape (2, panels).
-
-        Only where contacts reach exact thresholds together do they jump.
-        """
-        at, table = self.table.end, self.table
-        before = table(at, 0.5 * (table.begin + at))
-        after = table(at)
-        after[:, -1] = self._scaled(at[-1:, None])[:, 0, 0]
-        return np.asarray(np.abs(after - before) * ~np.isin(at, self.atoms))
 
     def left(self, way: Array) -> Array:
         """E and K after ways (lengths) of shape (rows, columns)."""
@@ -221,8 +171,7 @@ class Travel:
         first = max(int(np.argmax(held < 1.0 - UNBROKEN)) - 1, 0)
         rungs, held = rungs[first:], held[first:]
         many = np.flatnonzero(-np.diff(held) > MANY * held.max())
-        shares = np.arange(1, PARTS) / PARTS
-        close = rungs[many, None] + np.diff(rungs)[many, None] * shares
+        close = rungs[many, None] + np.diff(rungs)[many, None] * np.arange(1, PARTS) / PARTS
         last, left, further = reach, float(self._held(np.array([reach]))[0]), []
         while left * (last / self.typical) ** 2 > NONE and last < FURTHEST * reach:
             last *= 2.0

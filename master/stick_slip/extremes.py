@@ -8,10 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.life import Life
+from master.lives.make import steady_life
 from master.renewal import rule
 from master.renewal.march import March
 from master.rigid import ROUND_OFF as ROUND_OFF_OF_FORCE
-from master.steady.forward import Forward
+from master.steady.forward import Forward, births_table
 from master.steady.travel import Travel
 from origins import Contacts
 
@@ -20,19 +21,8 @@ Array = npt.NDArray[np.float64]
 # How far F is followed: so many typical lives, and as far as more than one in a million of those
 # that hold at a time have come, but at most so many typical lives or twice the longest.
 LIVES, FEW, MOST_LIVES = 10.0, 1e-6, 1000.0
-# How far F is followed beyond the last break of a generation, in mean thresholds.
-AFTER = 0.01
-# A polynomial of degree n that is off by e on a panel of width w has a slope that is off by up to
-# 2 n^2 e / w: panels are solved to so much less than the slope is asked for.
-FINER = 1e-2
-# Tolerance of F beside densities that diverge: finer ones take long.
-BESIDE_POLES = 1e-6
 # Marches, each to a hundredth of the error of the one before, until slope and value are known.
 TRIALS, BETTER = 3, 1e-2
-# Panels narrower than this, in typical ways to a break, are not asked for slopes.
-NARROW = 1e-6
-# Round-off of the number of breaks on a panel, the share of contacts.
-ROUND_OFF = 2e-15
 # Points of a panel at which a polynomial is looked at, and how often the best of them is looked at
 # more closely: places are then known to 1e-6 of a panel, and largest values to its square.
 POINTS, ZOOMS = 33, 4
@@ -68,6 +58,13 @@ class _Best(NamedTuple):
         return value, max(float(self.most.max()) - value, value - float(self.least.max()), 0.0)
 
 
+def critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
+    """K*/(N_c <k>) of contacts on a rigid slider that moves forward from their start, and its error."""
+    life = steady_life(contacts, velocity)
+    travel = births_table(contacts, life, velocity, tolerance)
+    return extremes(contacts, life, travel, velocity, tolerance)[:2]
+
+
 def extremes(
     contacts: Contacts, life: Life, travel: Travel, velocity: float, tolerance: float
 ) -> Extremes:
@@ -76,7 +73,10 @@ def extremes(
     forward = Forward(contacts, life, travel, velocity, horizon)
     unit = unit_of(contacts, travel)
     diverges = _diverges(contacts, life)
-    wanted = max(tolerance, BESIDE_POLES) if diverges else FINER * tolerance
+    # a polynomial of degree n that is off by e on a panel of width w has a slope that is off by
+    # up to 2 n^2 e / w: panels are solved to a hundredth of what the slope is asked for; beside
+    # densities that diverge finer tolerances than 1e-6 take long
+    wanted = max(tolerance, 1e-6) if diverges else 1e-2 * tolerance
     wanted *= unit / contacts.mean_threshold
     found = _of(forward.march(wanted), travel.typical)
     for _ in range(TRIALS - 1):
@@ -119,14 +119,16 @@ def _of(march: March, typical: float) -> Extremes:
     """K* and F_s (paper, Eq. Q6b) from F on the panels; `typical` is the way to a break."""
     width = np.array(march.width)
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
-    wrong = np.maximum(march.wrong, ROUND_OFF) + march.life_error
+    # round-off of the number of breaks on a panel, the share of contacts
+    wrong = np.maximum(march.wrong, 2e-15) + march.life_error
     off = wrong * march.stretch
     static, static_error = _largest(series, off).overall()
     static_error += ROUND_OFF_OF_FORCE * (march.stretch + float(march.motion.positions[-1]))
     if len(march.lumps) > 1:
         return Extremes(np.inf, 0.0, static, static_error)
     # over narrower panels F falls by nothing, and its slope there is rounding
-    wide = width > NARROW * typical
+    # panels narrower than this, in typical ways to a break, are not asked for slopes
+    wide = width > 1e-6 * typical
     slopes = np.polynomial.legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
     fall = _largest(slopes, 2.0 * rule.DEGREE**2 * (off / width)[wide])
     spring, spring_error = fall.overall()
@@ -156,7 +158,8 @@ def _horizon(contacts: Contacts, life: Life, travel: Travel) -> tuple[float, boo
     low, high = contacts.start.span
     again = 0.0 if contacts.reforming is None else max(contacts.reforming.law.span[1], 0.0)
     if life.reach - low < 2.0 * life.quiet - high - again:
-        return life.reach - min(low, 0.0) + AFTER * contacts.mean_threshold, True
+        # how far F is followed beyond the last break of a generation, in mean thresholds
+        return life.reach - min(low, 0.0) + 0.01 * contacts.mean_threshold, True
     unit = unit_of(contacts, travel)
     ways = travel.table.begin
     many = ways[travel.table(ways)[0] * ways > FEW * travel.length].max(initial=0.0)

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.make import steady_life
 from master.outcome import judged
-from master.steady.forward import births_table
 from master.steady.points import Points, changed
 from master.steady.steady import check_finite
-from master.stick_slip.extremes import extremes
+from master.stick_slip.extremes import critical_spring
 from origins import Contacts
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
@@ -92,7 +90,7 @@ def phase_line(
     found = np.empty((2, len(cases)))
     for i, (speed, heat, spread, wait) in enumerate(cases.tolist()):
         single = changed(contacts, heat, spread, wait, contacts.start)
-        found[:, i] = _critical_spring(single, speed, tolerance)
+        found[:, i] = critical_spring(single, speed, tolerance)
     spring, error = (row[which.reshape(-1)].reshape(points.shape) for row in found)
     success, message = judged("K*", error / (1.0 + spring), tolerance)
     return PhaseLine(
@@ -106,10 +104,3 @@ def phase_line(
         success,
         message,
     )
-
-
-def _critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
-    """K* and its error at one point."""
-    life = steady_life(contacts, velocity)
-    travel = births_table(contacts, life, velocity, tolerance)
-    return extremes(contacts, life, travel, velocity, tolerance)[:2]

@@ -28,8 +28,6 @@ Complex = npt.NDArray[np.complex128]
 # much it grows, and at least where it was too much; and where nothing is
 # left after one mean way.
 FIRST, OF_LONGEST, GROWTH, LEAST_GROWTH, DEEPEST = 0.5, 3.0, 2.0, 1.1, 40.0
-# Share of contacts that hold for the longest way.
-RARE = 1e-8
 # Of the rate of E's own tail, or of exact values: roots nearer to it are not looked for.
 NEAR = 0.9
 # |p^| below which no root is near, and frequencies that are looked at: over the length on which E
@@ -37,21 +35,11 @@ NEAR = 0.9
 BELOW, HIGH, HIGHEST = 0.8, 8.0, 2000.0
 # Sides of the cells, over the inverse of the mean way where slow decays count; how often halved.
 SIDE, HALVINGS = 0.8, 3
-# Cells of one grid, at most.
-MOST_CELLS = 100_000
-# Numbers of nodes times frequencies that are looked at, at most.
-MOST_WORK = 1e8
 # Turn of arg D along an edge (rad) from which on the edge is cut, and how often: an edge that meets
 # a root within rounding keeps an open turn, and its cells count no whole number.
 FAR_TURN, CUTS = 1.5, 40
 # Steps of Newton's method, and its last step over |s|.
 STEPS, LAST = 40, 1e-13
-# Distance of roots, over their size, below which they are one.
-SAME = 1e-7
-# Error of D over what is left of 1 where D is no longer known.
-UNKNOWN = 1e-3
-# ln of the largest E e^(decay x), from which on its rounding leaves nothing of 1.
-MOST_GROWN = 32.0
 
 
 class Roots(NamedTuple):
@@ -103,14 +91,16 @@ def leading_roots(
     """
     whole = travel.length + wait
     ways = travel.table.edges
-    longest = float(ways[np.flatnonzero(travel.table(ways)[0] > RARE)[-1]]) + wait
+    # share of contacts that hold for the longest way
+    longest = float(ways[np.flatnonzero(travel.table(ways)[0] > 1e-8)[-1]]) + wait
     best = NO_ROOTS
     limit = min(limit, DEEPEST / whole)
     decay = min(FIRST / whole, OF_LONGEST / longest, limit)
     growth = GROWTH
     while growth > LEAST_GROWTH:
         found = None
-        if reach_of(travel, decay).log_most + decay * wait < MOST_GROWN:
+        # ln of the largest E e^(decay x), from which on its rounding leaves nothing of 1
+        if reach_of(travel, decay).log_most + decay * wait < 32.0:
             transform = Transform(travel, decay, blur)
             found = _roots(transform, wait, whole)
         if found is None:
@@ -133,13 +123,15 @@ def _roots(transform: Transform, wait: float, whole: float) -> Complex | None:
     decay = transform.decay
     noise = transform(np.array([complex(-decay)])).held_off[0] * decay * np.exp(decay * wait)
     top = _highest(transform, wait, whole)
-    if not noise < UNKNOWN or top is None:
+    # error of D over what is left of 1 where D is no longer known
+    if not noise < 1e-3 or top is None:
         return None
     side = SIDE / float(transform.centre + wait)
     for _ in range(HALVINGS):
         columns = int(np.ceil(decay / side)) + 2
         rows = int(np.ceil(top / side)) + 2
-        if rows * columns > MOST_CELLS:
+        # more cells of one grid take too long
+        if rows * columns > 100_000:
             return None
         real = -decay + side * np.arange(float(columns))
         imaginary = side * np.arange(float(rows))
@@ -207,7 +199,8 @@ def _polished(transform: Transform, wait: float, s: Complex, side: float) -> Com
         if s.size and (np.abs(s - start) > 3.0 * side).any():
             return None
     s = s[np.lexsort([s.real, s.imag])]
-    if (np.abs(np.diff(s)) < SAME * np.abs(s[1:])).any():
+    # distance of roots, over their size, below which they are one
+    if (np.abs(np.diff(s)) < 1e-7 * np.abs(s[1:])).any():
         return None
     return s[np.argsort(-s.real, kind="stable")]
 
@@ -224,7 +217,8 @@ def _highest(transform: Transform, wait: float, whole: float) -> float | None:
         return None
     step = SIDE / (transform.centre + wait)
     nodes = rule.GAUSS * transform.longest / WAVE
-    most = min(HIGHEST / whole, float(np.sqrt(MOST_WORK * step / nodes)))
+    # numbers of nodes times frequencies that are looked at, at most
+    most = min(HIGHEST / whole, float(np.sqrt(1e8 * step / nodes)))
     end = min(max(HIGH / transform.grain, 10.0 * step), most)
     while True:
         frequency = step * np.arange(np.ceil(end / step) + 1.0)

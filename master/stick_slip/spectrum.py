@@ -36,14 +36,6 @@ TOLERANCE = 1e-9
 # How far F is followed, in mean ways from birth to birth; and what the largest difference on the
 # way there is multiplied with, as the phases of what is left out may meet elsewhere.
 FOLLOWED, SAFE = 6.0, 2.0
-# Error of the force of linked contacts, per mean stretch: a table of the life's own.
-OF_LINKED = 1e-12
-# Differences from F that are told, in units of its error.
-TOLD = 3.0
-# Rate of exact values, over the mean way, below which no root is told from those at Re s = 0.
-CROWDED = 1e-2
-# Rounding of an amplitude.
-ROUND_OFF = 1e-14
 
 
 class _Left(NamedTuple):
@@ -209,8 +201,10 @@ def _leading(contacts: Contacts, travel: Travel, velocity: float, count: int) ->
             "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
         )
     longest = travel.longest / travel.length
-    blur = OF_LINKED if contacts.stiffness == "linked" else 0.0
-    crowded = crowd * (travel.length + wait) < CROWDED
+    # error of the force of linked contacts, per mean stretch: a table of the life's own
+    blur = 1e-12 if contacts.stiffness == "linked" else 0.0
+    # rate of exact values, over the mean way, below which no root is told from those at Re s = 0
+    crowded = crowd * (travel.length + wait) < 1e-2
     found = NO_ROOTS
     if longest < BROAD and not crowded:
         found = leading_roots(travel, wait, count, limit, blur)
@@ -254,7 +248,8 @@ def _terms(contacts: Contacts, life: Life, velocity: float, wait: float, found: 
         amplitude = 2.0 * values.force * np.exp(-s * wait) * broken / slope
         turned = 3.0 * np.abs(values.bend / values.slope) + wait + 1.0 / np.abs(s)
         share = values.force_off / np.abs(values.force) + first.held_off / np.abs(broken)
-        share += turned * roots_error + ROUND_OFF
+        # rounding of an amplitude
+        share += turned * roots_error + 1e-14
         parts.append(_Terms(roots_error, amplitude, np.abs(amplitude) * share))
     return _Terms(*(np.concatenate(row) for row in zip(*parts, strict=True)))
 
@@ -271,7 +266,8 @@ def _left_out(
     x = begin[:, None] + width[:, None] * np.append(0.0, rule.NODES)
     off = (np.array(march.wrong) + march.life_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))
-    told = apart > TOLD * off[:, None]
+    # differences from F that are told, in units of its error
+    told = apart > 3.0 * off[:, None]
     x, apart = x[told], SAFE * apart[told]
     if not x.size:
         return _Left(np.zeros(1), np.zeros(1))

@@ -14,22 +14,15 @@ from master.steady.travel import FEW, NONE, SHORTEST, Travel
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-# Last coefficients of the tilted tables, over their largest values; where heat breaks contacts born
-# at many stretches, those of Travel, as each survival takes long.
-ACCURACY = 1e-13
 # Most of |s| times the width of a piece: the Gauss nodes integrate a table's polynomial times such
 # a wave to rounding.
 WAVE = 4.0
 # Relative rounding of a sum over nodes.
 ROUND_OFF = 4e-16
-# Doublings of the way beyond the table of Travel, at most.
-DOUBLINGS = 40
 # Ways just before and after an exact threshold, as shares of it.
 SIDES = 1.0 - 1e-11, 1.0 + 1e-11
 # Frequencies whose waves are made together.
 BLOCK = 32
-# Numbers of nodes times numbers s that are summed together.
-AT_ONCE = 2_000_000
 
 
 class Values(NamedTuple):
@@ -77,7 +70,8 @@ def reach_of(travel: Travel, decay: float) -> Reach:
     """How far E e^(decay x) counts: the table of E, and on from there."""
     edges = travel.table.edges
     more, last = [edges], float(edges[-1])
-    for _ in range(DOUBLINGS):
+    # doublings of the way beyond the table of Travel, at most
+    for _ in range(40):
         left = float(travel.left(np.array([[last * (1.0 - 1e-12)]]))[0, 0, 0])
         if not left > 0.0 or np.log(left) + decay * last < np.log(NONE):
             break
@@ -131,7 +125,9 @@ class Transform:
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
         at_once = travel.born.is_single or travel.life.quick
-        accuracy = ACCURACY if at_once else travel.accuracy
+        # last coefficients of the tilted tables, over their largest values; where heat breaks
+        # contacts born at many stretches, those of Travel, as each survival takes long
+        accuracy = 1e-13 if at_once else travel.accuracy
         self._table = table = Table(tilted, edges, accuracy, shortest)
         self._error = travel.life.error
         self._known: dict[int, _Nodes] = {}
@@ -169,7 +165,8 @@ class Transform:
         """The transforms at s (per length) of shape (n,)."""
         s = np.asarray(s, dtype=complex)
         nodes = self._nodes(float(np.abs(s).max(initial=0.0)))
-        parts = np.array_split(s, max(1, s.size * nodes.way.size // AT_ONCE))
+        # numbers of nodes times numbers s that are summed together
+        parts = np.array_split(s, max(1, s.size * nodes.way.size // 2_000_000))
         return Values(*(np.concatenate(row) for row in zip(*map(self._some, parts), strict=True)))
 
     def _some(self, s: Complex) -> Values:

@@ -3,16 +3,19 @@
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
-from origins.errors import InputError, non_negative, refuse
-from origins.laws.ornstein_uhlenbeck import OrnsteinUhlenbeck
+from origins.errors import InputError, finite, non_negative, one_of, positive, refuse
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
 _FASTEST = 1e100  # D, whose powers must stay numbers
 _ROUND_OFF = 1e-15
-_NEAR, _JUMP = 1e4, 1e-6  # roundings of x beside a point, and what the logarithm of a density may change there
+_NEAR, _JUMP = (
+    1e4,
+    1e-6,
+)  # roundings of x beside a point, and what the logarithm of a density may change there
 
 
 class Ageing:
@@ -36,21 +39,23 @@ class Ageing:
         and where it comes down to that the contact breaks: so the exact closure never sees what lies below 0. Only a
         histogram of thresholds that is not depleted there does, such as the paper's; it takes the cut law and a wall
         at 0, and differs by the weight below 0, ndtr(-mean/std) in the end.
-        None for any other law: origins.diffusion.Diffusion(final, edges) moves the weights of its thresholds.
+        None for any other law: origins.laws.diffusion.Diffusion(final, edges) tells how the weights of its
+        thresholds move.
 
     Raises InputError for a rate that is negative or not finite, and for a P_cf that holds single values or has gaps:
     its Ũ would be infinite; for closure "exact" also for one that jumps inside its support. Where P_cf ends at a
     positive density, thresholds are reflected.
     """
 
-    def __init__(self, final: object, rate: float, closure: Literal["exact", "paper"] = "exact") -> None:
+    def __init__(
+        self, final: object, rate: float, closure: Literal["exact", "paper"] = "exact"
+    ) -> None:
         self.final: Thresholds = as_thresholds(final, "final")
         self.rate = non_negative("rate", rate)
         if self.rate > _FASTEST:
             refuse("rate", rate, f"must be at most {_FASTEST:g}; choose another unit")
         self.closure = closure
-        if closure not in ("exact", "paper"):
-            refuse("closure", closure, 'must be "exact" or "paper"')
+        one_of("closure", closure, ("exact", "paper"))
         self._check_potential()
         self.normal: OrnsteinUhlenbeck | None = None
         if isinstance(self.final, CutGaussian):
@@ -62,40 +67,72 @@ class Ageing:
         low, high = self.final.support()
         beyond = float(fresh.cdf(low)) + float(fresh.sf(high))
         if beyond > _ROUND_OFF:
-            raise InputError(
-                f"ageing: a weight of {beyond:.3g} of the fresh thresholds lies outside the final law, {low:g} to "
-                f"{high:g}, where its potential is infinite; use a final law that covers them"
-            )
+            where = f"{low:g} to {high:g}, where its potential is infinite"
+            told = f"a weight of {beyond:.3g} of the fresh thresholds lies outside the final law"
+            raise InputError(f"ageing: {told}, {where}; use a final law that covers them")
 
     def _check_potential(self) -> None:
-        atoms = self.final.atoms[0]
+        """InputError where Ũ = -ln P_cf is infinite inside the support, or for the exact closure jumps."""
+        atoms, corners = self.final.atoms[0], self.final.breakpoints
         if atoms.size:
-            raise InputError(
-                f"final: holds the single value {atoms[0]:g}: thresholds cannot diffuse to it; use a law with a "
-                f"density, such as gaussian with mean = {atoms[0]:g}, std = {0.01 * atoms[0]:g}"
-            )
-        corners = self.final.breakpoints
-        low, high = self.final.support()
+            such = f"gaussian with mean = {atoms[0]:g}, std = {0.01 * atoms[0]:g}"
+            rule = f"thresholds cannot diffuse to it; use a law with a density, such as {such}"
+            raise InputError(f"final: holds the single value {atoms[0]:g}: {rule}")
         middle = 0.5 * (corners[:-1] + corners[1:])
-        gap = np.flatnonzero(self.final.logpdf(middle) == -np.inf) if middle.size else middle
-        if gap.size:
-            low, high = corners[int(gap[0])], corners[int(gap[0]) + 1]
-            raise InputError(
-                f"final: has no weight between {low:g} and {high:g}: thresholds cannot diffuse across; use a law "
-                "without gaps"
-            )
-        self._check_jumps(corners[(corners > low) & (corners < high)])
-
-    def _check_jumps(self, corners: Array) -> None:
-        if self.closure != "exact" or not corners.size:
+        for i in np.flatnonzero(self.final.logpdf(middle) == -np.inf):
+            rule = "thresholds cannot diffuse across; use a law without gaps"
+            told = f"has no weight between {corners[i]:g} and {corners[i + 1]:g}"
+            raise InputError(f"final: {told}: {rule}")
+        if self.closure != "exact":
             return
-        near = _NEAR * np.spacing(corners)
-        around = corners + near * np.array([[-2.0], [-1.0], [1.0], [2.0]])
+        low, high = self.final.support()
+        corners = corners[(corners > low) & (corners < high)]
+        around = corners + _NEAR * np.spacing(corners) * np.array([[-2.0], [-1.0], [1.0], [2.0]])
         far_below, below, above, far_above = self.final.logpdf(around)
         beside = np.maximum(np.abs(below - far_below), np.abs(far_above - above))
-        jump = np.abs(above - below) > _JUMP + 10.0 * beside
-        if jump.any():
-            raise InputError(
-                f"final: the density jumps at {corners[jump][0]:g}: there the drift of a threshold is infinite for an "
-                'instant, which no solver follows yet; use a law without jumps inside, or closure = "paper"'
-            )
+        for corner in corners[np.abs(above - below) > _JUMP + 10.0 * beside]:
+            rule = "there the drift of a threshold is infinite for an instant, which no solver follows yet"
+            use = 'use a law without jumps inside, or closure = "paper"'
+            raise InputError(f"final: the density jumps at {corner:g}: {rule}; {use}")
+
+
+class OrnsteinUhlenbeck:
+    """dx = λ (mean - x) dt + std (2λ)^(1/2) dW: from x(0) = x0 the normal law of mean_after and std_after.
+
+    Parameters
+    ----------
+    mean, std : float
+        Of the normal law that is reached in the end, lengths.
+    rate : float
+        λ, per time.
+
+    Raises InputError unless mean is finite, std finite and above zero, rate finite and not negative. Methods take
+    arrays that broadcast: values x and x0 (lengths) and times >= 0.
+    """
+
+    def __init__(self, mean: float, std: float, rate: float) -> None:
+        self.mean, self.std, self.rate = (
+            finite("mean", mean),
+            positive("std", std),
+            non_negative("rate", rate),
+        )
+
+    def mean_after(self, x0: npt.ArrayLike, time: npt.ArrayLike) -> Array:
+        """mean + (x0 - mean) e^(-λt), a length."""
+        x0 = np.asarray(x0, dtype=float)
+        return x0 - (self.mean - x0) * np.expm1(-self.rate * _checked(time))
+
+    def std_after(self, time: npt.ArrayLike) -> Array:
+        """std (1 - e^(-2λt))^(1/2), a length."""
+        return self.std * np.sqrt(-np.expm1(-2.0 * self.rate * _checked(time)))
+
+    def draw(self, x0: npt.ArrayLike, time: npt.ArrayLike, normal: npt.ArrayLike) -> Array:
+        """Value after `time`, from standard normal draws; exact over any time."""
+        return self.mean_after(x0, time) + self.std_after(time) * np.asarray(normal, dtype=float)
+
+
+def _checked(time: npt.ArrayLike) -> Array:
+    times = np.asarray(time, dtype=float)
+    if not (times >= 0.0).all():
+        refuse("time", times[~(times >= 0.0)].flat[0], "must be zero or above")
+    return times

@@ -12,8 +12,8 @@ from origins.laws.rate_law import Array, RateLaw
 
 # ln(h/ω): above it no contact holds, and its exponential times ω is still a number
 _LARGEST = 50.0
-_LEAST_WAY = 1e-15  # of the stretch: shorter ways back than this cannot be told from none
-_STEPS = 2  # each squares the relative error of the way back, at first 1e-3 at most
+_POSITIVE = "must be finite and above zero"
+_HALVINGS = 60  # of the way from -x_s to x_s: down to the last bit of x_s
 
 
 class BreakingRate:
@@ -117,55 +117,19 @@ class BreakingRate:
         out = self.rates.reached(log_amount, np.maximum(begin, 0.0), limit, spring)
         back = np.flatnonzero(begin < 0.0)
         if back.size:
-            behind = log_amount[back], -begin[back], limit[back], spring[back]
+            behind = log_amount[back], begin[back], limit[back], spring[back]
             out[back] = self._from_behind(*behind)
         return out.reshape(shape)[()]
 
-    def _from_behind(
-        self, log_amount: Array, begin: Array, threshold: Array, stiffness: Array
-    ) -> Array:
-        """Where a contact that starts at -begin < 0 and moves forward has spent the amount.
-
-        On the way up to x = 0 the rate passes the stretches from `begin` down; where the amount
-        ends there, what remains of that way is an integral from 0 on, as beyond x = 0.
-        """
-        log_whole = self.rates.log_passed(0.0, begin, threshold, stiffness)
-        log_share = log_amount - log_whole
-        with np.errstate(divide="ignore", over="ignore"):
-            beyond = log_share > 0.0
-            log_rest = np.where(
-                beyond,
-                log_amount + np.log(-np.expm1(-np.maximum(log_share, 0.0))),
-                log_whole + np.log(-np.expm1(np.minimum(log_share, 0.0))),
-            )
-        x = self.rates.reached(log_rest, 0.0, threshold, stiffness)
-        # of a short way back the difference of two large integrals tells little
-        short = np.flatnonzero(log_share < np.log(0.5))
-        if short.size:
-            some = log_amount[short], begin[short], threshold[short], stiffness[short]
-            x[short] = self._way_back(x[short], *some)
-        return np.where(beyond, x, -np.minimum(x, begin))
-
-    def _way_back(
-        self, x: Array, log_amount: Array, begin: Array, threshold: Array, stiffness: Array
-    ) -> Array:
-        """The stretch x < begin from which the integral of h to `begin` is the amount.
-
-        From a guess, by Newton's method between the logarithms of that integral and of its way.
-        """
-        least = _LEAST_WAY * begin
-        way = np.maximum(begin - x, least)
-        for _ in range(_STEPS):
-            x = begin - way
-            way = begin - x  # exactly, as x is rounded
-            log_passed = self.rates.log_passed(x, begin, threshold, stiffness)
-            log_rate = self.rates.log_rate(x, threshold, stiffness)
-            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-                slope = np.exp(log_rate + np.log(way) - log_passed)
-                better = way * np.exp((log_amount - log_passed) / slope)
-            # where the integral hardly grows any more the guess is as good
-            way = np.where(np.isfinite(better), np.clip(better, least, begin), way)
-        return np.where(np.isneginf(log_amount), begin, begin - way)
+    def _from_behind(self, log_amount: Array, begin: Array, limit: Array, spring: Array) -> Array:
+        """Stretch at which contacts that move forward from begin < 0 have spent the amount, by halving."""
+        low, high = begin, limit
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            short = self._log_between(middle, begin, limit, spring) < log_amount
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        never = self._log_between(limit, begin, limit, spring) < log_amount
+        return np.where(never, limit, low)
 
 
 def _prepare(
@@ -179,19 +143,16 @@ def _prepare(
         told = f"{', '.join(named)}: must be numbers or arrays whose shapes fit: {error}"
         raise InputError(told) from error
     flat = dict(zip(named, (array.ravel() for array in arrays), strict=True))
-    for name in ("threshold", "stiffness"):
-        good = (flat[name] > 0.0) & np.isfinite(flat[name])
-        _check(name, flat[name], good, "must be finite and above zero")
+    rules = {
+        "threshold": ((flat["threshold"] > 0.0) & np.isfinite(flat["threshold"]), _POSITIVE),
+        "stiffness": ((flat["stiffness"] > 0.0) & np.isfinite(flat["stiffness"]), _POSITIVE),
+    }
     for name in more:
+        rule = f"a contact holds only where |{name}| is at most its threshold"
+        rules[name] = np.abs(flat[name]) <= flat["threshold"], rule
         if name == "amount":
-            _check(name, flat[name], flat[name] >= 0.0, "must be zero or above")
-        else:
-            rule = f"a contact holds only where |{name}| is at most its threshold"
-            _check(name, flat[name], np.abs(flat[name]) <= flat["threshold"], rule)
+            rules[name] = flat[name] >= 0.0, "must be zero or above"
+    for name, (good, rule) in rules.items():
+        if not good.all():
+            refuse(name, flat[name][~good][0], rule)
     return arrays[0].shape, list(flat.values())
-
-
-def _check(name: str, values: Array, good: npt.NDArray[np.bool_], rule: str) -> None:
-    """Raise InputError with the first value that is not good."""
-    if not good.all():
-        refuse(name, values[~good][0], rule)

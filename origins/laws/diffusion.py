@@ -2,16 +2,14 @@
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import exprel, gammaln
+from scipy.special import exprel
 
-from origins.errors import InputError, finite_array, non_negative, refuse
+from origins.errors import InputError, finite_array, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
 
 _BEYOND = 1e-12
 _FAINT = 1e-200
-_MOST_STEPS = 10_000_000
-_MARGIN = 1.01  # keeps each step positive whatever is rounded
 
 
 class Diffusion:
@@ -20,7 +18,8 @@ class Diffusion:
     The weights of P in n cells obey a master equation of hops between neighbours (Scharfetter and Gummel, IEEE Trans.
     Electron Devices 16, 64, 1969): up[i] from cell i to i + 1, down[i] back, both per unit of D. Their ratio is that
     of the densities of P_cf, averaged over the cells, so the weights of P_cf are at rest at any resolution. Errors
-    fall as the square of the cell width. In time nothing is approximated.
+    fall as the square of the cell width. What weights become in time is for a propagator to say,
+    such as scipy.linalg.expm or master/paper/q15_step.py.
 
     Parameters
     ----------
@@ -43,7 +42,11 @@ class Diffusion:
     def __init__(self, final: Thresholds, edges: npt.ArrayLike) -> None:
         self.edges = finite_array("edges", edges)
         if self.edges.size < 3 or not (np.diff(self.edges) > 0.0).all():
-            refuse("edges", self.edges, "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)")
+            refuse(
+                "edges",
+                self.edges,
+                "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)",
+            )
         self._check_walls("final", final)
         log_weights = _log_weights(final, self.edges)
         empty = np.flatnonzero(~np.isfinite(log_weights))
@@ -68,34 +71,6 @@ class Diffusion:
         out[-1] += float(law.sf(self.edges[-1]))
         return out
 
-    def evolve(self, weights: npt.ArrayLike, amount: float) -> Array:
-        """Weights after a time t from those at first, shapes (n,) or (n, m) for m laws; amount = D t, length squared.
-
-        The exponential of the master equation as a Poisson mean over numbers of hops, a sum of positive terms. Costs
-        about amount * (largest rate of hops) steps of O(n m); InputError where those exceed 10^7.
-        """
-        p = np.array(weights, dtype=float)
-        if p.ndim not in (1, 2) or p.shape[0] != self.stationary.size or not ((p >= 0.0) & np.isfinite(p)).all():
-            refuse("weights", p, f"must be zero or above and finite, {self.stationary.size} in the first dimension")
-        leaving = np.zeros(p.shape[0])
-        leaving[:-1] += self.up
-        leaving[1:] += self.down
-        hops = _MARGIN * float(leaving.max())
-        mean = hops * non_negative("amount", amount)
-        if not mean < _MOST_STEPS:
-            refuse("amount", amount, f"takes {mean:.1e} steps on these edges; use fewer cells or a shorter time")
-        first, shares = _poisson(mean)
-        column = (-1,) + (1,) * (p.ndim - 1)
-        up, down = (self.up / hops).reshape(column), (self.down / hops).reshape(column)
-        out = np.zeros_like(p)
-        for k in range(first + shares.size):
-            if k >= first:
-                out += shares[k - first] * p
-            flow = up * p[:-1] - down * p[1:]
-            p[:-1] -= flow
-            p[1:] += flow
-        return out
-
     def _check_walls(self, name: str, law: Thresholds) -> None:
         low, high = float(self.edges[0]), float(self.edges[-1])
         beyond = float(law.cdf(low)) + float(law.sf(high))
@@ -103,16 +78,6 @@ class Diffusion:
             raise InputError(
                 f"{name}: has a weight of {beyond:.3g} beyond the outermost edges, {low:g} and {high:g}; widen them"
             )
-
-
-def _poisson(mean: float) -> tuple[int, Array]:
-    """The first number and the probabilities of the numbers that matter of a Poisson law; they add up to 1."""
-    if mean == 0.0:
-        return 0, np.ones(1)
-    reach = 9.0 * np.sqrt(mean)
-    numbers = np.arange(max(int(mean - reach), 0), int(mean + reach + 40.0))
-    shares = np.exp(numbers * np.log(mean) - gammaln(numbers + 1.0) - mean)
-    return int(numbers[0]), shares / shares.sum()
 
 
 def _weights(law: Thresholds, edges: Array) -> Array:

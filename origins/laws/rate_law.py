@@ -11,7 +11,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Numbers = float | Array
 
-# logarithm of h/v times a length: its exponential is still a number, and no contact holds there
+# logarithm of the integral of h/v: its exponential is still a number, and no contact holds there
 LARGEST_EXPONENT = 650.0
 
 
@@ -91,20 +91,3 @@ class RateLaw(Protocol):
     def rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
         """h, per time; 0 where it underflows."""
         return np.exp(self.log_rate(x, threshold, stiffness))
-
-    def rate_and_passed(
-        self, x: Numbers, threshold: Numbers, stiffness: Numbers, velocity: Numbers
-    ) -> tuple[Array, Array]:
-        """h/v (per length) at x, and its integral from 0 to x (no unit): for sums over contacts.
-
-        x of either sign, the integral having the sign of x. `velocity` is v > 0, length per time.
-        Not in logarithms: both underflow to 0. To 1e-12 relative where they neither underflow
-        nor exceed e^LARGEST_EXPONENT, where they may stop growing.
-        """
-        far, log_velocity = np.abs(x), np.log(velocity)
-        rate = self.log_rate(far, threshold, stiffness) - log_velocity
-        passed = self.log_passed(0.0, far, threshold, stiffness) - log_velocity
-        return (
-            np.exp(np.minimum(rate, LARGEST_EXPONENT)),
-            np.sign(x) * np.exp(np.minimum(passed, LARGEST_EXPONENT)),
-        )

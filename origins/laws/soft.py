@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,7 @@ from scipy.special import dawsn
 from origins.errors import TEMPERATURE, positive
 from origins.laws.compiled import CompiledRates
 from origins.laws.dawson import inverse_log_growth, log_growth
-from origins.laws.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
+from origins.laws.rate_law import Numbers, RateLaw
 from origins.thresholds.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
 
 Array = npt.NDArray[np.float64]
@@ -39,7 +39,7 @@ class SoftRates(RateLaw):
 
     temperature: float
     attempt_frequency: float = 1.0
-    name: ClassVar[str] = "soft"
+    name: ClassVar[Literal["soft"]] = "soft"
     vanishes_at_threshold: ClassVar[bool] = False
     separable: ClassVar[bool] = True
 
@@ -57,16 +57,6 @@ class SoftRates(RateLaw):
         x, threshold = np.asarray(x), np.asarray(threshold)
         barrier = self._spring(stiffness) * (threshold - x) * (threshold + x)
         return np.log(self.attempt_frequency) - barrier
-
-    def rate_and_passed(
-        self, x: Numbers, threshold: Numbers, stiffness: Numbers, velocity: Numbers
-    ) -> tuple[Array, Array]:
-        """h/v, and its integral from 0 to x of either sign; both underflow to 0."""
-        spring = self._spring(stiffness)
-        root, log_scale = np.sqrt(spring), np.log(self.attempt_frequency) - np.log(velocity)
-        exponent = log_scale - spring * (threshold - x) * (threshold + x)
-        rate = np.exp(np.minimum(exponent, LARGEST_EXPONENT))
-        return rate, rate * (dawsn(root * x) / root)
 
     def log_passed(
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers

@@ -6,7 +6,7 @@ Paper, Eqs. temper9 and temper10.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,8 @@ from scipy.special import exprel
 
 from origins.errors import TEMPERATURE, positive
 from origins.laws.compiled import CompiledRates
-from origins.laws.rate_law import LARGEST_EXPONENT, Numbers, RateLaw
+from origins.laws.rate_law import Numbers, RateLaw
+from origins.laws.stiff_barrier import fall, remaining, stretch
 
 Array = npt.NDArray[np.float64]
 
@@ -38,7 +39,7 @@ class StiffRates(RateLaw):
 
     temperature: float
     attempt_frequency: float = 1.0
-    name: ClassVar[str] = "stiff"
+    name: ClassVar[Literal["stiff"]] = "stiff"
     vanishes_at_threshold: ClassVar[bool] = True
     separable: ClassVar[bool] = False
 
@@ -59,29 +60,15 @@ class StiffRates(RateLaw):
         with np.errstate(divide="ignore", over="ignore"):
             return np.log(self.attempt_frequency) + (0.5 * np.log(s) - barrier)
 
-    def rate_and_passed(
-        self, x: Numbers, threshold: Numbers, stiffness: Numbers, velocity: Numbers
-    ) -> tuple[Array, Array]:
-        """h/v, and its integral from 0 to x of either sign; both underflow to 0."""
-        threshold = np.asarray(threshold)
-        log_scale = np.log(self.attempt_frequency) - np.log(velocity)
-        far = np.abs(x)
-        share, s = far / threshold, np.maximum(threshold - far, 0.0) / threshold
-        root, c = np.sqrt(s), self._spring(stiffness) * threshold * threshold
-        whole = np.exp(np.minimum(log_scale - c * (s * root), LARGEST_EXPONENT))
-        # 1 - s^(3/2), without cancellation
-        fall = share * (1.0 + root + s) / (1.0 + root)
-        return root * whole, np.sign(x) * (threshold / (-1.5 * c) * np.expm1(-c * fall) * whole)
-
     def log_passed(
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
         """ln of the integral of h from near to far; -inf where they are one."""
         near, far, threshold = np.asarray(near), np.asarray(far), np.asarray(threshold)
-        c, fall = self._spring(stiffness) * threshold * threshold, _fall(near, far, threshold)
+        c, lost = self._spring(stiffness) * threshold * threshold, fall(near, far, threshold)
         with np.errstate(divide="ignore", over="ignore"):
-            log_length = np.log(2.0 / 3.0 * threshold * fall * exprel(-c * fall))
-        return np.log(self.attempt_frequency) + (log_length - c * _u(far, threshold))
+            log_length = np.log(2.0 / 3.0 * threshold * lost * exprel(-c * lost))
+        return np.log(self.attempt_frequency) + (log_length - c * remaining(far, threshold))
 
     def reached(
         self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
@@ -90,17 +77,13 @@ class StiffRates(RateLaw):
         near, threshold = np.asarray(near), np.asarray(threshold)
         c = self._spring(stiffness) * threshold * threshold
         log_part = log_amount - np.log(self.attempt_frequency) + np.log(1.5 * c / threshold)
-        if not np.any(near):
-            more = np.log1p(np.exp(-np.abs(log_part + c)))
-            left, gone = -np.maximum(log_part, -c) - more, np.maximum(log_part + c, 0.0) + more
-            return np.clip(
-                _stretch(np.maximum(left, 0.0) / c, gone / c, threshold), near, threshold
-            )
-        start = c * _u(near, threshold)
-        gone = np.logaddexp(0.0, log_part + start)
-        left = np.where(log_part + start > 0.0, -np.logaddexp(log_part, -start), start - gone)
-        gone = _fall(np.zeros_like(near), near, threshold) + gone / c
-        return np.clip(_stretch(np.maximum(left, 0.0) / c, gone, threshold), near, threshold)
+        start = c * remaining(near, threshold)
+        level = log_part + start
+        # c u at the end is -ln(e^part + e^-start), and by so much less than at `near`
+        more = np.log1p(np.exp(-np.abs(level)))
+        left = np.maximum(np.minimum(-log_part, start) - more, 0.0) / c
+        gone = fall(0.0, near, threshold) + (np.maximum(level, 0.0) + more) / c
+        return np.clip(stretch(left, gone, threshold), near, threshold)
 
     def compiled(self) -> CompiledRates:
         """The same for compiled loops."""
@@ -111,22 +94,3 @@ class StiffRates(RateLaw):
     def _spring(self, stiffness: Numbers) -> Array:
         """k_i/2k_BT, per length squared."""
         return np.asarray(stiffness) / (2.0 * self.temperature)
-
-
-def _u(x: Array, threshold: Array) -> Array:
-    """u = (1 - x/x_s)^(3/2)."""
-    s = (threshold - x) / threshold
-    return s * np.sqrt(s)
-
-
-def _fall(near: Array, far: Array, threshold: Array) -> Array:
-    """u(near) - u(far), without cancellation."""
-    first, last = np.sqrt((threshold - near) / threshold), np.sqrt((threshold - far) / threshold)
-    part = (far - near) / threshold * (first * first + first * last + last * last)
-    return np.divide(part, first + last, out=np.zeros(np.shape(part)), where=first > 0.0)
-
-
-def _stretch(u: Array, gone: Array, threshold: Array) -> Array:
-    """x from u and from gone = 1 - u, whichever is the smaller."""
-    near_zero = -np.expm1(2.0 / 3.0 * np.log1p(-np.minimum(gone, 0.75)))
-    return threshold * np.where(u < 0.5, 1.0 - np.square(np.cbrt(u)), near_zero)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origins.laws.compiled import CompiledRates, inlined
+from origins.laws.stiff_barrier import fall, remaining, stretch
 
 
 class StiffLaw(NamedTuple):
@@ -21,44 +22,25 @@ def stiff_compiled(temperature: float, omega: float) -> CompiledRates:
     return CompiledRates(law, _rate, _passed, _reached, _most)
 
 
-@inlined
-def _fall(near, far, threshold):  # type: ignore[no-untyped-def]
-    """(1 - near/threshold)^(3/2) - (1 - far/threshold)^(3/2), without cancellation."""
-    first, last = (
-        np.sqrt((threshold - near) / threshold),
-        np.sqrt(max((threshold - far) / threshold, 0.0)),
-    )
-    if first == 0.0:
-        return 0.0
-    return (far - near) / threshold * (first * first + first * last + last * last) / (first + last)
-
-
-@inlined
-def _stretch(u, gone, threshold):  # type: ignore[no-untyped-def]
-    """x from u = (1 - x/threshold)^(3/2) and from gone = 1 - u, whichever is the smaller."""
-    if u < 0.5:
-        return threshold * (1.0 - np.cbrt(u * u))
-    return threshold * -np.expm1(2.0 / 3.0 * np.log1p(-gone))
+_remaining, _fall, _stretch = inlined(remaining), inlined(fall), inlined(stretch)
 
 
 def _rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-    s = max((threshold - x) / threshold, 0.0)
-    barrier = law.spring * stiffness * threshold * threshold * s * np.sqrt(s)
-    return law.omega * np.sqrt(s) * np.exp(-barrier)
+    c, s = law.spring * stiffness * threshold * threshold, max((threshold - x) / threshold, 0.0)
+    return law.omega * np.sqrt(s) * np.exp(-c * s * np.sqrt(s))
 
 
 def _passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
     if far <= near:
         return 0.0
-    c, fall = law.spring * stiffness * threshold * threshold, _fall(near, far, threshold)
-    s = max((threshold - far) / threshold, 0.0)
-    lost = -np.expm1(-c * fall) / c if c * fall > 1e-300 else fall
-    return law.omega * 2.0 / 3.0 * threshold * lost * np.exp(-c * s * np.sqrt(s))
+    c, gone = law.spring * stiffness * threshold * threshold, _fall(near, far, threshold)
+    lost = -np.expm1(-c * gone) / c if c * gone > 1e-300 else gone
+    return law.omega * 2.0 / 3.0 * threshold * lost * np.exp(-c * _remaining(far, threshold))
 
 
 def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-    c, s = law.spring * stiffness * threshold * threshold, (threshold - near) / threshold
-    start, part = c * s * np.sqrt(s), log_amount + law.log_share + np.log(threshold * stiffness)
+    c, part = law.spring * stiffness * threshold * threshold, log_amount + law.log_share
+    start, part = c * _remaining(near, threshold), part + np.log(threshold * stiffness)
     # c u at the end is -ln(e^part + e^-start), and by so much less than at `near`
     more = np.log1p(np.exp(-abs(part + start)))
     left, gone = start - more, more

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from origins.errors import InputError, positive, refuse
+from origins.errors import InputError, one_of, positive, refuse
 from origins.laws import RATE_LAWS, SoftRates, StiffRates
 from origins.laws.breaking_rate import BreakingRate
 from origins.laws.rate_law import RateLaw
@@ -49,11 +49,8 @@ class Thermal(BreakingRate):
     closure: Literal["exact", "paper"] = "exact"
 
     def __post_init__(self) -> None:
-        if not isinstance(self.law, str) or self.law not in RATE_LAWS:
-            names = " or ".join(f'"{name}"' for name in RATE_LAWS)
-            refuse("law", self.law, f"must be {names}")
-        if self.closure not in ("exact", "paper"):
-            refuse("closure", self.closure, 'must be "exact" or "paper"')
+        one_of("law", self.law, tuple(RATE_LAWS))
+        one_of("closure", self.closure, ("exact", "paper"))
         rates = RATE_LAWS[self.law](self.temperature, self.attempt_frequency)
         object.__setattr__(self, "rates", rates)
 
@@ -79,9 +76,8 @@ class GivenRates(BreakingRate):
 
     def __post_init__(self) -> None:
         if not isinstance(self.rates.name, str) or not self.rates.name:
-            refuse(
-                "thermal.name", self.rates.name, 'must be what the law is called, such as "linear"'
-            )
+            rule = 'must be what the law is called, such as "linear"'
+            refuse("thermal.name", self.rates.name, rule)
         positive("thermal.scale", self.rates.scale, "the attempt frequency, per time")
 
     @property
@@ -110,14 +106,9 @@ def as_thermal(law: object) -> Thermal | GivenRates | None:
     """
     if law is None or isinstance(law, Thermal | GivenRates):
         return law
-    if isinstance(law, SoftRates | StiffRates):
-        for name, known in RATE_LAWS.items():
-            if type(law) is known:
-                return Thermal(name, law.temperature, law.attempt_frequency)
+    if isinstance(law, SoftRates | StiffRates) and type(law) in RATE_LAWS.values():
+        return Thermal(law.name, law.temperature, law.attempt_frequency)
     if isinstance(law, RateLaw) and not isinstance(law, type):
         return GivenRates(law)
-    refuse(
-        "thermal",
-        law,
-        'must be an origins.Thermal, such as Thermal("soft", temperature=0.1), or a RateLaw',
-    )
+    such = 'Thermal("soft", temperature=0.1), or a RateLaw'
+    refuse("thermal", law, f"must be an origins.Thermal, such as {such}")

@@ -21,8 +21,8 @@ from origins.roughness.summits import (
     log_sum,
     log_touching_integral,
 )
+from origins.thresholds.families import Weibull
 from origins.thresholds.law import Thresholds
-from origins.thresholds.weibull import Weibull
 
 _DEEPEST = 1e8  # of sigma_h: summits cover the surface long before
 REGIMES = ("elastic", "plastic", "mixed")

@@ -6,8 +6,8 @@ from origins.errors import refuse
 from origins.roughness.material import Material
 from origins.roughness.power_law import PowerLaw
 from origins.roughness.spectral_moments import SpectralMoments
+from origins.thresholds.families import persson
 from origins.thresholds.law import Thresholds
-from origins.thresholds.persson import persson
 from origins.thresholds.powered import Powered
 
 _FURTHEST = 1e12  # pressure over width; a root of it is the furthest that persson() takes

@@ -7,9 +7,9 @@ compressed by t.
 import numpy as np
 
 from origins.roughness.power_law import Bend
-from origins.thresholds.bent import Bent
+from origins.thresholds.families import Weibull
 from origins.thresholds.gaussian import gaussian
-from origins.thresholds.weibull import Weibull
+from origins.thresholds.powered import Bent
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(200)
 _FALL = 60.0  # the integrand is left where the density has fallen by e^-60

@@ -1,7 +1,8 @@
 """Laws averaged over a continuous parameter, such as the orientation of grains: a mixture at a quadrature's nodes."""
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import cast
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -54,32 +55,81 @@ def continuous_mixture(
     exact values or jumps that move with phi: the average has none, while any finite mixture keeps one for each law,
     and a K* of its own with it.
     """
-    lower, upper, accuracy = finite("lower", lower), finite("upper", upper), positive("accuracy", accuracy)
+    lower, upper, accuracy = (
+        finite("lower", lower),
+        finite("upper", upper),
+        positive("accuracy", accuracy),
+    )
     if not upper > lower:
         refuse("upper", upper, f"must be above lower = {lower:g}")
     if not callable(law):
-        refuse("law", law, "must be a function of phi, such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))")
+        refuse(
+            "law",
+            law,
+            "must be a function of phi, such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))",
+        )
     if density is not None and not callable(density):
         refuse("density", density, "must be a function of phi")
     # never at an end of an interval, where sums would agree however rough the law is in between
     places = lower + (upper - lower) * ((np.arange(_PILOTS) + 0.5) * _GOLDEN % 1.0)
-    nodes = _Nodes(law, density, places)
-    missed = {(lower, upper): nodes.missed(lower, upper)}
-    while (error := sum(missed.values()) / nodes.whole(missed)) > accuracy:
-        if NODES * (len(missed) + 1) > _MOST:
-            refuse("accuracy", accuracy, f"{_MOST} laws reach {error:.2g} only; ask for less, or smooth the law")
-        low, high = max(missed, key=lambda interval: missed[interval])
-        del missed[low, high]
+    pilots = [as_thresholds(law(float(phi))) for phi in places]
+    _check_moving(pilots)
+    x = np.unique([x for one in pilots for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
+    scale = max(one.mean() for one in pilots)
+
+    @cache
+    def part(low: float, high: float) -> _Part:
+        phis, weights = gauss(np.array(low), np.array(high))
+        laws = [as_thresholds(law(float(phi))) for phi in phis]
+        if density is not None:
+            weights = weights * [_height(density, float(phi)) for phi in phis]
+        rows = np.array([[1.0, one.mean() / scale, *one.sf(x)] for one in laws])
+        return _Part(laws, weights, weights @ rows)
+
+    @cache
+    def missed(low: float, high: float) -> float:
+        """By how much the sums of an interval differ from those of its halves, at most."""
         middle = 0.5 * (low + high)
-        missed[low, middle], missed[middle, high] = nodes.missed(low, middle), nodes.missed(middle, high)
-    chosen = [nodes.at(*interval) for interval in sorted(missed)]
-    shares = np.concatenate([weights for _, weights, _ in chosen])
-    laws = [one for some, _, _ in chosen for one in some]
+        halves = part(low, middle).sums + part(middle, high).sums
+        return float(np.abs(part(low, high).sums - halves).max())
+
+    intervals = [(lower, upper)]
+    while True:
+        whole = float(sum(part(*one).sums[0] for one in intervals))
+        if not whole > 0.0:
+            refuse("density", density, "is zero at all phi asked")
+        error = sum(missed(*one) for one in intervals) / whole
+        if error <= accuracy:
+            break
+        if NODES * (len(intervals) + 1) > _MOST:
+            rule = f"{_MOST} laws reach {error:.2g} only; ask for less, or smooth the law"
+            refuse("accuracy", accuracy, rule)
+        low, high = max(intervals, key=lambda one: missed(*one))
+        intervals.remove((low, high))
+        intervals += [(low, 0.5 * (low + high)), (0.5 * (low + high), high)]
+    parts = [part(*one) for one in sorted(intervals)]
+    shares = np.concatenate([one.weights for one in parts])
+    laws = [law for one in parts for law in one.laws]
     used = np.flatnonzero(shares)
     flat = cast(Mixture, mixture([laws[i] for i in used], shares[used] / shares.sum()))
     found = ContinuousMixture(flat.components, flat.weights, error)
     found.parts = flat.parts
     return found
+
+
+class _Part(NamedTuple):
+    """Laws at the nodes of an interval of phi, their weights, and their sums: weight, <x_s>, survivals."""
+
+    laws: list[Thresholds]
+    weights: Array
+    sums: Array
+
+
+def _height(density: Callable[[float], float], phi: float) -> float:
+    height = finite("density", density(phi))
+    if height < 0.0:
+        refuse("density", height, f"must not be below zero, as at phi = {phi:g}")
+    return height
 
 
 def _check_moving(laws: Sequence[Thresholds]) -> None:
@@ -102,7 +152,10 @@ def _hard_points(law: Thresholds) -> Array:
     points = law.breakpoints[law.breakpoints > 0.0]
     if points.size:
         beside = law.pdf(points[:, None] * (1.0 + np.array([-_BESIDE, _BESIDE])))
-        size = np.abs(np.diff(np.where(np.isfinite(beside), beside, np.inf), axis=1)[:, 0]) * law.mean()
+        size = (
+            np.abs(np.diff(np.where(np.isfinite(beside), beside, np.inf), axis=1)[:, 0])
+            * law.mean()
+        )
         points = points[~(size <= _JUMP)]
     return np.concatenate([points, law.atoms[0]])
 
@@ -110,49 +163,8 @@ def _hard_points(law: Thresholds) -> Array:
 class ContinuousMixture(Mixture):
     """The mixture at the nodes; quadrature_error as in continuous_mixture."""
 
-    def __init__(self, components: Sequence[Thresholds], weights: Array, quadrature_error: float) -> None:
+    def __init__(
+        self, components: Sequence[Thresholds], weights: Array, quadrature_error: float
+    ) -> None:
         super().__init__(components, weights)
         self.quadrature_error = quadrature_error
-
-
-class _Nodes:
-    """Laws at the nodes of intervals of phi, and the sums by which intervals are compared: weight, <x_s>, survivals."""
-
-    def __init__(
-        self, law: Callable[[float], object], density: Callable[[float], float] | None, pilots: Array
-    ) -> None:
-        self._law, self._density = law, density
-        few = [as_thresholds(law(float(phi))) for phi in pilots]
-        _check_moving(few)
-        self._x = np.unique([x for one in few for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
-        self._scale = max(one.mean() for one in few)
-        self._known: dict[tuple[float, float], tuple[list[Thresholds], Array, Array]] = {}
-
-    def at(self, low: float, high: float) -> tuple[list[Thresholds], Array, Array]:
-        """The laws at the nodes of an interval, their weights, and the sums."""
-        if (low, high) not in self._known:
-            places, weights = gauss(np.array(low), np.array(high))
-            laws = [as_thresholds(self._law(float(phi))) for phi in places]
-            weights = weights * [self._height(float(phi)) for phi in places]
-            rows = np.array([[1.0, one.mean() / self._scale, *one.sf(self._x)] for one in laws])
-            self._known[low, high] = laws, weights, weights @ rows
-        return self._known[low, high]
-
-    def missed(self, low: float, high: float) -> float:
-        """By how much the sums of an interval differ from those of its halves, at most."""
-        middle = 0.5 * (low + high)
-        halves = self.at(low, middle)[2] + self.at(middle, high)[2]
-        return float(np.abs(self.at(low, high)[2] - halves).max())
-
-    def whole(self, intervals: Iterable[tuple[float, float]]) -> float:
-        """The integral of R."""
-        total = float(sum(self.at(*interval)[2][0] for interval in intervals))
-        if not total > 0.0:
-            refuse("density", self._density, "is zero at all phi asked")
-        return total
-
-    def _height(self, phi: float) -> float:
-        height = 1.0 if self._density is None else finite("density", self._density(phi))
-        if height < 0.0:
-            refuse("density", height, f"must not be below zero, as at phi = {phi:g}")
-        return height

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
 
-from origins.errors import between, finite, positive, refuse
+from origins.errors import between, finite, one_of, positive, refuse
 from origins.thresholds.gaussian_chord import ChordGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
@@ -33,31 +33,21 @@ def gaussian(
     if abs(mean) > _LARGEST:
         refuse("mean", mean, f"must be at most {_LARGEST:g}; {_UNIT}")
     if std < _NARROWEST * mean:
-        refuse(
-            "std",
-            std,
-            f"is below 1e-15 of the mean: one value to round-off; take identical, value = {mean:g}",
-        )
+        rule = f"one value to round-off; take identical, value = {mean:g}"
+        refuse("std", std, f"is below 1e-15 of the mean: {rule}")
     if std < -_NARROWEST * mean:
-        refuse(
-            "mean",
-            mean,
-            f"lies more than 1e15 widths below 0, where nothing is left of the law; std = {std:g}",
-        )
+        rule = f"where nothing is left of the law; std = {std:g}"
+        refuse("mean", mean, f"lies more than 1e15 widths below 0, {rule}")
     if form == "cut":
         if upper is not None:
             refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')
         return (NormalAboveZero if mean > -_CLOSED * std else CutGaussian)(mean, std)
-    if form != "paper":
-        refuse("form", form, 'must be "cut" or "paper"')
+    one_of("form", form, ("cut", "paper"))
     if not mean > 0.0:
         refuse("mean", mean, 'form = "paper" needs 0 < mean < upper')
     if upper is None:
-        refuse(
-            "upper",
-            upper,
-            f'form = "paper" needs the end of its interval, such as upper = {3.0 * mean:g}',
-        )
+        such = f"such as upper = {3.0 * mean:g}"
+        refuse("upper", upper, f'form = "paper" needs the end of its interval, {such}')
     upper = positive("upper", upper)
     if not mean < upper:
         refuse("mean", mean, f'form = "paper" needs 0 < mean < upper = {upper:g}')
@@ -79,9 +69,8 @@ class CutGaussian(Thresholds):
         if self._z0 > 0.0:
             self._at_zero = 2.0 / float(erfcx(self._z0 / _ROOT_TWO)) / (_ROOT_TWO_PI * parent_std)
         else:
-            self._at_zero = np.exp(-0.5 * self._z0**2 - self._log_kept) / (
-                _ROOT_TWO_PI * parent_std
-            )
+            at_zero = np.exp(-0.5 * self._z0**2 - self._log_kept)
+            self._at_zero = at_zero / (_ROOT_TWO_PI * parent_std)
 
     def support(self) -> tuple[float, float]:
         return 0.0, np.inf
@@ -126,6 +115,8 @@ class NormalAboveZero(CutGaussian):
             x = self.parent_mean - self.parent_std * ndtri_exp(np.log1p(-q) + self._log_kept)
         else:
             x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * self._kept)
+        # close to 0 the density is what it is there, and the forms above round x away
+        x = np.where(q < 1e-6 * self._at_zero * self.parent_std, q / max(self._at_zero, 1e-300), x)
         return self._polish(x, q, self._cdf, -1.0)
 
     def _polish(self, x: Array, q: Array, function: Callable[[Array], Array], sign: float) -> Array:

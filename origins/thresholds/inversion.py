@@ -21,21 +21,16 @@ def invert_hazard(thresholds: Any, hazard: Array, left: Array, right: Array, gue
     gains too little. Where P_c has a gap the left end of the gap is taken, as scipy does.
     """
     origin, bends = thresholds.support()[0], np.sort(thresholds.breakpoints)
-    out = np.array(right, dtype=float)
-    goal, low, high = hazard, np.array(left, dtype=float), np.array(right, dtype=float)
-    place: npt.NDArray[np.intp] = np.flatnonzero(high > low)
-    goal, low, high = goal[place], low[place], high[place]
-    x = np.clip(guess[place], low, high)
-    outside = ~((x > low) & (x < high))
-    x[outside] = between(low, high)[outside]
+    out, place = np.array(right, dtype=float), np.arange(right.size)
+    goal, low, high = hazard, left, right
+    x = np.where((guess > low) & (guess < high), guess, between(low, high))
     for step in range(_STEPS):
+        # where nothing lies between the two ends, the upper one is the first that reaches the goal
         inside = (x > low) & (x < high)
-        if not inside.all():
-            # nothing lies between the two ends any more: the upper one is the first that reaches the goal
-            out[place[~inside]] = high[~inside]
-            place, goal, low, high, x = place[inside], goal[inside], low[inside], high[inside], x[inside]
+        out[place[~inside]] = high[~inside]
+        place, (goal, low, high, x) = place[inside], (part[inside] for part in (goal, low, high, x))
         if not place.size:
-            break
+            return out
         log_survival = thresholds._logsf(x)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             miss = np.log(-log_survival / goal)
@@ -46,14 +41,16 @@ def invert_hazard(thresholds: Any, hazard: Array, left: Array, right: Array, gue
         distance, gap = np.abs(newton - x), np.abs(miss)
         # the slope on one side of a bend tells nothing of the other
         across = np.searchsorted(bends, x) != np.searchsorted(bends, newton)
-        settled = (gap < _MISS) & (distance < _STEP * x) & ~across | (gap < 1e-3) & (distance <= _LAST_BIT * x)
+        settled = (gap < _MISS) & (distance < _STEP * x) & ~across
+        settled |= (gap < 1e-3) & (distance <= _LAST_BIT * x)
         out[place[settled]] = np.clip(newton, low, high)[settled]
         bad = ~((newton > low) & (newton < high)) | (step % 4 == 3) & (step > 8)
         x = np.where(bad, between(low, high), newton)
-        rest = ~settled
-        place, goal, low, high, x = place[rest], goal[rest], low[rest], high[rest], x[rest]
-    else:
-        out[place] = x
+        place, (goal, low, high, x) = (
+            place[~settled],
+            (part[~settled] for part in (goal, low, high, x)),
+        )
+    out[place] = x
     return out
 
 

@@ -35,7 +35,7 @@ class Thresholds:
       (finite where the survival underflows), `_ppf` and `_isf` (1e-12 in x, or 1e-10 in the probability), `_moment`
       and `_variance` (1e-10). A family with atoms states `_cdf` and `_sf`.
 
-    InputError, with the family's name, where its survival leaves [0, 1].
+    InputError, with the family's name, where its survival leaves [0, 1]: told when it is first asked, and by Contacts.
 
     Attributes
     ----------
@@ -62,6 +62,7 @@ class Thresholds:
     knows_breakpoints: bool = True
     # weight of an atom at the lower end of a support that reaches further
     _lowest_atom: float = 0.0
+    _survival_checked = False
 
     # -- what a family states: x lies inside the support ------------------------------------------------
     def _log_weight(self, x: Array) -> Array:
@@ -164,7 +165,19 @@ class Thresholds:
 
     def sf(self, x: npt.ArrayLike) -> Array:
         """Survival: probability that a threshold exceeds x."""
-        return self._inside(self._checked_sf, x, 1.0, 1.0 - self._lowest_atom, 0.0)
+        survival = self._inside(self._sf, x, 1.0, 1.0 - self._lowest_atom, 0.0)
+        if not self._survival_checked:
+            self.check_survival(x, survival)
+            self._survival_checked = True
+        return survival
+
+    def check_survival(self, x: npt.ArrayLike, survival: Array) -> None:
+        """InputError, with the family's name, where `survival` at the lengths x leaves [0, 1]."""
+        bad = (survival < -_ROUNDING) | (survival > 1.0 + _ROUNDING)
+        if np.any(bad):
+            at, value = np.asarray(x)[bad].flat[0], survival[bad].flat[0]
+            told = f"its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf"
+            raise InputError(f"{type(self).__name__}: {told}")
 
     def logsf(self, x: npt.ArrayLike) -> Array:
         """log of the survival, finite where it underflows."""
@@ -204,16 +217,6 @@ class Thresholds:
         return self.isf(1.0 - generator.random(size))
 
     # -- shared machinery -------------------------------------------------------------------------------
-    def _checked_sf(self, x: Array) -> Array:
-        survival = self._sf(x)
-        if survival.size and (survival.max() > 1.0 + _ROUNDING or survival.min() < -_ROUNDING):
-            bad = ~((survival >= -_ROUNDING) & (survival <= 1.0 + _ROUNDING))
-            name, at, value = type(self).__name__, x[bad].flat[0], survival[bad].flat[0]
-            raise InputError(
-                f"{name}: its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf"
-            )
-        return survival
-
     def _near_one(self, x: Array, log_survival: Array) -> Array:
         """log_survival, and where that is near 0 the digits that the cdf has."""
         near = log_survival > -0.5
@@ -231,13 +234,12 @@ class Thresholds:
     ) -> Array:
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
-        within = (x > lower) & (x < upper)
-        if x.ndim and x.size and within.all():
+        if x.ndim and x.size and x.min() > lower and x.max() < upper:
             return inner(x)
         # a NaN compares false everywhere and stays what it is
-        out = np.where(
-            x >= upper, above, np.where(x < lower, below, np.where(x == lower, at_lower, x))
-        )
+        out = np.where(x >= upper, above, np.where(x < lower, below, x))
+        out[x == lower] = at_lower if lower < upper else above
+        within = (x > lower) & (x < upper)
         if within.any():
             out[within] = inner(x[within])
         return out[()]
@@ -245,10 +247,10 @@ class Thresholds:
     def _density(self, inner: Callable[[Array], Array], x: npt.ArrayLike, outside: float) -> Array:
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
-        within = (x >= lower) & (x <= upper) & np.isfinite(x)
-        if x.ndim and x.size and within.all():
+        if x.ndim and x.size and x.min() >= lower and x.max() <= upper and x.max() < np.inf:
             return inner(x)
         out = np.where(np.isnan(x), x, outside)
+        within = (x >= lower) & (x <= upper) & np.isfinite(x)
         if within.any():
             out[within] = inner(x[within])
         return out[()]

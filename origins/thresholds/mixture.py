@@ -14,11 +14,6 @@ from origins.thresholds.law import Array, RandomState, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
 _ROUNDING = 16.0 * np.finfo(float).eps  # of a hazard that is met to its last bits
-_MOST = 300  # quantiles in the table that starts an inversion
-# probabilities at which the components' quantiles are taken, in both tails
-_TABLE: Array = 10.0 ** -np.concatenate(
-    [np.arange(0.05, 1.0, 0.15), np.arange(1.0, 16.0, 1.5), np.arange(16.0, 301.0, 24.0)]
-)
 
 
 def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
@@ -28,41 +23,27 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
     weights : one number above zero per component, together 1 to within 1e-12.
     Raises InputError otherwise.
     """
-    if (
-        isinstance(components, Thresholds)
-        or not isinstance(components, Sequence)
-        or len(components) == 0
-    ):
-        refuse(
-            "components",
-            components,
-            "must be a list of thresholds, such as [identical(0.9), identical(1.1)]",
-        )
+    if isinstance(components, Thresholds) or not isinstance(components, Sequence) or not components:
+        such = "such as [identical(0.9), identical(1.1)]"
+        refuse("components", components, f"must be a list of thresholds, {such}")
     shares = finite_array("weights", weights)
     if shares.size != len(components):
-        refuse(
-            "weights", weights, f"must hold one weight for each of the {len(components)} components"
-        )
+        rule = f"must hold one weight for each of the {len(components)} components"
+        refuse("weights", weights, rule)
     for i, share in enumerate(shares):
         positive(f"weights[{i}]", share)
-    if abs(float(shares.sum()) - 1.0) > 1e-12:
-        refuse(
-            "weights",
-            weights,
-            f"must add up to 1, not {float(shares.sum()):.15g}; divide each by their sum",
-        )
+    if abs((whole := float(shares.sum())) - 1.0) > 1e-12:
+        refuse("weights", weights, f"must add up to 1, not {whole:.15g}; divide each by their sum")
+    # mixtures are taken apart, so that none lies within another
     laws: list[Thresholds] = []
     inner: list[float] = []
     parts: list[tuple[float, Thresholds]] = []
-    for component, share in zip(components, shares / shares.sum(), strict=True):
+    for component, share in zip(components, shares / whole, strict=True):
         law = as_thresholds(component)
-        laws += law.components if isinstance(law, Mixture) else [law]
-        inner += list(share * law.weights) if isinstance(law, Mixture) else [share]
-        parts += (
-            [(share * one, part) for one, part in law.parts]
-            if isinstance(law, Mixture)
-            else [(share, law)]
-        )
+        flat = law if isinstance(law, Mixture) else Mixture([law], np.ones(1))
+        laws += flat.components
+        inner += list(share * flat.weights)
+        parts += [(share * one, part) for one, part in flat.parts]
     found = Mixture(laws, np.array(inner))
     found.parts = tuple(parts)
     return found
@@ -137,16 +118,6 @@ class Mixture(Thresholds):
         return self._near_one(x, self._log_sum([c.logsf(x) for c in self.components]))
 
     @cached_property
-    def _quantiles(self) -> tuple[Array, Array]:
-        """Thresholds, and -log of the survival at each, between which others are sought."""
-        own = np.sort([x for c in self.components for x in (*c.ppf(_TABLE), *c.isf(_TABLE))])
-        few = own[:: 1 + own.size // _MOST]
-        x = np.unique(
-            np.concatenate([few, own[-1:], self._breakpoints, self._atoms[0], self._support])
-        )
-        return x, -np.asarray(self.logsf(x))
-
-    @cached_property
     def _steps(self) -> list[tuple[float, float, float]]:
         """(position, hazard before, hazard after) of each atom and of each end of a component, where a gap may begin:
         there a whole interval of q, or one q to its last bits, belongs to one threshold."""
@@ -162,27 +133,26 @@ class Mixture(Thresholds):
             zip(x.tolist(), before.tolist(), (-np.asarray(self.logsf(x))).tolist(), strict=True)
         )
 
-    def _from_hazard(self, hazard: Array) -> Array:
+    def _ppf(self, q: Array) -> Array:
+        return self._between([c.ppf(q) for c in self.components], -np.log1p(-q))
+
+    def _isf(self, q: Array) -> Array:
+        return self._between([c.isf(q) for c in self.components], -np.log(q))
+
+    def _between(self, quantiles: list[Array], hazard: Array) -> Array:
+        """Thresholds at which -log of the survival is `hazard`, among the components' own quantiles."""
         goal = hazard.ravel()
-        x, known = self._quantiles
-        place = np.clip(np.searchsorted(known, goal), 1, x.size - 1)
-        low, high, first, last = x[place - 1], x[place], known[place - 1], known[place]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            guess = low + (high - low) * (goal - first) / (last - first)
-        # beyond the last quantile a hazard rises the faster the further out
-        far = ~np.isfinite(high)
-        high[far] = self._bracket(float(goal.max()))[1]
-        guess[far] = low[far] * (1.0 + (goal - first)[far] / np.maximum(first[far], 1.0))
+        # the components' quantiles are good to their last bits only
+        low = np.minimum.reduce(quantiles).ravel() * (1.0 - 1e-14)
+        high = np.maximum.reduce(quantiles).ravel() * (1.0 + 1e-14)
         out = np.empty(goal.shape)
         open_ = np.ones(goal.shape, dtype=bool)
-        for position, before, after in reversed(
-            self._steps
-        ):  # the left end of a gap is the threshold of its q
+        # the left end of a gap is the threshold of its q
+        for position, before, after in reversed(self._steps):
             here = (goal >= before * (1.0 - _ROUNDING)) & (goal <= after * (1.0 + _ROUNDING))
             out[here], open_[here] = position, False
-        # the components' quantiles are good to their last bits only
-        ends = low[open_] * (1.0 - 1e-14), high[open_] * (1.0 + 1e-14)
-        out[open_] = invert_hazard(self, goal[open_], *ends, guess[open_])
+        low, high = low[open_], high[open_]
+        out[open_] = invert_hazard(self, goal[open_], low, high, 0.5 * (low + high))
         return out.reshape(hazard.shape)
 
     def _moment(self, n: int) -> float:

@@ -44,57 +44,41 @@ def panel_edges(
     # a quantile that a law cannot give is no seed
     low, high = low[np.isfinite(low)], high[np.isfinite(high)]
     seeds = [low, high[:-1], thresholds.breakpoints]
-    top = min(upper, end if np.isfinite(end) else _reach(thresholds, float(high.max()) if high.size else 1.0, tail))
+    furthest = float(high.max()) if high.size else 1.0
+    top = min(upper, end if np.isfinite(end) else _reach(thresholds, furthest, tail))
     if not top > lower:
         return np.empty(0)
     edges = np.unique(np.concatenate([[lower, top], *seeds]))
     edges = edges[(edges >= lower) & (edges <= top)]
     left, right = edges[:-1], edges[1:]
     scale = float(low[-1] if low.size else top) or 1.0
-    middle = _middle(left, right)
-    # asked for all three at once: many a law takes longer to be asked than to answer
-    whole, first, second = _mass(thresholds, np.stack([left, left, middle]), np.stack([right, middle, right]), scale)
-    weight = _cdf_mass(thresholds, left, right)
-    finished_left, finished_right = [], []
-    done = np.zeros(2)
+    done, found = np.zeros(2), [edges]
     for _ in range(_DEPTH):
+        middle = _middle(left, right)
+        # asked for all three at once: many a law takes longer to be asked than to answer
+        ends = np.stack([left, left, middle]), np.stack([right, middle, right])
+        whole, first, second = _mass(thresholds, *ends, scale)
         # rare but distant weight makes <x> large beside the median; and the nodes themselves are rounded, which no
         # halving can see through
         level = np.maximum(done + whole.sum(axis=1), 1.0)[:, None]
         rounding = _EPSILON * np.abs(whole) * right / (right - left)
-        missed = np.abs(weight - whole[0]) > 1e-12 + 64.0 * rounding[0]
+        missed = np.abs(_cdf_mass(thresholds, left, right) - whole[0]) > 1e-12 + 64.0 * rounding[0]
         open_ = (np.abs(first + second - whole) > accuracy * level + rounding).any(axis=0) | missed
         open_ &= (middle > left) & (middle < right)
+        if not 0 < open_.sum() <= _MOST:
+            break
         done += whole[:, ~open_].sum(axis=1)
-        finished_left.append(left[~open_])
-        finished_right.append(right[~open_])
-        if not open_.any():
-            break
-        if open_.sum() > _MOST:
-            finished_left.append(left[open_])
-            finished_right.append(right[open_])
-            break
-        left, right = (
-            np.concatenate([left[open_], middle[open_]]),
-            np.concatenate([middle[open_], right[open_]]),
-        )
-        whole = np.concatenate([first[:, open_], second[:, open_]], axis=1)
-        # the cdf is asked again only where it told something: elsewhere the halves agree with the whole
-        again = np.tile(missed[open_], 2)
-        weight = whole[0].copy()
-        if again.any():
-            weight[again] = _cdf_mass(thresholds, left[again], right[again])
-        middle = _middle(left, right)
-        first, second = _mass(thresholds, np.stack([left, middle]), np.stack([middle, right]), scale)
-    else:
-        finished_left.append(left)
-        finished_right.append(right)
-    return np.unique(np.concatenate(finished_left + finished_right))
+        left, middle, right = left[open_], middle[open_], right[open_]
+        found.append(middle)
+        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
+    return np.unique(np.concatenate(found))
 
 
 def _middle(left: Array, right: Array) -> Array:
     """Arithmetic, but geometric over several decades, so that a spike far down is reached."""
-    return np.where((left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right))
+    return np.where(
+        (left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right)
+    )
 
 
 def _reach(thresholds: Any, x: float, tail: float) -> float:

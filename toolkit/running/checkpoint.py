@@ -13,8 +13,6 @@ import time
 import tomllib
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import fields, replace
-from functools import reduce
 from hashlib import sha256
 from io import BytesIO
 from itertools import pairwise
@@ -33,10 +31,7 @@ from toolkit.scene.tables import read_table
 from toolkit.version import __version__
 
 if TYPE_CHECKING:
-    from eq_model.coupled.result import CoupledState
     from eq_model.state import State
-
-    AnyState = State | CoupledState
 
 NAME = "checkpoint"
 EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
@@ -76,15 +71,15 @@ class Checkpoint:
             return f"what it found last could not be written to {self._home}"
         return f"its finished blocks are kept in {self._home}"
 
-    def earlier(self, only_look: bool = False) -> list[AnyState]:
+    def earlier(self, only_look: bool = False) -> list[State]:
         """What an earlier run found, for `Ensemble`: whole on rank 0, elsewhere which contacts it was; [] if nothing.
 
         All ranks must call. Unless it shall `only_look`, rank 0's file then holds all of it.
         Raises InputError where the checkpoint is that of another scene, seed or version.
         """
-        whole: AnyState | None = None
+        whole: State | None = None
 
-        def look() -> AnyState | None:
+        def look() -> State | None:
             nonlocal whole
             files = sorted(self._home.glob("*-rank-*.npz"))
             whole = self._joined(files)
@@ -102,12 +97,12 @@ class Checkpoint:
         found = rest if whole is None else whole
         return [] if found is None else [found]
 
-    def keep(self, state: AnyState) -> None:
+    def keep(self, state: State) -> None:
         """Write this rank's `state` if it is new and the last was written long enough ago."""
         if time.monotonic() - self._last >= self.every and state.done is not self._written:
             self.write(state)
 
-    def write(self, state: AnyState) -> bool:
+    def write(self, state: State) -> bool:
         """Write this rank's `state`, and say whether it is on the disk; one that refuses is told once, by rank 0."""
         before, self._refused = self._refused, ""
         try:
@@ -132,11 +127,8 @@ class Checkpoint:
     def _file(self) -> Path:
         return self._home / f"000-rank-{self._rank:05d}.npz"
 
-    def _joined(self, files: list[Path]) -> AnyState | None:
+    def _joined(self, files: list[Path]) -> State | None:
         """All that these files hold, of this run; what is damaged is left out."""
-        from eq_model import layout
-        from eq_model.coupled.result import CoupledState
-
         states = []
         for file in files:
             read = read_state(file)
@@ -145,17 +137,14 @@ class Checkpoint:
                 continue
             self._check(read[1])
             states.append(read[0])
-        found: AnyState | None = None
+        found: State | None = None
         # rank 0's may hold what others, which were not yet taken away, hold too
         for state in sorted(states, key=lambda state: -state.contacts):
             if found is None:
                 found = state
             elif not _overlap(found.done, state.done):
-                found = found.joined(state)  # type: ignore[arg-type]
-        if found is None or isinstance(found, CoupledState):
-            return found
-        done = sorted(found.done, key=lambda part: part.start)
-        return replace(found, done=reduce(layout.joined, done, []))
+                found = found.joined(state)
+        return found
 
     def _check(self, other: dict[str, str]) -> None:
         own = self._identity
@@ -169,18 +158,10 @@ class Checkpoint:
             )
 
 
-def write_state(file: Path, state: AnyState, told: dict[str, str]) -> None:
+def write_state(file: Path, state: State, told: dict[str, str]) -> None:
     """Write `state`, and `told`, of which run it is: whole or not at all, and on the disk when this returns."""
-    from eq_model.state import State
-
-    if isinstance(state, State):
-        arrays = {field.name: getattr(state, field.name) for field in fields(state)}
-        done = [(part.start, part.stop) for part in state.done]
-        arrays["done"] = np.array(done, np.int64).reshape(-1, 2)
-    else:
-        arrays = state.arrays()
     stream = BytesIO()
-    np.savez(stream, told_of=json.dumps(told), **arrays)
+    np.savez(stream, told_of=json.dumps(told), **state.arrays())
     draft = file.with_name(f".{file.name}.part")
     try:
         write_sealed(draft, stream.getvalue())
@@ -190,12 +171,11 @@ def write_state(file: Path, state: AnyState, told: dict[str, str]) -> None:
     flush_folder(file.parent)
 
 
-def read_state(file: Path) -> tuple[AnyState, dict[str, str]] | None:
+def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
     """State, and of which run it is; None for a file that a failing disk spoiled.
 
     Raises InputError for one of an older version, which is a bare zip file or divides contacts otherwise.
     """
-    from eq_model.coupled.result import CoupledState
     from eq_model.state import State
 
     try:
@@ -206,14 +186,7 @@ def read_state(file: Path) -> tuple[AnyState, dict[str, str]] | None:
             return None
         arrays = dict(np.load(BytesIO(contents), allow_pickle=False))
         told = json.loads(str(arrays.pop("told_of")))
-        if "sums" not in arrays:
-            return CoupledState.of_arrays(arrays), told
-        values: dict[str, Any] = {
-            field.name: array if (array := arrays[field.name]).ndim else array.item()
-            for field in fields(State)
-        }
-        values["done"] = [range(start, stop) for start, stop in arrays["done"].tolist()]
-        return State(**values), told
+        return State.of_arrays(arrays), told
     except OSError:
         return None
     except (KeyError, TypeError, ValueError) as error:  # its checksum was right

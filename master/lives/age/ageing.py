@@ -1,31 +1,39 @@
-"""Contacts whose thresholds age, each by itself, on any motion of the slider (paper, Sec. V).
+"""Contacts whose thresholds age, each by itself: what is left of them on a slider that moves straight.
 
-What is left of contacts born together at a moment depends on how the slider moved since; here it is
-followed in time, by strands: each carries the density of the thresholds above its stretch
-(master.lives.age.cells). Every strand is followed with two resolutions, whose errors differ by a
-factor of eight; what they tell is extrapolated, and what it was off by is measured.
+At one speed that is a function of the time since the birth, for each stretch at birth. Towards a
+Gaussian final law without heat it comes from the integral equation of the first passage; any other
+final law, and heat, is followed in time by strands (master.lives.age.strands). These are followed
+with two resolutions, whose errors differ by a factor of eight; what they tell is extrapolated, and
+what it was off by is measured.
 """
 
 from __future__ import annotations
 
+import time as clock
+from functools import cached_property
+from itertools import pairwise
+
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import chebyshev
+from scipy.interpolate import BSpline, make_interp_spline
 
+from master.lives.age.grid import narrowest
+from master.lives.age.passage import Passage
 from master.lives.age.strands import TRAVEL_STEP, Mesh, Strands
+from master.lives.life import UnbentLife
 from master.lives.stretch_rule import StretchRule, StretchRules
-from master.motion.motion import Motion
+from master.motion.motion import History, Motion
 from origins import Contacts
 from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-RELAXED = SingleStart(0.0)
-# Of what a finer resolution changes, what it leaves at most: errors fall by more with each.
-FELL = 0.5
+# Of what a finer resolution changes, what it leaves at most: errors fall by more with each; and of
+# the error, what a finer resolution has to take away for a still finer one to be tried.
+FELL, HARDLY = 0.5, 0.7
 # The largest difference of all moments, in units of that of those looked at.
 MARGIN = 2.0
-# Part of the error that a finer resolution has to take away for a still finer one to be tried.
-HARDLY = 0.7
 # What rounding leaves, of the share that holds.
 ROUND_OFF = 1e-13
 # The finest resolution that is tried; births that are followed for it, points of each leg at which
@@ -33,84 +41,205 @@ ROUND_OFF = 1e-13
 FINEST, TRIALS, LOOKS, FAINT = 6, 4, 12, 1e-9
 # Parts of the time to the first look after a birth at which it is looked at, too.
 EARLY = np.array([0.01, 0.1])
+# Of the accuracy asked for, what each panel of a first passage may miss.
+PER_PANEL = 1e-3
+# Survival at which a table of strands ends, and the degree of its splines.
+SPENT, DEGREE = 1e-12, 5
+# Length over which survivals are resolved, of the narrowest width of the laws.
+GRAIN = 0.25
+# Stretches at birth from which those in between are interpolated.
+BETWEEN = 22
+# Parts of the reach between which survivals are tabulated on panels of their own.
+MARKS = 16
+# Mean lives, as long as the reach over the speed, after which next to none holds.
+LONGEST = 3.0
+# Share of thresholds above the largest stretch at birth from which the reach is told.
+LEAST = 1e-6
+# Times at which survivals from more stretches are compared with those from fewer.
+TIMES = 100
 
 
-class AgeingLife:
-    """What contacts with `ageing`, closure "exact", are left of; any final law, also with heat.
+class AgeingLife(UnbentLife):
+    """Life (see master.lives.life) of contacts that age, closure "exact", where X = v t.
+
+    `left` takes any times since the birth.
 
     Parameters
     ----------
     contacts : Contacts
     motion : Motion
-        X(t), of which resolutions are tried.
+        X(t); of more than one leg, `left` tells contacts that were born on the last one.
     accuracy : float
-        Error of the share that holds that is aimed at; below 1e-9 it takes very long.
+        Error of the share that holds that is aimed at; of strands, 1e-9 and less take very long.
+    until : float
+        Reading of time.monotonic() after which no finer resolution is tried.
 
     Attributes
     ----------
-    reach, quiet, bends
-        As Life has them; thresholds that diffuse bend no survival.
     mesh : Mesh
-        Cells and steps that suffice.
+        Cells and steps that suffice for strands.
+    furthest : float
+        Length: hardly any threshold lies beyond. (On one leg `reach` is where none holds any more.)
     """
 
-    bends: Array = np.empty(0)
-    bend_sizes: Array = np.empty(0)
-    quiet = 0.0
-
-    def __init__(self, contacts: Contacts, motion: Motion, accuracy: float = 1e-7) -> None:
+    def __init__(
+        self,
+        contacts: Contacts,
+        motion: Motion,
+        accuracy: float = 1e-10,
+        until: float = np.inf,
+    ) -> None:
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
+        laws = contacts.thresholds, ageing.final
         self.contacts, self.motion = contacts, motion
+        self._accuracy, self._until = accuracy, until
+        self.furthest = max(float(law.isf(1e-17)) for law in laws)
+        self.reach = self.furthest
+        self.grain = GRAIN * min(narrowest(law) for law in laws)
         self.fastest = float(np.abs(motion.speeds).max())
-        self.reach = max(float(law.isf(1e-17)) for law in (contacts.thresholds, ageing.final))
-        self._rules = StretchRules(contacts.thresholds.support()[1], accuracy, self._shares)
-        self.mesh = Mesh(contacts, 1, self.fastest)
-        before = self._trial()
+        ends = np.array(ageing.final.support() if ageing.normal is None else [])
+        # where thresholds are reflected contacts begin to break all at once
+        self.bends: Array = ends[np.isfinite(ends) & (ends > 0.0) & motion.one_leg]
+        self.bend_sizes: Array = np.ones(self.bends.size)
+        self._closed = ageing.normal is not None and contacts.thermal is None
+        most = contacts.thresholds.support()[1]
+        self._rules = StretchRules(most, accuracy, self._shares, until)
+        self._tables: dict[tuple[float, float], Passage | StrandSurvival] = {}
+        self._missed = self._differed = 0.0
+        if not motion.one_leg:
+            _ = self.mesh
+            return
+        births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
+        last = max(abs(end) for law in births for end in law.span)
+        last = min(last, float(contacts.thresholds.isf(LEAST)))
+        speed = float(motion.speeds[0])
+        reached = [r + self._table(speed, r).reach_lag * abs(speed) for r in {0.0, last}]
+        self.reach = min(self.furthest, max(reached))
+
+    @property
+    def error(self) -> float:
+        """Of the share that holds, as measured so far."""
+        tables = max((table.error for table in self._tables.values()), default=0.0)
+        return self._rules.error + max(self._missed, tables) + ROUND_OFF
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        """See above."""
+        mesh = Mesh(self.contacts, 1, self.fastest)
+        before = self._trial(mesh)
         # of two resolutions, before what they tell is extrapolated
         self._missed = MARGIN * self._differed
-        while self._missed > accuracy and self.mesh.resolution < FINEST:
-            if not self.mesh.cells[1].can_be_finer:
+        while self._missed > self._accuracy and mesh.resolution < FINEST:
+            if not mesh.cells[1].can_be_finer or clock.monotonic() > self._until:
                 break
-            self.mesh = Mesh(contacts, self.mesh.resolution + 1, self.fastest)
-            now = self._trial()
+            mesh = Mesh(self.contacts, mesh.resolution + 1, self.fastest)
+            now = self._trial(mesh)
             last, missed = self._missed, FELL * float(np.abs(now - before).max())
             self._missed, before = min(missed, MARGIN * self._differed), now
             if self._missed > HARDLY * last:
                 break
+        return mesh
 
-    @property
-    def error(self) -> float:
-        """Of the share that holds: measured on contacts of the start and on some births."""
-        return self._missed + self._rules.error + ROUND_OFF
+    def marks(self, width: float) -> Array:
+        """See Life; integrals over wider panels may miss more than their coefficients tell."""
+        return np.union1d(self.bends, np.linspace(0.0, self.reach, MARKS + 1)[1:])
+
+    def left(self, born: Start | Array, history: History) -> Array:
+        """Share of contacts that hold, and their force per contact born; see Life.left."""
+        speed = float(self.motion.speeds[0])
+        if not self.motion.one_leg:
+            legs = history.legs()
+            lived = legs.duration.reshape(-1, legs.speed.size).max(axis=0) > 0.0
+            speed = float(legs.speed[np.argmax(lived) if lived.any() else -1])
+        lag = np.maximum(history.t - history.s, 0.0)
+        if not isinstance(born, Start):
+            share = self._held(speed, np.broadcast_to(born, lag.shape), lag)
+            return np.stack([share, share * (born + speed * lag)])
+        out = np.zeros((2, *lag.shape))
+        rule = self._rules.of(born)
+        for stretch, weight in zip(rule.stretch, rule.weight, strict=True):
+            held = weight * self._table(speed, float(stretch)).survival(lag)
+            out += held * np.stack([np.ones(lag.shape), stretch + speed * lag])
+        return out
+
+    def _held(self, speed: float, stretch: Array, lag: Array) -> Array:
+        """Share that holds of contacts born at one stretch, or within the start's span.
+
+        Arrays of one shape; a polynomial of the stretch on either side of 0.
+        """
+        if stretch.size and not np.ptp(stretch):
+            return self._table(speed, float(stretch.flat[0])).survival(lag)
+        out = np.zeros(lag.shape)
+        first, last = self.contacts.start.span
+        nodes = np.cos(np.pi * (np.arange(BETWEEN) + 0.5) / BETWEEN)
+        for low, high in ((first, min(last, 0.0)), (max(first, 0.0), last)):
+            here = (low <= stretch) & (stretch < high)
+            if here.any():
+                places = 0.5 * (low + high) + 0.5 * (high - low) * nodes
+                known = [self._table(speed, float(x)).survival(lag[here]) for x in places]
+                series = np.linalg.solve(chebyshev.chebvander(nodes, BETWEEN - 1), np.array(known))
+                z = (2.0 * stretch[here] - low - high) / (high - low)
+                out[here] = np.clip(chebyshev.chebval(z, series, tensor=False), 0.0, 1.0)
+        return out
+
+    def _table(self, speed: float, stretch: float) -> Passage | StrandSurvival:
+        """What is left of contacts born at this stretch on a slider that keeps this speed."""
+        if (speed, stretch) not in self._tables:
+            # |x| is the same where all lengths change their sign
+            along, contacts = -stretch if speed < 0.0 else stretch, self.contacts
+            table: Passage | StrandSurvival
+            if self._closed and speed:
+                assert contacts.ageing is not None
+                aim = float(np.clip(PER_PANEL * self._accuracy, 1e-13, 1e-10))
+                table = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
+            else:
+                lasts = np.diff(self.motion.times)
+                most = float(lasts[self.motion.speeds == speed].max(initial=lasts.min()))
+                table = StrandSurvival(self, along, abs(speed), most)
+            self._tables[speed, stretch] = table
+        return self._tables[speed, stretch]
 
     def begin(self, born: Start, count: int = 1) -> Strands:
         """`count` strands of contacts that are born now at stretches of the law `born`."""
+        return self._born(self.mesh, born, count)
+
+    def _born(self, mesh: Mesh, born: Start, count: int = 1) -> Strands:
         rule = self._rules.of(born)
-        stretch = np.tile(rule.stretch, count)
-        return Strands(self.mesh, stretch, np.tile(rule.weight, (count, 1)))
+        return Strands(mesh, np.tile(rule.stretch, count), np.tile(rule.weight, (count, 1)))
 
     def _shares(self, rule: StretchRule) -> Array:
-        """What holds, along the motion, of contacts born at its beginning at the rule's stretches;
-        told with few cells, whose errors hardly depend on the rule."""
+        """What holds of contacts born at the rule's stretches at the motion's beginning.
+
+        Of strands it is told with few cells, whose errors hardly depend on the rule.
+        """
+        if self._closed and self.motion.one_leg and self.fastest:
+            speed = float(self.motion.speeds[0])
+            lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, TIMES)
+            tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
+            return rule.weight @ np.array([table.survival(lags) for table in tables])
         mesh = Mesh(self.contacts, 1, self.fastest)
         return self._followed(Strands(mesh, rule.stretch, rule.weight[None]), 0)
 
-    def _trial(self) -> Array:
+    def _trial(self, mesh: Mesh) -> Array:
         """What holds, all along the motion, of the contacts of the start and of some births."""
         legs = self.motion.speeds.size
         births = np.linspace(0, legs - 1, min(TRIALS, legs)).astype(int)
         self._differed = 0.0
-        parts = [self._followed(self.begin(self.contacts.start), 0)]
-        parts += [self._followed(self.begin(RELAXED), int(first)) for first in births]
+        parts = [self._followed(self._born(mesh, self.contacts.start), 0)]
+        relaxed = SingleStart(0.0)
+        parts += [self._followed(self._born(mesh, relaxed), int(first)) for first in births]
         return np.concatenate(parts)
 
     def _followed(self, strand: Strands, first: int) -> Array:
         """What holds of a strand born as the leg `first` begins, at moments of all legs from it."""
         motion, shares, held = self.motion, [], 1.0
-        length = TRAVEL_STEP * self.mesh.width
+        length = TRAVEL_STEP * strand.mesh.width
+        furthest = self.furthest - min(float(strand.stretch.min()), 0.0)
         for leg in range(first, motion.speeds.size):
             duration, speed = motion.times[leg + 1] - motion.times[leg], motion.speeds[leg]
+            if motion.one_leg and speed:
+                duration = min(duration, furthest / abs(speed))
             looks = LOOKS + int(abs(speed) * duration / length)
             ends = np.linspace(0.0, duration, looks + 1)
             if leg == first:
@@ -122,3 +251,49 @@ class AgeingLife:
                 shares.append(held)
         self._differed = max(self._differed, strand.error)
         return np.array(shares)
+
+
+class StrandSurvival:
+    """Survival of contacts born at one stretch that age at one speed >= 0, followed by a strand.
+
+    Where |x| turns at 0, and where it comes up to the lower end of the final law, another table
+    begins; each is over the root of the time since it began, as survivals change there.
+    """
+
+    def __init__(self, life: AgeingLife, stretch: float, speed: float, most: float) -> None:
+        strands = life.begin(SingleStart(stretch))
+        marks, longest = np.empty(0), most
+        if speed > 0.0:
+            longest = min(longest, LONGEST * (life.furthest - stretch) / speed)
+            marks = (np.array([0.0, life.mesh.cells[0].floor]) - stretch) / speed
+        marks = np.unique([0.0, *marks[(marks > 0.0) & (marks < longest)], longest])
+        self._begins: list[float] = []
+        self._splines: list[BSpline] = []
+        share = 1.0
+        for begin, end in pairwise(marks):
+            times, shares = [0.0], [share]
+            strands.torn = True  # thresholds may have gathered where the level comes now
+            for time in np.diff(strands.steps_of(speed, end - begin)):
+                strands.advance(speed, time)
+                strands.torn = False
+                times.append(times[-1] + float(time))
+                share = float(strands.left()[0, 0])
+                shares.append(share)
+                if share < SPENT:
+                    break
+            self._begins.append(begin)
+            self._splines.append(make_interp_spline(np.sqrt(times), shares, k=DEGREE))
+            self.reach_lag = float(begin + times[-1])
+            strands.since = 0.0
+            if share < SPENT:
+                break
+        self.error = life.error + (share if share < SPENT else 0.0)
+
+    def survival(self, lag: Array) -> Array:
+        """Share at times `lag` >= 0 since the birth, same shape."""
+        out = np.zeros(lag.shape)
+        ends = [*self._begins[1:], self.reach_lag]
+        for begin, end, spline in zip(self._begins, ends, self._splines, strict=True):
+            here = (lag >= begin) & (lag <= end)
+            out[here] = np.clip(spline(np.sqrt(lag[here] - begin)), 0.0, 1.0)
+        return out

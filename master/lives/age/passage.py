@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
-from scipy.optimize import brentq
 
 from master.lives.age.free import FreeThresholds
 from master.renewal import rule
@@ -30,8 +29,8 @@ from origins.errors import InputError, refuse
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Survival at which the table ends and an exponential tail goes on, and that counts as none.
-SPENT, NOTHING = 1e-12, 1e-17
+# Survival that counts as none: rounding leaves as much.
+SPENT = 1e-14
 # Error of every answer that rounding leaves.
 ROUND_OFF = 1e-13
 # D/v over the mean threshold below which nothing is known to diffuse by floating point.
@@ -101,7 +100,7 @@ class Passage:
     Attributes
     ----------
     reach_lag : float
-        Time after which the survival is below 1e-17.
+        Time after which none holds.
     error : float
         Estimate of the largest error of the survival.
 
@@ -144,12 +143,10 @@ class Passage:
         """E at times `lag` >= 0 since the birth, same shape."""
         way = np.asarray(lag, dtype=float) * self.velocity
         found = np.where(way < self._end, self._read(way), 0.0)
-        beyond = np.maximum(way - self._end, 0.0)
-        tail = self._last * np.exp(-self._hazard * beyond)
-        return np.asarray(np.clip(np.where(way < self._end, found, tail), 0.0, 1.0))
+        return np.asarray(np.clip(found, 0.0, 1.0))
 
     def _finish(self) -> None:
-        """What holds after each panel, from the last one on, and the tail where next to none does."""
+        """What holds after each panel, from the last one on."""
         legs = [leg for leg in self._legs if leg.series]
         self._begin = np.concatenate([np.full(len(leg.series), leg.begin) for leg in legs])
         self._low, self._high = (
@@ -160,15 +157,9 @@ class Passage:
         self._after = np.concatenate([leg.after for leg in legs])
         series = np.concatenate([np.array(leg.series) for leg in legs]).T
         self._breaks = legendre.legint(series, lbnd=1.0) * (-0.5 * (self._high - self._low))
-        self._end, self._last = float(self._begin[-1] + self._high[-1] ** 2), max(self._left, 0.0)
-        if self._last < SPENT:
-            begin = float(self._ways[-1])
-            self._end = brentq(lambda way: self._read(np.array(way)) - SPENT, begin, self._end)
-            self._last = SPENT
-        root, low, high = np.sqrt(self._end - self._begin[-1]), self._low[-1], self._high[-1]
-        flow = legendre.legval((2.0 * root - low - high) / (high - low), series[:, -1])
-        self._hazard = max(float(flow / (2.0 * root * self._last)), 1.0 / self._end)
-        self.reach_lag = (self._end + np.log(self._last / NOTHING) / self._hazard) / self.velocity
+        self._end = float(self._begin[-1] + self._high[-1] ** 2)
+        self.error += max(self._left, 0.0)
+        self.reach_lag = self._end / self.velocity
 
     def _read(self, way: Array) -> Array:
         """E at ways up to the last panel's end, same shape."""

@@ -9,9 +9,8 @@ import numpy.typing as npt
 
 from master.lives.cold import TIE
 from master.lives.heat.above import Above
-from master.lives.heat.mean_rate_sum import mean_rate
-from master.lives.heat.replayed import ReplayedLife, rates_of
-from master.lives.stretches import RESOLVED, Moves
+from master.lives.heat.replayed import RESOLVED, ReplayedLife, rates_of
+from master.lives.stretches import Moves
 from master.motion.motion import Legs
 from master.renewal.table import Table
 from origins import Contacts
@@ -69,10 +68,10 @@ class MeanRateLife(ReplayedLife):
         self.table = RateTable(self._mean_rate, edges[edges <= self.reach], rates.scale, rounding)
         widths = self.table.widths
         at = self.table.begin + _BESIDE * widths
-        once, again = self._mean_rate(at), self._mean_rate(at, parts=2)
-        wrong = np.abs(again - once) + np.abs(self.table.rate(at) - again)
+        wrong = np.abs(self.table.rate(at) - self._mean_rate(at))
         ends = np.stack([self.table.begin + share * widths for share in (0.0, 0.5, 1.0 - 1e-12)])
         wrong /= np.maximum(self.table.rate(ends).max(axis=0), _NEVER * rates.scale)
+        wrong += [min(self._above.mean_rate(np.array([x])).missed[0], 1.0) for x in at]
         # on a panel that adds little to L, H is felt only by contacts that slow down there
         span = min(self.reach, _SPAN * float(contacts.thresholds.isf(0.5)))
         grown = self.table.grown(self.table.edges)
@@ -80,12 +79,12 @@ class MeanRateLife(ReplayedLife):
         felt = np.minimum(1.0, np.minimum(share, widths / span) / _FELT)
         self.error = _LARGEST_SLOPE * float((felt * wrong).max(initial=0.0))
 
-    def _mean_rate(self, x: Array, parts: int = 1) -> Array:
+    def _mean_rate(self, x: Array) -> Array:
         """H at stretches x >= 0, shape (n,), by its definition."""
         out = np.zeros(x.size)
         for begin in range(0, x.size, _CHUNK):
             some = slice(begin, begin + _CHUNK)
-            out[some] = mean_rate(self._above, x[some], parts)
+            out[some] = self._above.mean_rate(x[some]).value[0]
         for position, weight in zip(self.atoms, self._weights, strict=True):
             below = x < position
             out[below] += weight * self._above.rates.rate(x[below], position, 1.0)

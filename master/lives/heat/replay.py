@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.motion.motion import Legs
-from origins.laws.rate_law import RateLaw
+from origins.laws.rate_law import LARGEST_EXPONENT, RateLaw
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -17,8 +17,6 @@ Rows = npt.NDArray[np.intp]
 _NOTHING = -740.0
 # share of an integral from 0: where a move adds less, the difference of two such has lost 3 digits
 _SHORT = 1e-3
-# relative: stretches that differ by less are one, as no weight of thresholds lies between
-_SAME = 1e-9
 
 
 class Replay:
@@ -38,8 +36,6 @@ class Replay:
     ----------
     least : array of shape (n,)
         Largest |x| of each contact: its threshold lies above.
-    shoulder : array of shape (n,)
-        The next largest |x| at which a leg ends or begins, 0 where there is none.
     """
 
     def __init__(
@@ -61,8 +57,6 @@ class Replay:
         self._joined = np.append(False, np.diff(used) == 1)
         ends = np.abs(np.concatenate([born[:, None], self._near, self._far], axis=1))
         self.least: Array = ends.max(axis=1)
-        below = ends < (1.0 - _SAME) * self.least[:, None]
-        self.shoulder: Array = np.where(below, ends, 0.0).max(axis=1)
         self._in_proportion: tuple[Array, Array] | None = None
         if rates.separable and stiffness is None:
             # A at one threshold tells it at all others
@@ -76,7 +70,7 @@ class Replay:
         """Of contacts whose largest |x| and ln A there are known, shapes (n,); a separable law."""
         out = cls.__new__(cls)  # no legs to work out
         out._rates, out._stiffness = rates, None
-        out.least, out.shoulder = least, np.zeros(least.size)
+        out.least = least
         out._in_proportion = log_spent, rates.log_rate(0.0, least, 1.0)
         return out
 
@@ -128,7 +122,9 @@ class Replay:
         """Integral of h from 0 to x; x of shape (n, 1)."""
         if not x.any():
             return np.zeros(threshold.shape)
-        return self._rates.rate_and_passed(x, threshold, stiffness, 1.0)[1]
+        far = np.minimum(np.abs(x), threshold)
+        log_passed = self._rates.log_passed(0.0, far, threshold, stiffness)
+        return np.sign(x) * np.exp(np.minimum(log_passed, LARGEST_EXPONENT))
 
     def _short_way(
         self, near: Array, far: Array, way: Array, threshold: Array, stiffness: Array

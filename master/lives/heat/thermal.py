@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.cold import TIE
-from master.lives.heat.above import ACCURACY, Above
+from master.lives.heat.above import Above
 from master.lives.heat.replay import Replay
-from master.lives.heat.replayed import MARGIN, ONE_OF, ReplayedLife, rates_of
-from master.lives.stretches import RESOLVED, Moves
+from master.lives.heat.replayed import MARGIN, RESOLVED, ReplayedLife, rates_of
+from master.lives.stretches import Moves
 from master.motion.motion import Legs
 from origins import Contacts
 
@@ -18,6 +18,9 @@ Rows = npt.NDArray[np.intp]
 
 # Contacts replayed at once: the panels of so many are halved together.
 _AT_ONCE = 4000
+# Share of contacts that sums over thresholds may round away, and the decades over which their tail
+# is summed.
+_LOST, _DECADES = 3e-14, 60.0
 
 
 class ThermalLife(ReplayedLife):
@@ -33,46 +36,52 @@ class ThermalLife(ReplayedLife):
     ----------
     contacts : Contacts
         With thermal, closure "exact"; independent or linked stiffness.
-    accuracy : float
-        Of the share of contacts that holds; what it comes to is `error`.
     resolved : float
         See ReplayedLife.
     """
 
-    def __init__(
-        self, contacts: Contacts, accuracy: float = ACCURACY, resolved: float = RESOLVED
-    ) -> None:
+    FEW = 1e-10  # a share that sums over thresholds still tell
+
+    def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
         law, self._rates = contacts.thresholds, rates_of(contacts)
         linked = contacts.stiffness == "linked"
         self._stiffness = contacts.relative_stiffness if linked else None
-        self._above = Above(law, self._rates, self._stiffness, accuracy)
+        self._above = Above(law, self._rates, self._stiffness)
         super().__init__(law, self._above.edges, resolved)
+
+    @property
+    def few(self) -> float:
+        """The |x| beyond which a share FEW of the thresholds lies."""
+        return float(self._law.isf(self.FEW))
+
+    def rounded_away(self) -> Array:
+        """At most what E and K, integrated, miss where few contacts are left; shape (2,).
+
+        Sums over thresholds round away the last contacts. Without heat, which only breaks contacts
+        earlier, they would add the integrals of S and x S.
+        """
+        begin = min(self.reach, float(self._law.isf(_LOST)))
+        steps = np.linspace(0.0, _DECADES * np.log(10.0), 2001)
+        x = begin * np.exp(steps)
+        held = np.asarray(self._law.sf(x), dtype=float) * x
+        return np.trapezoid(np.stack([held, held * x]), steps, axis=1)
 
     def _of(self, pair: Rows, born: Array, side: Array, moves: Moves, legs: Legs) -> Array:
         """See ReplayedLife."""
         out = np.zeros((2, pair.size))
         for begin in range(0, pair.size, _AT_ONCE):
             some = slice(begin, begin + _AT_ONCE)
-            replay = self._replay(pair[some], born[some], legs)
+            at = pair[some]
+            own = Legs(legs.displacement[at], legs.duration[at], legs.speed)
+            replay = Replay(self._rates, self._stiffness, born[some], own)
             share = 1.0 / self._law.sf(np.abs(born[some]))
             out[:, some] = self._above.sums(replay, share)
-            few = np.arange(share.size // 2 % ONE_OF, share.size, ONE_OF)
-            again = self._replay(pair[some][few], born[some][few], legs)
-            change = self._above.sums(again, share[few], parts=2) - out[:, some][:, few]
-            self.error = max(self.error, MARGIN * float(np.abs(change).max(initial=0.0)))
             for position, weight in zip(self.atoms, self._weights, strict=True):
                 held = share * weight * np.exp(-replay.spent_at(position))
                 held *= side[some] < position * (1.0 - TIE)
-                out[:, some] += np.stack([held, held * self._relative(position)])
+                stiffness = 1.0 if self._stiffness is None else self._stiffness(position)
+                out[:, some] += np.stack([held, held * stiffness])
+        self.error = max(self.error, MARGIN * self._above.missed)
         out[0] = np.minimum(out[0], 1.0)
         out[1] *= born + moves.now[pair]
         return out
-
-    def _replay(self, pair: Rows, born: Array, legs: Legs) -> Replay:
-        """What contacts of these pairs have spent."""
-        own = Legs(legs.displacement[pair], legs.duration[pair], legs.speed)
-        return Replay(self._rates, self._stiffness, born, own)
-
-    def _relative(self, threshold: float) -> float:
-        """k_i/<k> at one threshold."""
-        return 1.0 if self._stiffness is None else float(self._stiffness(np.array(threshold)))

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from origins.laws.rate_law import RateLaw
 from origins.thresholds.law import Thresholds
 from origins.thresholds.quadrature import finite_density, panel_edges
 
@@ -16,7 +15,7 @@ Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 Stiffness = Callable[[Array], Array]
 
-# Gauss nodes of a panel, on (0, 1): e^-A falls through 1 on two to four panels of 16
+# Gauss nodes of a panel, on (0, 1)
 _Z, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _X: Array = 0.5 * (_Z + 1.0)
 _W: Array = 0.5 * _WEIGHTS
@@ -38,28 +37,6 @@ class Panels(NamedTuple):
     high: Array
     first: Array
     last: Array
-
-    def pick(self, which: npt.NDArray[np.bool_] | Rows | slice) -> Panels:
-        """Some of the panels."""
-        return Panels(
-            self.row[which], self.low[which], self.high[which], self.first[which], self.last[which]
-        )
-
-    def cut(self, at: Array, level: Array) -> Panels:
-        """Each panel cut in two, where ln A is `level`."""
-        left = self._replace(high=at, last=level)
-        return joined([left, self._replace(low=at, first=level)])
-
-
-def joined(parts: list[Panels]) -> Panels:
-    """All panels of several sets."""
-    return Panels(
-        np.concatenate([part.row for part in parts]),
-        np.concatenate([part.low for part in parts]),
-        np.concatenate([part.high for part in parts]),
-        np.concatenate([part.first for part in parts]),
-        np.concatenate([part.last for part in parts]),
-    )
 
 
 def nodes(law: Thresholds, panels: Panels, base: Array | None) -> tuple[Array, Array]:
@@ -84,14 +61,3 @@ def law_edges(law: Thresholds) -> Array:
     if float(law.atoms[1].sum()) > 1.0 - 1e-14:
         return np.empty(0)
     return np.maximum(panel_edges(law, tail=_TAIL), SMALLEST)
-
-
-def fastest_thresholds(rates: RateLaw, stiffness: Stiffness | None, x: Array) -> Array:
-    """The threshold of the contacts that break fastest at each stretch x >= 0; same shape.
-
-    To some 10 % of x_s - x: the first edge of a panel need not lie better.
-    """
-    steps = np.geomspace(1e-10, 1e10, 201)
-    xi = np.maximum(x, SMALLEST)[:, None] * (1.0 + steps)
-    rate = rates.log_rate(x[:, None], xi, 1.0 if stiffness is None else stiffness(xi))
-    return xi[np.arange(x.size), rate.argmax(axis=1)]

@@ -11,23 +11,16 @@ import numpy.typing as npt
 
 from master.lives.age.cells import ASLEEP, Cells
 from master.lives.age.strands import fresh_rate, stepped
-from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Left, Leg, Scales
+from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Leg, Memory, Scales
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Length over which births change, in the narrowest widths of both laws.
-STEPS = 2.0
-# The shortest time that a hold's first step takes, of that in which thresholds spread by the
-# narrowest width.
-AT_ONCE = 1e-3
-# Share that holds below which a strand is dropped.
-DEAD = 1e-13
 # Columns of what is kept: the age, whether the strand sleeps, and from there on the cells.
 AGE, SLEEPS, CELLS = range(3)
 
 
-class AgeingMemory:
+class AgeingMemory(Memory):
     """Contacts with `ageing`, closure "exact"; the errors of cells fall by 8 with each level.
 
     fastest : speed at which an edge of the density is resolved
@@ -42,8 +35,11 @@ class AgeingMemory:
         self.width = CELLS + cells.edges.size - 1
         self.reach = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
         self.starts = FEW_STARTS + MORE_STARTS * level
-        shortest = AT_ONCE * cells.width**2 / ageing.rate
-        self.scales = Scales(STEPS * cells.width, shortest, fresh_rate(contacts), fuzzy=True)
+        # the shortest time that a hold's first step takes, of that in which thresholds spread by
+        # the narrowest width
+        shortest = 1e-3 * cells.width**2 / ageing.rate
+        # length over which births change, in the narrowest widths of both laws
+        self.scales = Scales(2.0 * cells.width, shortest, fresh_rate(contacts), fuzzy=True)
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
@@ -52,10 +48,6 @@ class AgeingMemory:
         kept[:, SLEEPS] = asleep
         kept[~asleep, CELLS:] = self._cells.fresh(stretch[~asleep])
         return kept
-
-    def fresh(self, stretch: Array, speed: float) -> Array:
-        """See Memory."""
-        return self.start(stretch)
 
     def advance(self, kept: Array, leg: Leg) -> Array:
         """See Memory."""
@@ -68,7 +60,8 @@ class AgeingMemory:
         up = np.flatnonzero(slept & ~asleep)
         if up.size:
             out[up, CELLS:] = self._cells.unmet(leg.begin[up], kept[up, AGE])
-        holds = out[:, CELLS:].sum(axis=1) > DEAD
+        # share that holds below which a strand is dropped
+        holds = out[:, CELLS:].sum(axis=1) > 1e-13
         out[~holds, CELLS:] = 0.0
         awake = np.flatnonzero(~asleep & holds)
         if awake.size:
@@ -77,8 +70,7 @@ class AgeingMemory:
             out[awake, CELLS:] = stepped(self._cells, out[awake, CELLS:], begin, way, time, ends)
         return out
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
         held = np.where(kept[:, SLEEPS] > 0.0, 1.0, kept[:, CELLS:].sum(axis=1))
-        none = np.zeros(held.size)
-        return Left(held, stretch * held, none, none)
+        return np.stack([held, stretch * held])

@@ -21,11 +21,6 @@ from master.soft.in_time.cohorts import Cohorts
 
 # Points of the polynomial that reads what broke a delay before.
 STENCIL = 4
-# Share of the time by which the delay is longer: what is born at once then is not born before.
-SLACK = 1e-13
-# Share of the births at the end of a step that is left of those at its beginning, below which it is
-# not known how many of the births in between hold.
-MOST_GONE = 0.5
 
 
 class TooLongError(Exception):
@@ -38,13 +33,6 @@ class Allowed(NamedTuple):
     steps: float
     work: float
     until: float = np.inf
-
-
-class Line(NamedTuple):
-    """A number that is known as slope * B + rest from what is asked for, B."""
-
-    slope: float
-    rest: float
 
 
 class Trial(NamedTuple):
@@ -94,7 +82,7 @@ class Carried:
 
     def settle(self, cohorts: Cohorts) -> None:
         """These contacts, and nothing before them."""
-        self.force, self.holding = float(cohorts.pull[0]), float(cohorts.held[0])
+        self.holding, self.force = cohorts.left[:, 0].tolist()
         self.cohorts, self._last = cohorts.born(0.0), (0.0, 0.0)
         # moments at which steps ended, breaks and births until then, and across which nothing is read
         self._times, self._bends = [self.now], [0]
@@ -111,24 +99,25 @@ class Carried:
         duration, before = now - self.now, self._births[-1]
         cohorts = self.cohorts.advance(travel, duration).born(self._speed(travel, duration))
         frozen |= bool(self.delay) and now == self.now
-        slope, rest = Line(0.0, before) if frozen else self._births_at(now)
-        held, pull = cohorts.spread()
-        even = np.diff(self._births)
-        known, last = float(cohorts.held[0] + held[:-1] @ even), float(held[-1])
+        slope, rest = (0.0, before) if frozen else self._births_at(now)
+        between = cohorts.between()
+        known, force = (cohorts.left[:, 0] + between[:, :-1] @ np.diff(self._births)).tolist()
+        last, pull = between[:, -1].tolist()
         # known + last (J - J_before) + B - J = 1, J = slope B + rest
         breaks = (1.0 - known + last * before + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
         new = slope * breaks + rest - before
-        force = float(cohorts.pull[0] + pull[:-1] @ even + pull[-1] * new)
-        return Trial(travel, now, cohorts, force, known + last * new, breaks, before + new)
+        force, held = force + pull * new, known + last * new
+        return Trial(travel, now, cohorts, force, held, breaks, before + new)
 
-    def _births_at(self, now: float) -> Line:
-        """Births up to a later moment, in terms of the breaks B up to then."""
+    def _births_at(self, now: float) -> tuple[float, float]:
+        """Births up to a later moment, slope * B + rest of the breaks B up to then: slope and rest."""
         if not self.delay:
-            return Line(1.0, 0.0)
+            return 1.0, 0.0
         times = np.array([*self._times, now])
-        at = now - self.delay - SLACK * (now - times[0])
+        # the delay is longer by a share of 1e-13: what is born at once then is not born before
+        at = now - self.delay - 1e-13 * (now - times[0])
         if at <= times[0]:
-            return Line(0.0, 0.0)
+            return 0.0, 0.0
         last = times.size - 1
         cell = int(np.searchsorted(times, at, side="left"))
         bends = np.array([*self._bends, last])
@@ -140,7 +129,7 @@ class Carried:
         nodes = nodes[np.append(np.diff(times[nodes]) > 0.0, True)]
         weights = _lagrange(times[nodes], at)
         known = np.array([*self._breaks, 0.0])[nodes]
-        return Line(float(weights[-1]) if nodes[-1] == last else 0.0, float(weights @ known))
+        return float(weights[-1]) if nodes[-1] == last else 0.0, float(weights @ known)
 
     def _speed(self, travel: float, duration: float) -> float:
         """|dX/dt| at the end of a step, from the mean of this one and of the last."""
@@ -155,7 +144,7 @@ class Carried:
     def take(self, trial: Trial) -> None:
         """Take the step."""
         self.steps += 1
-        self.work += np.count_nonzero(trial.cohorts.held) * trial.cohorts.work
+        self.work += np.count_nonzero(trial.cohorts.left[0]) * trial.cohorts.work
         if self.steps > self._allowed.steps or self.work > self._allowed.work:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
             raise TooLongError(f"{done}, and more are not taken on")
@@ -165,9 +154,11 @@ class Carried:
         self.place, self.now = self.place + trial.travel, trial.now
         self.cohorts, self.force, self.holding = trial.cohorts, trial.force, trial.holding
         self._add(trial.breaks, trial.births)
-        held, pull = self.cohorts.held[1:], self.cohorts.pull[1:]
+        held, pull = self.cohorts.left[:, 1:]
         # a step of whose first births most are gone and of whose last births most are not
-        apart = np.where(held[:-1] < MOST_GONE * held[1:], 0.5 * np.abs(np.diff(pull)), 0.0)
+        # share of the births at the end of a step that is left of those at its beginning, below
+        # which it is not known how many of the births in between hold
+        apart = np.where(held[:-1] < 0.5 * held[1:], 0.5 * np.abs(np.diff(pull)), 0.0)
         self.unresolved = max(self.unresolved, float(apart @ np.abs(np.diff(self._births))))
 
     def after(self, trial: Trial) -> Carried:
@@ -187,9 +178,9 @@ class Carried:
         """A finite share is born where the slider stands: two births with nothing between."""
         self.bend()
         self.cohorts = self.cohorts.born(0.0)
-        held, pull = self.cohorts.spread()
-        self.force += float(pull[-1]) * weight
-        self.holding += float(held[-1]) * weight
+        held, pull = self.cohorts.between()[:, -1].tolist()
+        self.force += pull * weight
+        self.holding += held * weight
         self._add(self.breaks, self._births[-1] + weight)
         self.bend()
 

@@ -13,17 +13,11 @@ import numpy.typing as npt
 from master.lives.age.grid import narrowest
 from master.lives.grains import GrainLife, pinned_hazard
 from master.lives.growing_thresholds import GrowingThresholds
-from master.soft.in_time.memory import Left, Leg, Scales, width_of
+from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Leg, Memory, Scales, width_of
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Nodes for a spread start, and more with each level.
-STARTS, MORE_STARTS = 24, 8
-# Length over which births change, in the narrowest widths of the laws of thresholds.
-STEPS = 2.0
-# The first step of a hold, in pinning times.
-SHORT = 0.05
 # The longest time that grains are followed for, in pinning times: they hardly grow beyond.
 LONGEST = 1e7
 # Columns of what is kept: the largest hazard, the hazard at birth, and the time since pinning.
@@ -34,7 +28,7 @@ CELLS, CHANGE, GONE = 16, 2.0, 90.0
 EARLIEST, LATEST, TIMES = 1e-5, 1e7, 400
 
 
-class GrainMemory:
+class GrainMemory(Memory):
     """Growing grains without heat: largest hazard, that at birth, and the time since pinning."""
 
     width, error = 3, 1e-13
@@ -45,11 +39,13 @@ class GrainMemory:
         self._grains, self._first = grains, grains.growth.first_pinning_time
         life = GrainLife(contacts, LONGEST * self._first)
         self._start_since, self.reach = life.start_since, life.start_reach
-        self.starts = STARTS + MORE_STARTS * level
+        self.starts = FEW_STARTS + MORE_STARTS * level
         # as fast as grains grow, few hold and at small stretches
         quick = grains.breaking(1.0 / (np.sqrt(grains.growth.B) * self._first))
-        length = STEPS * min(width_of(contacts), narrowest(quick))
-        self.scales = Scales(length, SHORT * self._first)
+        # length over which births change, in the narrowest widths of the laws of thresholds
+        length = 2.0 * min(width_of(contacts), narrowest(quick))
+        # the first step of a hold, in pinning times
+        self.scales = Scales(length, 0.05 * self._first)
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
@@ -73,10 +69,10 @@ class GrainMemory:
         out[:, WORST] = np.maximum(out[:, WORST], now)
         return out
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
-        held, none = self._held(kept), np.zeros(stretch.size)
-        return Left(held, stretch * held, none, none)
+        held = self._held(kept)
+        return np.stack([held, stretch * held])
 
     def _held(self, kept: Array) -> Array:
         return np.exp(kept[:, FIRST] - kept[:, WORST])

@@ -16,45 +16,36 @@ from master.lives.heat.replay import Replay
 from master.lives.heat.replayed import rates_of
 from master.lives.heat.threshold_panels import Stiffness
 from master.motion.motion import Legs
-from master.soft.in_time.memory import STARTS, Left, Leg, Scales, width_of
+from master.soft.in_time.memory import Leg, Memory, Scales, width_of
 from origins import Contacts
 from origins.laws.rate_law import RateLaw
 
 Array = npt.NDArray[np.float64]
 
-# The weakest three in ten of the fresh contacts do not count in the rate that steps resolve: they
-# are gone soon, and others feel little of it.
-WEAK = 0.3
 # Share of contacts to which sums over thresholds are known.
 SUMS = 1e-12
 # The logarithm of a share that is none.
 NONE_LEFT = -745.0
-# Widths of P_c over which the rate changes by less than a factor e are a thin skin.
-THIN = 0.005
 
 
-class ProportionalMemory:
+class ProportionalMemory(Memory):
     """Exact closure, where ln h is a sum of a function of x and one of the threshold (soft contacts).
 
     A at one threshold tells it at all others: ln A = ln W + ln h(0; x_s), and ln W is kept.
     """
 
-    width, error, starts = 1, SUMS, STARTS
+    width, error = 1, SUMS
 
     def __init__(self, contacts: Contacts) -> None:
-        self._law, self._rates = contacts.thresholds, rates_of(contacts)
-        self._above = Above(self._law, self._rates, None)
-        self._atoms = list(zip(*self._law.atoms, strict=True))
+        law, self._rates = contacts.thresholds, rates_of(contacts)
+        self._above = Above(law, self._rates, None)
+        self._atoms = list(zip(*law.atoms, strict=True))
         self.reach = reach_of(contacts)
         self.scales = scales_of(contacts)
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
         return np.full((stretch.size, 1), -np.inf)
-
-    def fresh(self, stretch: Array, speed: float) -> Array:
-        """See Memory."""
-        return self.start(stretch)
 
     def advance(self, kept: Array, leg: Leg) -> Array:
         """See Memory."""
@@ -65,27 +56,26 @@ class ProportionalMemory:
         spent = replay.log_spent(every, least[:, None])[:, 0]
         return np.logaddexp(kept[:, 0], spent - self._rates.log_rate(0.0, least, 1.0))[:, None]
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
-        law, least = self._law, np.maximum(furthest, 1e-300)
+        least = np.maximum(furthest, 1e-300)
         spent = kept[:, 0] + self._rates.log_rate(0.0, least, 1.0)
         known = Replay.known(self._rates, furthest, np.maximum(spent, NONE_LEFT))
         held = self._above.sums(known, np.ones(furthest.size))[0]
         for position, weight in self._atoms:
             level = kept[:, 0] + self._rates.log_rate(0.0, position, 1.0)
             held += weight * (furthest < position * (1.0 - TIE)) * _kept(level)
-        edge = law.pdf(furthest) * _kept(spent)
-        return Left(held, stretch * held, edge, edge)
+        return np.stack([held, stretch * held])
 
 
-class MeanRateMemory:
+class MeanRateMemory(Memory):
     """The paper's closure: all break at the mean rate, and thresholds tell where |x| grows.
 
     Kept are the logarithm of what is left, and |x| at birth. Of what a contact has survived nothing
     is remembered: one that goes out again may break at all that it has passed before (App. C).
     """
 
-    width, error, starts = 2, 1e-12, STARTS
+    width = 2
 
     def __init__(self, contacts: Contacts) -> None:
         life = MeanRateLife(contacts)
@@ -96,10 +86,6 @@ class MeanRateMemory:
     def start(self, stretch: Array) -> Array:
         """See Memory."""
         return np.stack([np.zeros(stretch.size), np.abs(stretch)], axis=1)
-
-    def fresh(self, stretch: Array, speed: float) -> Array:
-        """See Memory."""
-        return self.start(stretch)
 
     def advance(self, kept: Array, leg: Leg) -> Array:
         """See Memory."""
@@ -117,11 +103,10 @@ class MeanRateMemory:
             log_share = log_share - mean * leg.duration
         return np.stack([np.maximum(log_share, NONE_LEFT), born], axis=1)
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
         held = np.where(kept[:, 0] > NONE_LEFT, np.exp(kept[:, 0]), 0.0)
-        none = np.zeros(held.size)
-        return Left(held, stretch * held, none, none)
+        return np.stack([held, stretch * held])
 
     def _log_survival(self, x: Array) -> Array:
         return np.maximum(self._law.logsf(x * (1.0 + TIE)), 2.0 * NONE_LEFT)
@@ -144,7 +129,9 @@ def scales_of(contacts: Contacts) -> Scales:
     rank = (np.arange(200) + 0.5) / 200.0
     fresh = np.maximum(np.asarray(law.ppf(rank)), 1e-12 * unit)
     each = rates.rate(0.0, fresh, contacts.relative_stiffness(fresh))
-    weakest = np.maximum(np.array([float(law.ppf(WEAK))]), 1e-12 * unit)
+    # the weakest three in ten of the fresh contacts do not count in the rate that steps resolve:
+    # they are gone soon, and others feel little of it
+    weakest = np.maximum(np.array([float(law.ppf(0.3))]), 1e-12 * unit)
     most = float(rates.rate(0.0, weakest, contacts.relative_stiffness(weakest))[0])
     if thermal.closure == "paper":
         most = np.inf
@@ -152,7 +139,8 @@ def scales_of(contacts: Contacts) -> Scales:
     # stretch below the threshold over which ln h changes by 1
     below = unit * (1.0 - np.array([0.1, 0.11]))
     rise = -float(np.diff(rates.log_rate(below, mean, 1.0))[0]) / (0.01 * unit)
-    skin = 1.0 / rise if rise * width * THIN > 1.0 else 0.0
+    # widths of P_c over which the rate changes by less than a factor e are a thin skin
+    skin = 1.0 / rise if rise * width * 0.005 > 1.0 else 0.0
     return Scales(width, 1.0 / rates.scale, min(float(each.mean()), most), skin=skin)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,9 +13,9 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Nodes for the stretches at the start where each costs little in a step; and where each is dear,
-# on the coarsest steps and more on each finer level.
-STARTS, FEW_STARTS, MORE_STARTS = 400, 24, 8
+# Nodes for a spread start where each is dear in a step: on the coarsest steps, and more on each
+# finer level.
+FEW_STARTS, MORE_STARTS = 24, 8
 
 
 class Scales(NamedTuple):
@@ -49,22 +49,9 @@ class Leg(NamedTuple):
     duration: float
 
 
-class Left(NamedTuple):
-    """What is left of contacts, arrays of shape (n,), all times the share that holds at their birth.
-
-    held : share that holds; force : the sum of their k x over <k> (lengths)
-    edge, edge_stiff : density of thresholds at the largest |x|, per length, and times k_i/<k>: how
-        fast the share and its stiffness fall where the largest |x| grows
-    """
-
-    held: Array
-    force: Array
-    edge: Array
-    edge_stiff: Array
-
-
-class Memory(Protocol):
-    """What one law of contacts remembers and makes of it.
+class Memory:
+    """What one law of contacts remembers and makes of it; here of contacts that remember nothing
+    but their largest |x|, as they break at their thresholds alone.
 
     Attributes
     ----------
@@ -80,26 +67,31 @@ class Memory(Protocol):
     """
 
     scales: Scales
-    error: float
-    reach: float
-    width: int
-    starts: int
+    width, starts, reach, error = 0, 400, np.inf, 1e-15
+
+    def __init__(self, contacts: Contacts) -> None:
+        self._life = ColdLife(contacts)
+        self.reach, self.scales = self._life.reach, Scales(width_of(contacts))
 
     def start(self, stretch: Array) -> Array:
         """Numbers, shape (n, width), of contacts that stand at stretches (n,) at t = 0."""
-        ...
+        return np.zeros((stretch.size, self.width))
 
     def fresh(self, stretch: Array, speed: float) -> Array:
         """Numbers of contacts that are born at stretches (n,) on a slider of this speed."""
-        ...
+        return self.start(stretch)
 
     def advance(self, kept: Array, leg: Leg) -> Array:
         """Numbers after a move, shape (n, width)."""
-        ...
+        return kept
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
-        """What is left of contacts by their numbers, stretches and largest |x|, shapes (n,)."""
-        ...
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
+        """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n).
+
+        Both times the share that holds at birth, by numbers, stretches and largest |x|.
+        """
+        seen: Any = _Seen(stretch[:, None], furthest[:, None], np.zeros((furthest.size, 1)))
+        return self._life.left(np.zeros((1, 1)), seen)[:, :, 0]
 
 
 class _Seen(NamedTuple):
@@ -108,38 +100,6 @@ class _Seen(NamedTuple):
     now: Array
     high: Array
     low: Array
-
-
-class ColdMemory:
-    """Contacts that break at their thresholds alone: their largest |x| is all there is to know."""
-
-    width, error, starts = 0, 1e-15, STARTS
-
-    def __init__(self, contacts: Contacts) -> None:
-        self._life, self._law = ColdLife(contacts), contacts.thresholds
-        self._stiffness = contacts.relative_stiffness
-        self.reach = self._life.reach
-        self.scales = Scales(width_of(contacts))
-
-    def start(self, stretch: Array) -> Array:
-        """See Memory."""
-        return np.empty((stretch.size, 0))
-
-    def fresh(self, stretch: Array, speed: float) -> Array:
-        """See Memory."""
-        return np.empty((stretch.size, 0))
-
-    def advance(self, kept: Array, leg: Leg) -> Array:
-        """See Memory."""
-        return kept
-
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
-        """See Memory."""
-        x, m = stretch[:, None], furthest[:, None]
-        seen: Any = _Seen(x, m, np.zeros(m.shape))
-        held, force = self._life.left(np.zeros((1, 1)), seen)[:, :, 0]
-        edge = np.asarray(self._law.pdf(furthest))
-        return Left(held, force, edge, edge * self._stiffness(np.maximum(furthest, 1e-300)))
 
 
 def width_of(contacts: Contacts) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +9,6 @@ from scipy.optimize import brentq
 
 from master.soft.in_time.carried import Allowed, Carried, TooLongError, Trial
 from master.soft.in_time.cohorts import Cohorts
-from master.soft.in_time.secants import foreseen
 from master.soft.in_time.steps import Steps
 from master.soft.in_time.track import Piece, Track
 from origins.drive import SlipRule
@@ -18,10 +16,6 @@ from origins.drive import SlipRule
 # Length of a step in a search for the end of a slip in which none is born, as a share of the length
 # over which births change; and share of a step by which a slip goes on at least.
 SCAN, LEAST_SLIP = 0.06, 1e-4
-# Halvings of the last step before a slip, of contacts of which none stand right at their thresholds.
-NEARER = 4
-# Accuracy of a slip's end, in mean thresholds.
-ENDS = 1e-15
 # Slips, and steps of a search for the end of one.
 MOST_SLIPS = 20_000
 
@@ -40,9 +34,9 @@ class Task(NamedTuple):
     """What is asked of a slider.
 
     pieces : of the drive
-    spring : K/(N_c <k>), inf of a rigid slider; rule : what a slip does
+    spring : K/(N_c <k>); rule : what a slip does
     delay : of the contacts; unit : mean threshold (a length)
-    again : makes the contacts that a reset leaves
+    again : the contacts that a reset leaves
     close : share of a step to which its balance is found
     """
 
@@ -51,15 +45,8 @@ class Task(NamedTuple):
     rule: SlipRule
     delay: float
     unit: float
-    again: Callable[[], Cohorts]
+    again: Cohorts
     close: float
-
-
-class Planned(NamedTuple):
-    """How many steps, inf where that is not known, of which size."""
-
-    number: float
-    size: float
 
 
 class Pulled:
@@ -140,7 +127,7 @@ class Pulled:
             here.now, here.place = here.now + period, slip.after
             if len(self.slips) > MOST_SLIPS:
                 raise TooLongError
-        here.settle(self._task.again())
+        here.settle(self._task.again)
         return False
 
     def _slide(self, end: float) -> bool:
@@ -150,31 +137,30 @@ class Pulled:
         here.bend()
         self._write(track, 0.0)
         steps.start(end, track)
-        # the time is all there is to a rigid slider's steps
-        planned = self._planned(steps.clock.count(end) if steps.rigid else 0.0)
-        total, shares, taken, let_go = 0.0, [0.5], 0, False
+        number, size = self._planned()
+        total, share, taken, let_go = 0.0, 0.5, 0, False
         while not let_go and here.now < end:
             taken += 1
-            share = foreseen(shares)
             # the last of the planned steps takes what is left
-            late = taken >= planned.number
-            trial = steps.step(1.5 * planned.size if late else planned.size, share)
+            late = taken >= number
+            trial = steps.step(1.5 * size if late else size, share)
             if trial.now >= end:
                 trial = steps.to(end, trial.travel)
-            if trial.now <= here.now or steps.past(trial, planned.size):
+            if trial.now <= here.now or steps.past(trial, size):
                 let_go = True
-                for _ in range(NEARER if steps.fuzzy else 0):
+                # where none stand right at their thresholds the last step is halved, to be near
+                for _ in range(4 if steps.fuzzy else 0):
                     half = steps.balanced(0.5 * steps.onset(trial.travel).travel)
                     total += self._take(half, track, total)
                     trial = trial._replace(travel=trial.travel - half.travel)
                 trial = steps.onset(trial.travel)
             elif trial.now < end and late:
-                trial = steps.step(planned.size, share)
+                trial = steps.step(size, share)
             time = steps.clock.count(trial.now) - steps.clock.count(here.now)
             stretch = self._take(trial, track, total)
             if stretch > 0.0:
                 total += stretch
-                shares.append(time / stretch)
+                share = time / stretch
         self.stretches.append(total)
         return let_go
 
@@ -186,18 +172,17 @@ class Pulled:
             self._write(track, total + size)
         return size
 
-    def _planned(self, length: float = 0.0) -> Planned:
+    def _planned(self) -> tuple[float, float]:
         """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take.
 
-        length : in steps of the coarsest, where that is known beforehand
+        How many, inf where that is not known, and their size.
         """
         number, finer = len(self.stretches), 2**self._level
-        if not length and number < len(self._plan):
-            length = self._plan[number]
+        length = self._plan[number] if number < len(self._plan) else 0.0
         if not length:
-            return Planned(np.inf, 1.0 / finer)
+            return np.inf, 1.0 / finer
         count = int(np.ceil(length)) * finer
-        return Planned(count, length / count)
+        return count, length / count
 
     def _write(self, track: Track, total: float) -> None:
         here = self.contacts
@@ -212,8 +197,8 @@ class Pulled:
         here, rule = self.contacts, self._task.rule
         drive, before, force = self._steps.piece.at(here.now), here.place, here.force
         if rule == "reset":
-            cohorts = self._task.again()
-            here.place = drive - float(cohorts.pull[0]) / self._task.spring
+            cohorts = self._task.again
+            here.place = drive - float(cohorts.left[1, 0]) / self._task.spring
             here.settle(cohorts)
         else:
             self._rush(rule == "reform-after" or self._task.delay > 0.0)
@@ -223,7 +208,7 @@ class Pulled:
         """On to the first balance; where `out` what breaks is born no sooner than that."""
         here, unit = self.contacts, self._task.unit
         steps = self._steps
-        step = SCAN * steps.scales.length if out else self._planned().size * steps.length
+        step = SCAN * steps.scales.length if out else self._planned()[1] * steps.length
         size = steps.sign * step
         here.bend()
         begin, broken, travel = here.place, here.breaks, 0.0
@@ -247,7 +232,8 @@ class Pulled:
             return steps.lack(here.tried(way, here.now, out))
 
         if lacks(low) > 0.0:
-            low = float(brentq(lacks, low, travel + size, xtol=ENDS * unit))
+            # accuracy of a slip's end, in mean thresholds
+            low = float(brentq(lacks, low, travel + size, xtol=1e-15 * unit))
         here.take(here.tried(low, here.now, out))
         here.bend()
         if not out:

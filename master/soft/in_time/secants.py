@@ -6,19 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-# A guess further than this from the last value is none.
-UNLIKE = 0.2
 ITERATIONS = 40
 Function = Callable[[float], float]
-
-
-def foreseen(values: list[float]) -> float:
-    """The next of them, by the parabola through the last; the first is a guess."""
-    if len(values) < 4:
-        return values[-1]
-    a, b, c = values[-3:]
-    guess = a + 3.0 * (c - b)
-    return guess if abs(guess - c) < UNLIKE else c
 
 
 def secant(

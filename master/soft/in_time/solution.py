@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import time as clock
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from master.outcome import Progress, outcome, unheard
-from master.soft.in_time.make import Maker
-from master.soft.in_time.refining import Refined, refined
+from master.soft.in_time.cohorts import Cohorts
+from master.soft.in_time.make import memory_of
+from master.soft.in_time.refining import refined
 from master.soft.in_time.track import pieces, reached
-from master.soft.regime import Course, regime
+from master.soft.regime import Course
 from master.soft.slips import Slips
-from master.soft.solution import SoftSolution
-from origins import Contacts, Drive, InputError
-from origins.brief import brief
+from master.soft.solution import AT_REST, SoftSolution, solution_of
+from master.solution import Solution
+from origins import Contacts, Drive
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
@@ -26,62 +26,45 @@ Array = npt.NDArray[np.float64]
 SAME = 1e-12
 
 
-@dataclass(frozen=True)
-class TimedSolution:
-    """F along a rigid slider's path in time; fields as in master.solution.Solution.
-
-    `nodes` are steps, and `force_error` is an estimate.
-    """
-
-    path: Array
-    time: Array
-    force: Array
-    force_error: float
-    holding: Array
-    run_time: float
-    nodes: int
-    success: bool
-    message: str
-
-    __repr__ = brief
-
-    def distribution(self, point: int) -> None:
-        """Q(x;X) is not known where contacts grow in heat: InputError."""
-        raise InputError(
-            "contacts.grains: Q(x;X) is not known along paths in time yet where contacts grow"
-        )
-
-
 def solve_given(
     contacts: Contacts,
     drive: Drive,
     tolerance: float,
     progress: Progress = unheard,
     wall_time: float | None = None,
-) -> TimedSolution:
+) -> Solution:
     """Force on a rigid slider on steps halved until they tell it to the tolerance; see `solve`.
 
-    As where grains grow in heat and the path turns or holds: what each strand has spent is kept, so
-    that a step costs the same however many legs lie behind it.
+    As where grains grow in heat and the path turns or holds: a slider on a spring so stiff that it
+    stands where the drive does.
 
     Raises InputError where a path takes too many steps.
     """
     began = clock.perf_counter()
     until = np.inf if wall_time is None else clock.monotonic() + wall_time
-    maker = Maker(contacts, _fastest(drive))
-    found = refined(contacts, maker, drive, 0.0, tolerance, progress, until)
-    told = found.force.size
-    success, message = _outcome(contacts, drive, found, tolerance, "X")
-    return TimedSolution(
-        path=drive.path[:told],
-        time=reached(drive, 0.0)[:told],
+    # on this spring, K/(N_c <k>), a slider is as good as rigid: X is off by F/K
+    stiff = Drive(drive.path, drive.velocity, drive.time, 1e10, drive.slip)
+    found = refined(contacts, stiff, 0.0, tolerance, progress, until)
+    end = drive.path[: found.force.size]
+    success, message = outcome(contacts, found.error, tolerance, found.reason)
+    if end.size < drive.path.size:
+        last = f"X = {end[-1]:.6g}" if end.size else "the first point"
+        success, message = False, f"stopped at {last} by wall_time; the path is cut there"
+    times = reached(drive, 0.0)[: end.size]
+    run_time = clock.perf_counter() - began
+    return Solution(
+        path=end,
         force=found.force,
+        time=times,
         force_error=found.error,
         holding=found.holding,
-        run_time=clock.perf_counter() - began,
+        run_time=run_time,
         nodes=found.steps,
         success=success,
         message=message,
+        _march=None,
+        _by_index=True,
+        _moments=times,
     )
 
 
@@ -108,62 +91,41 @@ def solve_in_time(
     unit, spring, waits = contacts.mean_threshold, drive.spring, contacts.delay is not None
     out = drive.slip == "reform-after" or (waits and drive.slip == "instant")
     if contacts.reforming is not None and out:
-        rule = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
-        refuse("slip", drive.slip, rule)
-    maker = Maker(contacts, _fastest(drive))
-    balance = float(maker.all(0).pull[0]) / spring
+        refuse("slip", drive.slip, AT_REST)
+    balance = float(Cohorts.of(contacts, memory_of(contacts, 0, 1.0), 0).left[1, 0]) / spring
     if abs(drive.path[0] - balance) <= SAME * unit:
         balance = float(drive.path[0])  # a start of no mean stretch is one of rounding
     late = drive.time is not None and drive.time[0] == 0.0
     if late and abs(drive.path[0] - balance) > SAME * unit:
         rule = f"at time 0 the drive stands where it balances the start, {balance:.9g}"
         refuse("path[0]", drive.path[0], rule)
-    found = refined(contacts, maker, drive, balance, tolerance, progress, until)
-    told, error = found.force.size, found.error
-    success, message = _outcome(contacts, drive, found, tolerance, "X_T")
+    found = refined(contacts, drive, balance, tolerance, progress, until)
+    position = drive.path[: found.force.size] - found.force / spring
     drives, before, after, above, below = found.slips
-    slips = Slips(drives, before, after, above, below, error * unit / spring)
-    position = drive.path[:told] - found.force / spring
-    moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
-    course = None
-    if moving:
-        way = sum(abs(piece.travel) for piece in moving)
-        mean = way / sum(piece.duration for piece in moving)
-        speed = drive.velocity if drive.time is None else mean
-        times, last = reached(drive, balance)[:told], moving[-1]
-        course = Course(times, found.force, position, last.begin, last.speed, speed)
-    known = told == drive.path.size and bool(np.isfinite(error))
-    return SoftSolution(
-        path=drive.path[:told],
+    return solution_of(
+        contacts,
+        drive,
+        tolerance,
+        began,
+        found.reason,
+        "by wall_time",
+        _course(drive, balance, found.force, position),
         balance=balance,
         position=position,
         force=found.force,
-        force_error=error,
         holding=found.holding,
-        slips=slips,
-        period=slips.period,
-        regime=regime(contacts, drive, slips, tolerance, known, course),
-        run_time=clock.perf_counter() - began,
+        slips=Slips(drives, before, after, above, below, found.error * unit / spring),
+        force_error=found.error,
         nodes=found.steps,
-        success=success,
-        message=message,
     )
 
 
-def _fastest(drive: Drive) -> float:
-    """Largest speed of the drive from the first point of its path on."""
-    if drive.time is None or drive.path.size < 2:
-        return drive.velocity
-    steps = np.diff(drive.time)
-    return float((np.abs(np.diff(drive.path))[steps > 0.0] / steps[steps > 0.0]).max(initial=0.0))
-
-
-def _outcome(
-    contacts: Contacts, drive: Drive, found: Refined, tolerance: float, axis: str
-) -> tuple[bool, str]:
-    """Success, and in words what was reached."""
-    told = found.force.size
-    if told == drive.path.size:
-        return outcome(contacts, found.error, tolerance, found.reason)
-    last = f"{axis} = {drive.path[told - 1]:.6g}" if told else "the first point"
-    return False, f"stopped at {last} by wall_time; the path is cut there"
+def _course(drive: Drive, balance: float, force: Array, position: Array) -> Course | None:
+    """How the slider moved; None where it did not."""
+    moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
+    if not moving:
+        return None
+    way, lasts = (sum(getattr(one, name) for one in moving) for name in ("way", "duration"))
+    speed = drive.velocity if drive.time is None else way / lasts
+    times, last = reached(drive, balance)[: force.size], moving[-1]
+    return Course(times, force, position, last.begin, last.speed, speed)

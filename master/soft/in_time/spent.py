@@ -16,7 +16,7 @@ from master.lives.cold import TIE
 from master.lives.heat.replayed import rates_of
 from master.lives.heat.threshold_panels import Panels, law_edges, nodes
 from master.soft.in_time.heat import reach_of, replay_of, scales_of
-from master.soft.in_time.memory import Left, Leg
+from master.soft.in_time.memory import Leg, Memory
 from origins import Contacts
 from origins.errors import InputError
 from origins.laws.rate_law import RateLaw
@@ -30,16 +30,12 @@ SEEN, LOOKS = 5.0, np.array([0.0, 0.5, 0.9])
 ERROR = 1e-7
 # Share of the contacts beyond both ends of the panels.
 TAIL = 1e-14
-# Nodes of a strand: colder contacts need more, and their sliders' steps take too long.
-MOST_NODES = 30_000
-# A beyond which nothing is left; ln A below which nothing is spent.
-GONE, QUIET = 500.0, -45.0
 # Places nearer to a node than this share of a panel are the node.
 AT_NODE = 1e-14
 SIZE = 16
 
 
-class SpentMemory:
+class SpentMemory(Memory):
     """What each strand keeps: m where its own nodes stand, A at the fixed ones, at single exact
     thresholds, and at its own nodes.
 
@@ -57,25 +53,26 @@ class SpentMemory:
         self._law, self._rates = law, rates
         self._stiffness = contacts.relative_stiffness if linked else None
         self._kappa = contacts.relative_stiffness
-        self._atoms, self._atom_weights = law.atoms
         self._edges = _fine_edges(contacts, rates)
         count = max(self._edges.size - 1, 0)
-        if count * SIZE > MOST_NODES:
+        # nodes of a strand, at most: with those of colder contacts steps take too long
+        if count * SIZE > 30_000:
             raise InputError(
                 f"thermal: contacts of {rates.name} rates that break within so thin a skin of "
                 "thresholds are not followed under a spring; take a higher temperature"
             )
         low, high = self._edges[:-1], self._edges[1:]
         xi, weight = nodes(law, Panels(np.arange(count), low, high, low, low), None)
-        self._fixed, weight = xi.ravel(), weight.ravel()
+        atoms, shares = law.atoms
+        self._fixed, weight = np.append(xi, atoms), np.append(weight, shares)
         self._weights = np.stack([weight, weight * self._kappa(self._fixed)], axis=1)
+        self._atoms = atoms * (1.0 - TIE)
         # own nodes end where the next panel but one begins, lest m be close to its end
         bends = np.abs(self._edges[1:-1, None] - law.breakpoints).min(axis=1, initial=np.inf) > 0.0
         self._last = np.arange(1, count + 1)
         self._last[:-1] += bends
-        ends = self._fixed.size + np.array([1, 1 + self._atoms.size])
-        self._parts = slice(1, ends[0]), slice(ends[0], ends[1]), slice(ends[1], ends[1] + SIZE)
-        self.width, self.reach = int(ends[1]) + SIZE, reach_of(contacts)
+        self._own_part = slice(1 + self._fixed.size, 1 + self._fixed.size + SIZE)
+        self.width, self.reach = self._own_part.stop, reach_of(contacts)
         self.scales = scales_of(contacts)
         # places of the nodes on a panel and in the root of the way, and barycentric weights
         z = np.polynomial.legendre.leggauss(SIZE)[0]
@@ -90,70 +87,52 @@ class SpentMemory:
         kept[:, 0] = np.abs(stretch)
         return kept
 
-    def fresh(self, stretch: Array, speed: float) -> Array:
-        """See Memory."""
-        return self.start(stretch)
-
     def advance(self, kept: Array, leg: Leg) -> Array:
         """See Memory."""
-        fixed, atoms, own = self._parts
         out, m = kept.copy(), leg.furthest
         grown = np.flatnonzero(m > kept[:, 0])
-        out[grown, own] = self._moved(kept[grown], m[grown])
+        out[grown, self._own_part] = self._moved(kept[grown], m[grown])
         out[:, 0] = m
         if leg.duration:
-            replay, every = replay_of(leg, self._rates, self._stiffness), np.arange(m.size)
-            first, last = self._loud(leg)
-            some = slice(fixed.start + first, fixed.start + last)
-            at = np.concatenate(
-                [
-                    np.maximum(self._fixed[first:last], m[:, None]),
-                    np.maximum(self._atoms, m[:, None]),
-                    np.maximum(self._own(m)[0], m[:, None]),
-                ],
-                axis=1,
-            )
-            spent = replay.spent(every, at)
-            ends = np.cumsum([last - first, self._atoms.size])
-            out[:, some] += spent[:, : ends[0]]
-            out[:, atoms] += spent[:, ends[0] : ends[1]]
-            out[:, own] += spent[:, ends[1] :]
+            some = self._loud(leg)
+            fixed = np.broadcast_to(self._fixed[some], (m.size, some.size))
+            at = np.maximum(np.concatenate([fixed, self._own(m)[0]], axis=1), m[:, None])
+            replay = replay_of(leg, self._rates, self._stiffness)
+            spent = replay.spent(np.arange(m.size), at)
+            out[:, 1 + some] += spent[:, : some.size]
+            out[:, self._own_part] += spent[:, some.size :]
         return out
 
-    def _loud(self, leg: Leg) -> tuple[int, int]:
-        """The fixed nodes, from one to another, at which any strand spends anything on a leg."""
-        first = int(np.searchsorted(self._fixed, leg.furthest.min()))
+    def _loud(self, leg: Leg) -> Rows:
+        """The fixed nodes at which any strand spends anything on a leg: few where it is cold."""
         far = np.maximum(np.abs(leg.begin), np.abs(leg.end)).max()
         beyond = np.maximum(self._fixed, far)
         with np.errstate(divide="ignore"):
             most = self._rates.log_rate(far, beyond, self._kappa(beyond)) + np.log(leg.duration)
         # stiff contacts right at their threshold hardly break: those beyond do
-        loud = np.flatnonzero((most > QUIET) | (self._fixed <= far))
-        last = int(loud[-1]) + 1 if loud.size else first
-        return min(first, last), min(last + SIZE, self._fixed.size)
+        # ln A below which nothing is spent
+        loud = np.flatnonzero((most > -45.0) | (self._fixed <= far))
+        last = self._fixed[loud].max(initial=0.0)
+        met = self._fixed >= leg.furthest.min()
+        return np.flatnonzero(met & (self._fixed <= last))
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Left:
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
-        fixed, atoms, own = self._parts
-        held = np.zeros((furthest.size, 2))
-        edge = np.asarray(self._law.pdf(furthest), dtype=float)
-        if self._fixed.size:
-            xi, weight = self._own(furthest)
-            left = weight * np.exp(-np.minimum(kept[:, own], GONE))
-            held += np.stack([left.sum(axis=1), (left * self._kappa(xi)).sum(axis=1)], axis=1)
-            # what is beside m is summed by own nodes
-            beyond = SIZE * self._last[self._panel(furthest)]
-            first = int(beyond.min())
-            share = np.exp(-np.minimum(kept[:, fixed][:, first:], GONE))
-            share *= np.arange(first, self._fixed.size) >= beyond[:, None]
-            held += share @ self._weights[first:]
-            edge *= np.exp(-np.minimum(kept[:, own.start], GONE))
-        for k, (position, weight) in enumerate(zip(self._atoms, self._atom_weights, strict=True)):
-            here = weight * (furthest < position * (1.0 - TIE))
-            here = here * np.exp(-np.minimum(kept[:, atoms.start + k], GONE))
-            held += np.stack([here, here * self._kappa(position)], axis=1)
-        stiff = edge * self._kappa(np.maximum(furthest, 1e-300))
-        return Left(held[:, 0], stretch * held[:, 1], edge, stiff)
+        # what is beside m is summed by own nodes
+        beyond = SIZE * self._last[self._panel(furthest)] if self._edges.size else furthest
+        there = np.concatenate(
+            [
+                np.arange(self._fixed.size - self._atoms.size) >= beyond[:, None],
+                self._atoms > furthest[:, None],
+            ],
+            axis=1,
+        )
+        survived = np.exp(-kept[:, 1:])
+        held = (survived[:, : self._fixed.size] * there) @ self._weights
+        xi, weight = self._own(furthest)
+        beside = survived[:, self._fixed.size :] * weight
+        stiff = held[:, 1] + (beside * self._kappa(xi)).sum(axis=1)
+        return np.stack([held[:, 0] + beside.sum(axis=1), stretch * stiff])
 
     def _panel(self, m: Array) -> Rows:
         """The panel that holds m, the first or last where none does."""
@@ -162,7 +141,7 @@ class SpentMemory:
 
     def _own(self, m: Array) -> tuple[Array, Array]:
         """Thresholds beside m and their weights by P_c, both of shape (n, SIZE)."""
-        if not self._fixed.size:
+        if not self._edges.size:
             return np.repeat(m[:, None], SIZE, axis=1), np.zeros((m.size, SIZE))
         end = self._edges[self._last[self._panel(m)]]
         # where all have been met what is left of the panel holds nothing
@@ -171,8 +150,7 @@ class SpentMemory:
 
     def _moved(self, kept: Array, m: Array) -> Array:
         """A at the nodes beside larger m, from where it stood before; shape (n, SIZE)."""
-        fixed, _, own = self._parts
-        if not (self._fixed.size and m.size):
+        if not (self._edges.size and m.size):
             return np.zeros((m.size, SIZE))
         at = self._own(m)[0]
         before = self._last[self._panel(kept[:, 0])]
@@ -191,12 +169,12 @@ class SpentMemory:
         apart = share[:, :, None] - self._places
         rule = self._barycentric / np.where(np.abs(apart) < AT_NODE, AT_NODE, apart)
         rule /= rule.sum(axis=-1, keepdims=True)
-        values = kept[:, own][:, None, :]
+        values = kept[:, self._own_part][:, None, :]
         found = (rule * values).sum(axis=-1)
         row, node = np.nonzero(~beside)
         if row.size:
             column = panel[row, node][:, None] * SIZE + np.arange(SIZE)
-            found[row, node] = (rule[row, node] * kept[:, fixed][row[:, None], column]).sum(axis=-1)
+            found[row, node] = (rule[row, node] * kept[:, 1:][row[:, None], column]).sum(axis=-1)
         return np.maximum(found, 0.0)
 
 

@@ -5,7 +5,7 @@ the slider creeps and where it runs ahead of a slip, in which dX/dt grows withou
 smooth in X. The slider lets go where the force falls faster than the spring's as it moves in no
 time, F'(X) = -K. Where thresholds fluctuate, or heat has broken the weakest, none stand right at a
 stretch, and motion in no time breaks none at first: there it lets go where X_T, as a function of X,
-has come furthest. A rigid slider is one whose spring is stiff without end, so that X = X_T.
+has come furthest.
 """
 
 from __future__ import annotations
@@ -22,10 +22,6 @@ COARSEST = 0.5
 # What the way of the drive counts less than that of the slider in a step: it is the slider that must
 # be followed.
 LESS = 0.25
-# Share of a step's usual time that it takes where the slider may be about to let go.
-AHEAD = 0.3
-# Share of the length over which births change by which the slider moves to see how F changes.
-BESIDE = 1e-4
 # Where none stand right at their thresholds: share of a step from which on it is looked for where
 # the slider lets go, and nodes of the polynomial that tells how the drive goes on.
 LEAST_WAY, SLOPE_NODES = 0.01, 5
@@ -44,7 +40,7 @@ class Steps:
     ----------
     contacts : Carried
     spring : float
-        K/(N_c <k>), inf of a rigid slider.
+        K/(N_c <k>).
     unit : float
         Mean threshold (a length).
     close : float
@@ -55,7 +51,6 @@ class Steps:
         self.contacts, self._spring, self._unit, self._close = contacts, spring, unit, close
         self.scales = contacts.cohorts.memory.scales
         self.length = COARSEST * self.scales.length
-        self.rigid = not np.isfinite(spring)
         self.fuzzy = self.scales.fuzzy or self.scales.skin > 0.0
         # how fast the spring's force less F grows with the count of the clock
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
@@ -73,20 +68,16 @@ class Steps:
     def _clock_to(self, end: float) -> Clock:
         """The clock between two bends."""
         piece, spring = self.piece, self._spring
+        # while contacts hold, the slider follows a soft spring's drive from far
         even = self.scales.rate / COARSEST
-        if not self.rigid:
-            # while contacts hold, the slider follows a soft spring's drive from far
-            even += LESS * piece.speed * spring / (self.length * (1.0 + spring))
-        else:
-            own = piece.speed / self.length
-            even = max(own, even + LESS * own)
+        even += LESS * piece.speed * spring / (self.length * (1.0 + spring))
         held = piece.travel == 0.0
         return Clock(self.contacts.now, end, held, 0.0 if held else even, self.scales.time)
 
     def size(self, trial: Trial) -> float:
         """Of a step."""
         time = self.clock.count(trial.now) - self.clock.count(self.contacts.now)
-        return time if self.rigid else time + self.sign * trial.travel / self.length
+        return time + self.sign * trial.travel / self.length
 
     def lack(self, trial: Trial) -> float:
         """By how much the spring pulls more than the contacts hold, along the motion."""
@@ -101,8 +92,6 @@ class Steps:
         here, clock = self.contacts, self.clock
         begin = clock.count(here.now)
         found: list[Trial] = []
-        if self.rigid:
-            return self.to(clock.time(begin + size), 0.0)
 
         def lack(count: float) -> float:
             now = max(clock.time(begin + count), here.now)
@@ -116,8 +105,6 @@ class Steps:
     def to(self, end: float, guess: float) -> Trial:
         """A step up to a time."""
         here, spring = self.contacts, self._spring
-        if self.rigid:
-            return here.tried(self.piece.at(end) - here.place, end)
         found: list[Trial] = []
 
         def lack(travel: float) -> float:
@@ -131,15 +118,16 @@ class Steps:
         """Whether the slider has let go by the end of a step."""
         # it runs ahead of its drive before
         time = self.clock.count(trial.now) - self.clock.count(self.contacts.now)
-        return time < AHEAD * LESS * size and self._falls(trial) <= 0.0
+        # share of a step's usual time that it takes where the slider may be about to let go
+        return time < 0.3 * LESS * size and self._falls(trial) <= 0.0
 
     def _falls(self, trial: Trial) -> float:
         """Of the sign of K + F'(X) at the end of a step, in motion that takes no time."""
-        if self.rigid:
-            return np.inf
         if self.fuzzy:
             return self._drive_slope(trial)
-        ahead, beside = self.contacts.after(trial), BESIDE * self.scales.length
+        # share of the length over which births change by which the slider moves to see how F
+        # changes
+        ahead, beside = self.contacts.after(trial), 1e-4 * self.scales.length
         way = self.sign * beside
         near, far = (ahead.tried(k * way, ahead.now).force for k in (1.0, 2.0))
         return self._spring + (2.0 * near - 0.5 * far - 1.5 * ahead.force) / way

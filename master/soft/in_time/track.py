@@ -19,10 +19,6 @@ Array = npt.NDArray[np.float64]
 # Steps, on the coarsest level, in which the time since a bend grows by a factor e: of a drive that
 # holds, and of one that moves, where these come beside those of its way.
 PER_FOLD_HELD, PER_FOLD = 2.0, 0.4
-# Degree of the polynomials that tell force and holding between steps.
-DEGREE = 5
-# Halvings of a step, of which the last are below rounding.
-BISECTIONS = 60
 
 
 class Piece(NamedTuple):
@@ -42,9 +38,14 @@ class Piece(NamedTuple):
         return self.end - self.begin
 
     @property
+    def way(self) -> float:
+        """|dX_T|."""
+        return abs(self.travel)
+
+    @property
     def speed(self) -> float:
         """|dX_T/dt|."""
-        return abs(self.travel) / self.duration
+        return self.way / self.duration
 
     def at(self, now: float) -> float:
         """Where the drive is."""
@@ -109,13 +110,6 @@ class Clock:
         return self._begin + self._first * (grown - 1.0)
 
 
-class Read(NamedTuple):
-    """Force (lengths) and share that holds, arrays of shape (n,)."""
-
-    force: Array
-    holding: Array
-
-
 @dataclass
 class Track:
     """One smooth stretch: step parameter, time, X, force and holding at its nodes."""
@@ -131,18 +125,30 @@ class Track:
         clock, place = [at + time for at in self.clock], [at + way for at in self.place]
         return Track(self.step, clock, place, self.force, self.holding)
 
-    def read(self, at: Array) -> Read:
-        """Force and holding at times, through the step parameter, in which all is smooth."""
+    def read(self, at: Array) -> Array:
+        """Force and holding at times (n,), shape (2, n), by the step parameter, in which all is smooth."""
         step, first = np.unique(self.step, return_index=True)
         told = np.array([self.clock, self.force, self.holding]).T[first]
         if step.size == 1:
-            return Read(np.full(at.size, told[0, 1]), np.full(at.size, told[0, 2]))
-        degree = min(DEGREE, 2 * ((step.size - 2) // 2) + 1)  # odd, as splines are at best
+            return np.repeat(told[0, 1:, None], at.size, axis=1)
+        # degree of the polynomials that tell force and holding between steps
+        degree = min(5, 2 * ((step.size - 2) // 2) + 1)  # odd, as splines are at best
         values = make_interp_spline(step, told, k=degree)
         cell = np.clip(np.searchsorted(told[:, 0], at, side="left"), 1, step.size - 1)
         low, high = step[cell - 1], step[cell]
-        for _ in range(BISECTIONS):
+        # halvings of a step, of which the last are below rounding
+        for _ in range(60):
             middle = 0.5 * (low + high)
             early = values(middle)[:, 0] < at
             low, high = np.where(early, middle, low), np.where(early, high, middle)
-        return Read(*values(0.5 * (low + high))[:, 1:].T)
+        return np.asarray(values(0.5 * (low + high))[:, 1:].T)
+
+
+def read(tracks: list[Track], asked: Array) -> Array:
+    """Force (lengths) and holding share at times (n,), shape (2, n); at a slip, after it."""
+    ends = np.array([track.clock[-1] for track in tracks])
+    which = np.minimum(np.searchsorted(ends, asked, side="right"), len(tracks) - 1)
+    out = np.empty((2, asked.size))
+    for k in np.unique(which):
+        out[:, which == k] = tracks[k].read(asked[which == k])
+    return out

@@ -1,12 +1,13 @@
 """What contacts draw: the cells of their thresholds and stretches, and of what they bear."""
 
 from functools import cache
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.tables import DEEPEST, Cells, make_cells
+from eq_model.draws.tables import DEEPEST, FAR, Cells, make_cells
 from origins import Contacts
 from origins.errors import InputError
 from origins.start import Start
@@ -34,6 +35,29 @@ def cells_of(contacts: Contacts) -> dict[str, Cells]:
         spread = ((name, law) for name, law in laws.items() if not law.is_single)
         _KNOWN[contacts] = found | {name: make_cells(law, name=name) for name, law in spread}
     return _KNOWN[contacts]
+
+
+def births_of(contacts: Contacts, unit: float) -> tuple[Any, Any]:
+    """Births at X = 0 and later on, as kernels take them, in units of a length."""
+    from eq_model.draws.births import Births
+    from eq_model.draws.streams import STARTS, THRESHOLDS
+
+    cells, again = cells_of(contacts), contacts.reforming
+    tables = {name: one.table(unit) for name, one in cells.items()}
+    top = np.int64(min(contacts.thresholds.support()[1] / unit, float(FAR)))
+    laws = ("start", contacts.start, STARTS), ("reforming", again and again.law, THRESHOLDS)
+    first, later = (
+        Births(
+            tables["thresholds"],
+            tables.get(name, tables["thresholds"]),
+            np.int64(round(law.mean() / unit) if law else 0),
+            name in tables,
+            top,
+            purpose,
+        )
+        for name, law, purpose in laws
+    )
+    return first, later
 
 
 class _LogExposure:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from eq_model.compiling import bare, compiled, inlined
+from eq_model.compiling import bare, inlined
 from origins.errors import refuse, whole
 
 LANES = 512  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
@@ -18,7 +18,7 @@ ROUNDS = 7
 
 # what words are for; `fine` ones continue the four words of a round where 32 bits are too few. Of a
 # type of numpy's: for each number of Python's own numba compiles a function anew.
-THRESHOLDS, STARTS, EXPOSURES, REFORMING, BEYOND, STEPS, WATCHED = np.arange(0, 112, 16)
+THRESHOLDS, STARTS, EXPOSURES, STEPS, WATCHED = np.array([0, 48, 96, 112, 128])
 _FINE = 4
 
 _U = np.uint64
@@ -41,12 +41,6 @@ def make_stream(seed: object, block: int) -> Stream:
     if number >= 1 << 64:
         refuse("seed", seed, "must be below 2^64")
     return Stream(_U(number & 0xFFFFFFFF), _U(number >> 32), _U(block))
-
-
-@compiled
-def words_of_round():  # type: ignore[no-untyped-def]
-    """Room for the four rows of words that `draw` writes."""
-    return np.zeros(4 * ROW, np.uint32)
 
 
 @inlined

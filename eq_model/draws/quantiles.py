@@ -6,14 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, bits_of, compiled, double_of, inlined, single_of
-from eq_model.streams import LANES, ROW, fine_word, words_at
-from eq_model.tables import CELL_BITS, FAR, OCTAVES, SIDE
+from eq_model.draws.streams import LANES, ROW, fine_word
+from eq_model.draws.tables import CELL_BITS, FAR, OCTAVES, SIDE
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 _LOW31, _EXPONENT = np.uint32(0x7FFFFFFF), np.int64(0x3FF << 52)
 _FIRST = np.int64(((1023 + 31 - OCTAVES) << CELL_BITS) - 1)
 _SHIFT = np.int64(52 - CELL_BITS)
-_AGAIN = 8  # of purposes: beside the words of a row and those that continue them
 _CLOSE = np.int64(1 << 26)  # in the last bits of a double: 1.5e-8 of it, below what tables tell
 
 
@@ -117,21 +116,6 @@ def draw_values(n, row, turn, stream, purpose, words, table, rows, out):  # type
 
 
 @bare
-def draw_inside(n, row, turn, stream, purpose, words, table, top, rows, out):  # type: ignore[no-untyped-def]
-    """As draw_values, of stretches below `top`: where no threshold lies beyond they are drawn again."""
-    draw_values(n, row, turn, stream, purpose, words, table, rows, out)
-    most = _I(0)
-    for i in range(_U(n)):
-        most = max(most, abs(out[i]))
-    for i in range(_U(n) if most >= top else _U(0)):
-        attempt = 0
-        while abs(out[i]) >= top:
-            attempt += 1
-            word, fine, _, _ = words_at(i, turn + (attempt << 48), stream, purpose + _AGAIN + row)
-            out[i] = quantile(word, fine, table)
-
-
-@bare
 def quantile(word, fine, table):  # type: ignore[no-untyped-def]
     """The whole quantile of a word and its continuation."""
     part = _I(0)
@@ -169,20 +153,18 @@ def value_at(part, above, v, table):  # type: ignore[no-untyped-def]
 @bare
 def survival(part, x, table):  # type: ignore[no-untyped-def]
     """How much of a part lies above x (in units): by halving, as its own quantiles tell."""
-    above = value_at(part, True, 0.5, table) < x
-    # smallest v of which the tree knows, in bits, which rise as v does
-    low, high = bits_of(1e-300), bits_of(0.5)
+    # smallest share of which the tree knows, and all, in bits, which rise as numbers do
+    first, high = bits_of(1e-300), bits_of(1.0)
+    low = first
     while high - low > _CLOSE:
         middle = low + ((high - low) >> 1)
-        y = value_at(part, above, double_of(middle), table)
-        if (y > x) == above:
+        v = double_of(middle)
+        upper = v <= 0.5
+        if value_at(part, upper, v if upper else 1.0 - v, table) > x:
             low = middle
         else:
             high = middle
-    v = double_of(high)
-    if above:
-        return 0.0 if value_at(part, True, double_of(low), table) <= x else v
-    return 1.0 if value_at(part, False, double_of(low), table) > x else 1.0 - v
+    return double_of(high) if low > first else 0.0
 
 
 @bare

@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.ageing_tables import DriftTable
-from eq_model.breaking import rate
 from eq_model.compiling import bare
-from eq_model.contact import LIVES, LOOKS, Break, look_at, place_of
-from eq_model.streams import STEPS, WATCHED, uniform, words_at
+from eq_model.contact import LIVES, SEEN, Break, look_at, place_of
+from eq_model.draws.streams import STEPS, words_at
+from eq_model.laws.ageing_tables import DriftTable
+from eq_model.laws.breaking import rate
+from eq_model.laws.bridge import between, first_meeting, fourth, normal
 
 _F, _I = np.float64, np.int64
 _THERMAL = 0.1  # of what a contact bears, spent in one step
@@ -44,19 +45,6 @@ class Ageing(NamedTuple):
         """With steps so many times longer."""
         # the integral of a rate is of fourth order in the change of its logarithm
         return self._replace(longest=times * self.longest, coarse=times**0.25)
-
-
-@bare
-def _normal(words):  # type: ignore[no-untyped-def]
-    """A draw of the standard normal law from three of four words."""
-    angle = 2.0 * np.pi * (_F(words[2]) + 0.5) * 2.0**-32
-    return np.sqrt(-2.0 * np.log(uniform(words[0], words[1]))) * np.cos(angle)
-
-
-@bare
-def _fourth(words):  # type: ignore[no-untyped-def]
-    """Between 0 and 1, from the fourth of four words."""
-    return (_F(words[3]) + 0.5) * 2.0**-32
 
 
 @bare
@@ -106,45 +94,6 @@ def _safe_step(gap, y, x, speed, ageing):  # type: ignore[no-untyped-def]
     spread = _FAR * np.sqrt(2.0 * ageing.diffusion)
     root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
     return root * root
-
-
-@bare
-def _first_meeting(above, below, spread, bell, chance):  # type: ignore[no-untyped-def]
-    """Part of a step after which a Brownian bridge from `above` zero first meets it, when it does.
-
-    I/(1 + I), I of the inverse Gaussian law of mean above/|below| and shape above²/spread², spread² the variance of
-    the step without ends.
-    """
-    if above <= 0.0:
-        return 0.0
-    if below == 0.0:
-        return 1.0
-    mean, shape = above / abs(below), (above / spread) ** 2
-    w = 0.5 * mean * bell * bell / shape
-    first = mean / (1.0 + w + np.sqrt(w * (2.0 + w)))
-    if chance * (mean + first) > mean:
-        first = mean * (mean / first)
-    return first / (1.0 + first)
-
-
-@bare
-def _between(above, below, variance, part, lane, turn, stream):  # type: ignore[no-untyped-def]
-    """How far above zero a Brownian bridge from `above` to `below` is after a part of its way, given that it stays.
-
-    It is the distance of a bridge in three dimensions, whose end has a random direction (Williams, 1974).
-    """
-    part = min(max(part, 0.0), 1.0)
-    width = np.sqrt(variance * part * (1.0 - part))
-    first, second = words_at(lane, turn, stream, WATCHED), words_at(lane, turn, stream, WATCHED + 1)
-    third = words_at(lane, turn, stream, WATCHED + 2)
-    chance, pull = _fourth(first), above * below / variance
-    along = 2.0 * chance - 1.0
-    if pull > 1e-6:
-        along = 1.0 + np.log(chance + (1.0 - chance) * np.exp(-2.0 * pull)) / pull
-    across = np.sqrt(max(1.0 - along * along, 0.0))
-    x = (1.0 - part) * above + part * below * along + width * _normal(first)
-    y = part * below * across + width * _normal(second)
-    return np.sqrt(x * x + y * y + (width * _normal(third)) ** 2)
 
 
 @bare
@@ -245,7 +194,7 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
                 left = min(left, max(abs(law.table.low - here), 1.0) * pace)
             time = _step(y, here, speed, left, law)
             words = words_at(lane, place, stream, STEPS)
-            bell, chance, ticks = _normal(words), _fourth(words), time / pace
+            bell, chance, ticks = normal(words), fourth(words), time / pace
             then = abs(_F(stretch) + d * (passed + ticks))
             walled = here + then < 2.0 * law.table.low
             place += 1
@@ -257,7 +206,7 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
             else:
                 reflected = chance
                 if not walled and law.table.high < np.inf:
-                    reflected = _fourth(words_at(lane, place, stream, STEPS))
+                    reflected = fourth(words_at(lane, place, stream, STEPS))
                     place += 1
                 later = _moved(y, time, bell, reflected, walled, law)
             # the stretch is rounded where a leg ends
@@ -269,9 +218,7 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
             if broken:
                 words = words_at(lane, place, stream, STEPS)
                 place += 1
-                part = _first_meeting(
-                    above, below, np.sqrt(variance), _normal(words), _fourth(words)
-                )
+                part = first_meeting(above, below, np.sqrt(variance), normal(words), fourth(words))
                 below, variance = 0.0, variance * part
             met = part
             if law.warm:
@@ -288,7 +235,7 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
             while seen < many and moments[seen] < until and moments[seen] <= end:
                 share = (_F(moments[seen] - at) - passed) / max(met * ticks, 1.0)
                 turn = (place << _MOST_WATCHED) | seen
-                gap = _between(
+                gap = between(
                     above, max(below, 0.0), max(variance, 1e-300), share, lane, turn, stream
                 )
                 threshold = here + share * met * (then - here) + gap
@@ -312,9 +259,10 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
     return Break(course.begins[legs] + 1, leg, place, True)
 
 
-def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
-    """Counted on the way, where the threshold is known."""
+def _counted(law, contact, course, moment):  # type: ignore[no-untyped-def]
+    """Contacts are counted on the way, where the threshold is known."""
+    return -1.0
 
 
 LIVES[Ageing] = grow_old
-LOOKS[Ageing] = _look
+SEEN[Ageing] = _counted

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.breaking import most, rate
 from eq_model.compiling import bare
-from eq_model.contact import LIVES, LOOKS, Break, look_at
-from eq_model.streams import STEPS, uniform, words_at
+from eq_model.contact import LIVES, SEEN, Break
+from eq_model.draws.streams import STEPS, uniform, words_at
+from eq_model.laws.breaking import most, rate
 
 _I, _F = np.int64, np.float64
 _SMALL = 0.4  # grain sizes, of the largest, below which psi is integrated: its closed form cancels
@@ -252,14 +252,14 @@ def keep_hazard(law, contact, course, watch, counts):  # type: ignore[no-untyped
     return found
 
 
-def _look(law, contact, course, born, broken, birth, watch, counts):  # type: ignore[no-untyped-def]
+def _aged(law, contact, course, moment):  # type: ignore[no-untyped-def]
+    """The threshold at a later moment."""
     age, goal = 0.0, np.exp(contact.exposure)
     if not contact.fresh:
         age, goal = law.age, hazard(_F(contact.threshold), law.age, law.root)
-    for k in range(watch.before[born], watch.before[broken]):
-        older = _age_at(watch.moments[k], contact.clock, contact.leg, age, course, law)
-        look_at(k, birth, quantile(goal, older, law.root), watch, counts)
+    older = _age_at(moment, contact.clock, contact.leg, age, course, law)
+    return quantile(goal, older, law.root)
 
 
 LIVES[Growing] = keep_hazard
-LOOKS[Growing] = _look
+SEEN[Growing] = _aged
