@@ -1,4 +1,4 @@
-"""gw_gaussian: Gaussian heights in every regime against mpmath, its limits in order, samples, and metres beside it."""
+"""gw_gaussian: moments in every regime against mpmath, its limits in order, the jump where contacts turn plastic."""
 
 import mpmath
 import numpy as np
