@@ -4,6 +4,7 @@ import dataclasses
 import os
 import shutil
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -21,7 +22,9 @@ from toolkit.command import main
 from toolkit.pictures.axes import plain
 from toolkit.pictures.run import plot_force
 from toolkit.results.folders import only_writer
+from toolkit.running.launch import Launch
 from toolkit.running.progress import Progress
+from toolkit.running.ranks import communicator
 from toolkit.running.signals import Terminated, terminable
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.measured import from_samples
@@ -448,3 +451,56 @@ def test_what_is_no_table_is_not_shown(capsys: Any) -> None:
     law = {"kind": "from-samples", "file": "words.txt"}
     line = one_line(capsys, "run", write(contacts={"thresholds": law}))
     assert "secret" not in line and "line 2 must hold one number" in line
+
+
+def test_a_decimal_comma_alone_is_not_guessed(tmp_path: Path) -> None:
+    Path("own.txt").write_text("1,5\n1,7\n")
+    with pytest.raises(InputError, match="say which of the 2 columns"):
+        from_samples(tmp_path, file="own.txt")
+
+
+def test_a_path_that_ends_where_it_begins_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    soft = SCENE | {"drive": {"to": 2.0, "points": 21, "spring": 0.3}}
+    real = master.solve
+
+    def cut(*arguments: Any, **named: Any) -> Any:
+        found = real(*arguments, **named)
+        found.__dict__.update(path=np.empty(0), success=False, message="stopped at the first point")
+        return found
+
+    monkeypatch.setattr(master, "solve", cut)
+    with pytest.raises(InputError, match="stopped at the first point"):
+        toolkit.run(soft)
+
+
+def test_kelvins_in_place_of_a_length_squared_are_told() -> None:
+    import origins
+
+    with pytest.warns(
+        UserWarning, match=r"temperature is 299 <x_s\^2>: .* it is k_BT/<k>, a length squared"
+    ):
+        origins.Contacts(
+            origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", temperature=300.0)
+        )
+
+
+def test_an_mpi_that_does_not_load_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Broken:
+        def __getattr__(self, name: str) -> Any:
+            raise OSError("libmpi.so.12: cannot open shared object file")
+
+    monkeypatch.setitem(sys.modules, "mpi4py", Broken())
+    with pytest.raises(InputError, match="mpi4py cannot be imported"):
+        communicator(Launch(2, 0))
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_lost_terminal_ends_a_run_as_a_scheduler_does(number: int) -> None:
+    with pytest.raises(Terminated), terminable():
+        signal.raise_signal(number)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup has it
+    try:
+        with terminable():
+            signal.raise_signal(signal.SIGHUP)
+    finally:
+        signal.signal(signal.SIGHUP, before)
