@@ -58,7 +58,10 @@ def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
     if table.area is None:
         rule = "needs drive.area, the nominal area in m², such as area = 1e-4"
         refuse("drive.spring", given, rule)
-    return value / (each * positive("drive.area", table.area))
+    contacts = interface.contact_density * positive("drive.area", table.area)
+    if contacts < 1.0:
+        refuse("drive.area", table.area, f"holds {contacts:.2g} contacts; give the nominal area of a whole slider in m²")
+    return value / (each * table.area)
 
 
 def make_drive(table: "DriveTable", spring: float | None = None) -> Drive:
