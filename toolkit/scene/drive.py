@@ -58,9 +58,10 @@ def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
     if table.area is None:
         rule = "needs drive.area, the nominal area in m², such as area = 1e-4"
         refuse("drive.spring", given, rule)
-    contacts = interface.contact_density * positive("drive.area", table.area)
-    if contacts < 1.0:
-        refuse("drive.area", table.area, f"holds {contacts:.2g} contacts; give the nominal area of a whole slider in m²")
+    held = interface.contact_density * positive("drive.area", table.area)
+    if held < 1.0:
+        rule = f"holds {held:.2g} contacts; give the nominal area of a whole slider in m²"
+        refuse("drive.area", table.area, rule)
     return value / (each * table.area)
 
 
