@@ -23,7 +23,7 @@ Summed = Callable[[Rows, Array, Array], Array]
 
 # Last coefficients of pieces, of which sums miss the square: a table of sums that know less would
 # follow what they miss.
-_RESOLVED = 2e-10
+_RESOLVED = 2e-12
 # What rounding does to the distance of two lengths, in units of these.
 _ROUNDING = 1e-14
 # ln A: beyond, a share e^-A is nothing, even where next to none is left of all, and further on 0; where
