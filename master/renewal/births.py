@@ -186,9 +186,10 @@ class Births:
         born = _share(t[:, None] - self.delay, begin, width)
         row, left, right = self._pieces(t, begin, width, born)
         target, panel = row // begin.size, row % begin.size
-        middle = begin[panel] + width[panel] * 0.5 * (left + right) + self.delay
         if row.size:
-            felt = self.felt(t[target, None], middle[:, None], self.law)
+            shares = np.stack([left, 0.5 * (left + right), right], axis=1)
+            s = begin[panel, None] + width[panel, None] * shares + self.delay
+            felt = self.felt(t[target, None], np.minimum(s, t[target, None]), self.law)
             row, left, right = row[felt], left[felt], right[felt]
         for _ in range(DEPTH):
             if not row.size:
