@@ -50,7 +50,7 @@ class GrainLife(UnbentLife):
 
     error, fresh_start = ERROR, False
     # pieces of a start to begin with, and last coefficients at which they are not halved
-    pieces, resolved = 8, 1e-10
+    pieces, resolved = 8, 1e-12
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         grains = contacts.grains
