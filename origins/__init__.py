@@ -4,6 +4,7 @@
 from origins.contacts import Contacts
 from origins.domains.barriers import barrier, triangular_barrier
 from origins.domains.calculators import harmonic_bonds, substrate_calculator
+from origins.domains.domain_samples import DomainSamples
 from origins.domains.islands import (
     circular_island,
     hexagonal_island,
@@ -13,7 +14,7 @@ from origins.domains.islands import (
     triangular_island,
 )
 from origins.domains.relaxed_barrier import RelaxedBarrier, relaxed_barrier
-from origins.domains.rotated import DomainSamples, domains
+from origins.domains.rotated import domains
 from origins.domains.structure_factors import structure_factors, triangular_structure_factors
 from origins.domains.substrates import (
     Substrate,

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-import eq_model
 import master
 import origins
 
@@ -50,7 +49,9 @@ def test_the_density_is_the_slope_of_the_shares(law: origins.Thresholds) -> None
     assert np.quantile(np.abs(law.pdf(x) / slope - 1.0), 0.98) < 1e-3
 
 
-def test_peaks_and_jumps_stand_where_the_barrier_stands_still_and_bends(law: origins.Thresholds) -> None:
+def test_peaks_and_jumps_stand_where_the_barrier_stands_still_and_bends(
+    law: origins.Thresholds,
+) -> None:
     """Stationary angles by scipy's search and crossings of |S_x| and |S_y| by brentq, of their own."""
     angles = np.linspace(0.0, np.pi / 2, 4001)
     b = force(5, 4, angles)
@@ -71,7 +72,9 @@ def test_peaks_and_jumps_stand_where_the_barrier_stands_still_and_bends(law: ori
     for k in tops:
         if not any(angles[k - 1] <= c <= angles[k + 1] for c in crossings):
             found = minimize_scalar(
-                lambda t: -float(force(5, 4, np.array(t))), bounds=(angles[k - 1], angles[k + 1]), method="bounded"
+                lambda t: -float(force(5, 4, np.array(t))),
+                bounds=(angles[k - 1], angles[k + 1]),
+                method="bounded",
             )
             smooth.append(-found.fun)
     assert smooth
@@ -95,20 +98,6 @@ def test_what_it_means_for_sliding(law: origins.Thresholds) -> None:
     assert steady.force == pytest.approx((exact**2).mean() / (2.0 * exact.mean()), rel=1e-7)
 
 
-def test_the_master_equation_and_the_ensemble_agree_on_it(law: origins.Thresholds) -> None:
-    contacts = origins.Contacts(law)
-    path = np.linspace(0.0, 3.0 * law.mean(), 21)
-    solved = master.solve(contacts, path, tolerance=1e-3)
-    drawn = eq_model.simulate(contacts, path, n_contacts=100_000, n_replicas=2, seed=1)
-    off = np.abs(solved.force - drawn.force)
-    assert solved.success
-    assert (off <= solved.force_error * law.mean() + 5.0 * drawn.force_standard_error).all()
-
-
-
-
-
-
 @pytest.mark.parametrize("law", ["area", "paper"])
 def test_two_sizes_have_their_shares(law: str) -> None:
     """The barrier of a single atom is the same at all angles: an exact value among those of the others."""
@@ -118,11 +107,17 @@ def test_two_sizes_have_their_shares(law: str) -> None:
     atoms = np.array([20.0, 1.0])
     forces = [counted(*size, number=200_001) for size in sizes]
     relative = np.sqrt(atoms / (weights @ atoms))
-    exact = [np.sqrt(f / 4.0) if law == "paper" else f / r for f, r in zip(forces, relative, strict=True)]
+    exact = [
+        np.sqrt(f / 4.0) if law == "paper" else f / r for f, r in zip(forces, relative, strict=True)
+    ]
     x = np.linspace(0.05, 0.95, 40) * max(part[-1] for part in exact)
-    share = sum(w * np.searchsorted(part, x) / part.size for w, part in zip(weights, exact, strict=True))
+    share = sum(
+        w * np.searchsorted(part, x) / part.size for w, part in zip(weights, exact, strict=True)
+    )
     assert np.abs(mixed.cdf(x) - share).max() < 2e-4
-    assert mixed.mean() == pytest.approx(sum(w * part.mean() for w, part in zip(weights, exact, strict=True)), rel=2e-5)
+    assert mixed.mean() == pytest.approx(
+        sum(w * part.mean() for w, part in zip(weights, exact, strict=True)), rel=2e-5
+    )
     np.testing.assert_allclose(mixed.atoms, [[exact[1][0]], [0.2]], rtol=1e-12)
     assert not mixed.knows_breakpoints and np.isinf(mixed.pdf(mixed.breakpoints)).any()
 
@@ -130,6 +125,8 @@ def test_two_sizes_have_their_shares(law: str) -> None:
 def test_large_islands_many_sizes_and_other_substrates_are_sampled() -> None:
     large = origins.domains(A, sizes=[(900, 900)], stiffness=1.0, samples=200)
     many = origins.domains(A, mean_atoms=10.0, stiffness=1.0, samples=200)
-    other = origins.domains(A, sizes=[(3, 3)], stiffness=1.0, samples=200, substrate=origins.hexagonal_substrate())
+    other = origins.domains(
+        A, sizes=[(3, 3)], stiffness=1.0, samples=200, substrate=origins.hexagonal_substrate()
+    )
     three = origins.domains(A, sizes=[(3, 3), (4, 4), (5, 5)], stiffness=1.0, samples=200)
     assert {law.n_samples for law in (large, other, many, three)} == {200}

@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 
 import master
-import toolkit.scene.surfaces
-from origins.errors import InputError
+import toolkit
 from toolkit.command import main
 from toolkit.judge.compare import compare, table
-from toolkit.pictures import compare as comparison_picture
+from toolkit.pictures.compare import draw_comparison, save_comparison
+from toolkit.scene.surfaces import shared_surface
 from toolkit.scene.toml import to_toml
 
 NARROW: dict[str, Any] = {"kind": "gaussian", "mean": 2.0, "std": 0.1}
@@ -43,14 +43,18 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Writer:
 
 
 @pytest.fixture(autouse=True)
-def no_picture(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawing takes longer than all the rest: only where it is looked at."""
-    if "panels" not in request.fixturenames:
-        monkeypatch.setattr(comparison_picture, "save_comparison", lambda _, __, path: path.write_bytes(b"drawn"))
+    drawn = "toolkit.pictures.compare.save_comparison"
+    monkeypatch.setattr(drawn, lambda _, __, path: path.write_bytes(b"drawn"))
 
 
 def three(write: Writer) -> list[str]:
-    return [write("wide", tables(WIDE)), write("exact", tables(EXACT)), write("narrow", tables(NARROW))]
+    return [
+        write("wide", tables(WIDE)),
+        write("exact", tables(EXACT)),
+        write("narrow", tables(NARROW)),
+    ]
 
 
 def test_ranks_prints_and_writes(write: Writer, capsys: pytest.CaptureFixture[str]) -> None:
@@ -60,10 +64,17 @@ def test_ranks_prints_and_writes(write: Writer, capsys: pytest.CaptureFixture[st
     assert lines[-1] == "written to compare-output"
     assert sorted(os.listdir("compare-output")) == FILES
     assert Path("compare-output/compare.txt").read_text().splitlines() == lines[:-1]
-    assert [line.split()[:2] for line in lines[2:5]] == [["1", "exact"], ["2", "narrow"], ["3", "wide"]]
+    assert [line.split()[:2] for line in lines[2:5]] == [
+        ["1", "exact"],
+        ["2", "narrow"],
+        ["3", "wide"],
+    ]
     # onset, K* and X*
     assert lines[2].split().count("infinite") == 3 and "infinite" not in lines[3] + lines[4]
-    assert "exact: K* is infinite: all contacts break at one value, x = 1, where F drops by 2 F_k" in lines
+    assert (
+        "exact: K* is infinite: all contacts break at one value, x = 1, where F drops by 2 F_k"
+        in lines
+    )
     content = json.loads(Path("compare-output/compare.json").read_text())["scenes"]
     assert [one["name"] for one in content] == ["exact", "narrow", "wide"]
     assert content[0]["critical_spring"] is None and content[0]["decoherence_length"] is None
@@ -86,7 +97,8 @@ def test_numbers_are_the_solvers_own_in_mean_thresholds(write: Writer) -> None:
     assert line["run_time"] > 0.0
     evidence = line["evidence"]
     assert evidence["contacts"] == 800 and 0.0 <= evidence["worst_deviation"] < 5.0
-    assert abs(evidence["static_to_kinetic"] - evidence["expected"]) < 5.0 * evidence["static_to_kinetic_error"]
+    off = evidence["static_to_kinetic"] - evidence["expected"]
+    assert abs(off) < 5.0 * evidence["static_to_kinetic_error"]
 
 
 def test_ensemble_alone_and_master_alone() -> None:
@@ -107,14 +119,17 @@ def test_ensemble_alone_and_master_alone() -> None:
 
 def test_rates_and_growth_feel_the_speed_of_the_scenes_own_legs() -> None:
     """Of turns with times it is that of the first that is no hold."""
-    content = tables({"kind": "growing-grains", "alpha": 1.0, "B": 4.0, "age": 4.0}, master={"tolerance": 1e-2})
+    growing = {"kind": "growing-grains", "alpha": 1.0, "B": 4.0, "age": 4.0}
+    content = tables(growing, master={"tolerance": 1e-2})
     content["drive"] = {"turns": [1.0, 1.0, 1.5], "times": [4.0, 6.0, 11.0], "points": 7}
     scene = toolkit.load_scene(content)
     (verdict,) = compare([scene])
     steady = master.steady_state(scene.contacts, velocity=0.25)
-    assert verdict.velocity == 0.25 and verdict.kinetic_force * verdict.mean_threshold == pytest.approx(steady.force)
+    assert verdict.velocity == 0.25
+    assert verdict.kinetic_force * verdict.mean_threshold == pytest.approx(steady.force)
     known = master.propensity(scene.contacts, velocity=0.25)
-    assert verdict.critical_spring == known.critical_spring and verdict.static_to_kinetic == known.static_to_kinetic
+    assert verdict.critical_spring == known.critical_spring
+    assert verdict.static_to_kinetic == known.static_to_kinetic
     told = "v = 0.25 (the first leg's, others slide at 0.1), thresholds that grow from the age 4 on; all else"
     assert f"scene: F_k, K*, F_s/F_k and X* at {told} is P_c alone" in table([verdict])
 
@@ -134,77 +149,26 @@ def test_why_a_spring_is_infinite(start: float) -> None:
     )
     # the force itself: just before the break and just after it
     at = 1.0 - start
-    _, before, after = master.solve(scene.contacts, [0.0, at * (1.0 - 1e-9), at * (1.0 + 1e-9)]).force
+    path = [0.0, at * (1.0 - 1e-9), at * (1.0 + 1e-9)]
+    _, before, after = master.solve(scene.contacts, path).force
     assert before - after == pytest.approx(0.25, abs=1e-6)
 
 
-BAD = [
-    (tables({"kind": "gaussian", "mean": 1.0, "std": -1.0}), "contacts.thresholds.std = -1.0: "),
-    (tables(NARROW) | {"colour": 1}, "colour: unknown key"),
-    ({"contacts": {"thresholds": NARROW}, "drive": {"to": 1.0, "points": 3}}, "scene: has neither [master] nor [eq]"),
-]
-
-
-@pytest.mark.parametrize(("bad", "message"), BAD)
-def test_bad_scene_is_one_line_and_nothing_is_left(write, capsys, bad: dict[str, Any], message: str) -> None:
-    assert main(["compare", write("good", tables(WIDE, master={})), write("bad", bad)]) == 2
-    shown = capsys.readouterr()
-    (line,) = shown.err.splitlines()
-    assert line.startswith(f"mesofriction: bad.toml: {message}") and shown.out == ""
-    assert sorted(os.listdir(".")) == ["bad.toml", "good.toml"]
-
-
-def test_infinite_mean_square_is_refused(write, capsys, monkeypatch) -> None:
-    import scipy.stats
-
-    from toolkit.scene import laws
-
-    monkeypatch.setitem(laws.THRESHOLDS, "lomax", "scipy.stats:lomax")
-    monkeypatch.setattr(laws, "call", lambda function, arguments, *_, **__: function(*arguments.values()))
-    assert scipy.stats.lomax(1.5).mean() == pytest.approx(2.0)
-    heavy = tables({"kind": "lomax", "c": 1.5}, master={})
-    with pytest.raises(InputError, match=r"<x_s.2> is infinite"):
-        compare([toolkit.load_scene(heavy)])
-    assert main(["compare", write("heavy", heavy)]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("mesofriction: heavy: ") and "<x_s^2> is infinite" in line
-    assert os.listdir(".") == ["heavy.toml"]
-
-
-# -- the picture ------------------------------------------------------------------------------------------
-
-SURFACE = {"kind": "self-affine", "shape": [32, 32], "pixel_size": 1e-8, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
-ROUGH: dict[str, Any] = {
-    "kind": "from-topography",
-    "surface": SURFACE,
-    "model": "gw",
-    "law": "amontons",
-    "pressure": 1e6,
-    "material": {"contact_modulus": 1.75e9, "shear_modulus": 1.1e9, "local_friction": 0.4},
-}
-
-
-@pytest.fixture
-def panels(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Names of the panels drawn, in order."""
-    drawn: list[str] = []
-    for name in ("surface", "thresholds", "springs", "forces", "deviations"):
-        real = getattr(comparison_picture, f"plot_{name}")
-
-        def noted(*arguments: Any, real: Any = real, name: str = name) -> Any:
-            drawn.append(name)
-            return real(*arguments)
-
-        monkeypatch.setattr(comparison_picture, f"plot_{name}", noted)
-    return drawn
-
-
-def test_shared_surface_is_drawn_where_all_share_it(write: Writer, panels: list[str]) -> None:
-    rough = write("rough", tables(ROUGH, to=5e-8, master={}))
-    again = write("again", tables(ROUGH | {"pressure": 2e6}, to=5e-8, master={}))
-    assert main(["compare", rough, again]) == 0
-    assert panels == ["surface", "thresholds", "springs", "forces", "deviations"]
-    content = json.loads(Path("compare-output/compare.json").read_text())["scenes"]
-    assert all(0.0 < one["friction_coefficient"] < 0.4 and one["unit"] == "m" for one in content)
-
-
+def test_shared_surface_is_drawn_where_all_share_it(tmp_path: Path) -> None:
+    surface = {"kind": "self-affine", "shape": [32, 32], "pixel_size": 1e-8, "hurst": 0.8}
+    material = {"contact_modulus": 1.75e9, "shear_modulus": 1.1e9, "local_friction": 0.4}
+    law = {"kind": "from-topography", "model": "gw", "law": "amontons", "material": material}
+    law["surface"] = surface | {"rms_slope": 0.1, "seed": 1}
+    scenes = [
+        toolkit.load_scene(tables(law | {"pressure": pressure}, to=5e-8, master={}))
+        for pressure in (1e6, 2e6)
+    ]
+    verdicts = compare(scenes)
+    assert all(0.0 < one.friction_coefficient < 0.4 and one.unit == "m" for one in verdicts)
+    shared = shared_surface(scenes)
+    assert shared is not None and shared_surface([*scenes, toolkit.load_scene("gaussian")]) is None
+    for given, many in ((None, 0), (shared, 1)):
+        figure = draw_comparison(verdicts, given)
+        assert sum(len(axes.images) for axes in figure.axes) == many
+    save_comparison(verdicts, scenes, tmp_path / "compare.png")
+    assert (tmp_path / "compare.png").read_bytes().startswith(b"\x89PNG")

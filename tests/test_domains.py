@@ -1,6 +1,6 @@
 """Rotated domains: the law of barriers against its own definition, the laws to thresholds, ranks and refusals."""
 
-import json
+import re
 
 import numpy as np
 import pytest
@@ -25,7 +25,9 @@ def test_one_size_at_all_angles() -> None:
     assert record.barriers.shape == record.angles.shape == record.n_atoms.shape == (50_000,)
     assert (record.n_atoms == 90).all() and record.period == pytest.approx(2.0 * np.pi)
     assert stats.kstest(record.angles / (2.0 * np.pi), "uniform").pvalue > 1e-3
-    np.testing.assert_array_equal(record.barriers, origins.triangular_barrier(A, 10, 9, record.angles))
+    np.testing.assert_array_equal(
+        record.barriers, origins.triangular_barrier(A, 10, 9, record.angles)
+    )
     exact = np.sort(forces_at(10, 9, 2.0 * np.pi * (np.arange(200_001) + 0.5) / 200_001))
     assert stats.ks_2samp(record.forces, exact).pvalue > 1e-3
     # one size: x_s = f_s/k, whatever the law between sizes, and no sampling error
@@ -38,11 +40,10 @@ def test_one_size_at_all_angles() -> None:
     distance = stats.kstest(record.forces, stats.expon(0, mean).cdf).statistic
     assert record.exponential_distance == pytest.approx(distance, rel=1e-12) and distance > 0.15
     ratios = (record.forces**2).mean() / 2 / mean**2, (record.forces**3).mean() / 6 / mean**3
-    assert record.exponential_ratios == pytest.approx(ratios, rel=1e-12) and record.mean_force == pytest.approx(mean)
+    assert record.exponential_ratios == pytest.approx(ratios, rel=1e-12)
+    assert record.mean_force == pytest.approx(mean)
     density, edges = record.histogram(40)
     assert (density * np.diff(edges)).sum() == pytest.approx(1.0) and edges.size == 41
-
-
 
 
 def test_sizes_fall_off_exponentially() -> None:
@@ -54,13 +55,12 @@ def test_sizes_fall_off_exponentially() -> None:
     share = np.bincount(made, np.exp(-count / 30.0) * np.expm1(1.0 / 30.0), minlength=2500)
     often = share > 1e-3
     found = np.bincount(record.n_atoms, minlength=2500)[:2500] / 40_000
-    assert (np.abs(found - share)[often] < 5.0 * np.sqrt(share[often] / 40_000)).all() and often.sum() > 30
+    allowed = 5.0 * np.sqrt(share / 40_000)
+    assert (np.abs(found - share) < allowed)[often].all() and often.sum() > 30
     assert record.n_atoms.mean() == pytest.approx(1.0 / -np.expm1(-1.0 / 30.0), rel=0.03)
     # the atoms made differ from N by less than half a row, and the island is nearly as high as wide
     assert (np.abs(made - count) <= rows / 2).all()
     assert (np.abs(made / rows - rows * np.sqrt(0.75)) < 1.5).all()
-
-
 
 
 def test_laws_from_force_to_threshold() -> None:
@@ -72,7 +72,8 @@ def test_laws_from_force_to_threshold() -> None:
     record = laws["equal"].domains
     force, atoms = record.barriers / record.period, record.n_atoms
     mean_atoms = 1.0 / -np.expm1(-1.0 / 60.0)
-    expected = {"equal": force, "area": force / np.sqrt(atoms / mean_atoms), "paper": np.sqrt(force / 4.0)}
+    root = np.sqrt(atoms / mean_atoms)
+    expected = {"equal": force, "area": force / root, "paper": np.sqrt(force / 4.0)}
     for name, law in laws.items():
         np.testing.assert_array_equal(law.domains.barriers, record.barriers)
         same = origins.from_samples(expected[name])
@@ -80,11 +81,10 @@ def test_laws_from_force_to_threshold() -> None:
         np.testing.assert_allclose(law.cdf(x), same.cdf(x), rtol=0.0, atol=1e-13)
         assert law.n_samples == 9000
     assert laws["equal"].domains.mean_stiffness == 1.0
-    assert laws["area"].domains.mean_stiffness == pytest.approx(np.sqrt(atoms / mean_atoms).mean(), rel=1e-12)
+    assert laws["area"].domains.mean_stiffness == pytest.approx(root.mean(), rel=1e-12)
     # k = c x_s, so the mean force is that of k x_s
-    assert laws["paper"].domains.mean_stiffness == pytest.approx(4.0 * expected["paper"].mean(), rel=1e-12)
-
-
+    mean = 4.0 * expected["paper"].mean()
+    assert laws["paper"].domains.mean_stiffness == pytest.approx(mean, rel=1e-12)
 
 
 @pytest.mark.parametrize("temperature", [0.3, 3.0])
@@ -103,18 +103,15 @@ def test_angles_by_their_energy(temperature: float) -> None:
         spread = np.sqrt((weight * (known - mean) ** 2).sum() / weight.sum() / 40_000)
         assert abs(drawn.mean() - mean) < 5.0 * spread
     share = np.cumsum(weight) / weight.sum()
-    assert stats.kstest(record.angles % (2.0 * np.pi), lambda phi: np.interp(phi, grid, share)).pvalue > 1e-4
-
-
-
-
+    law_of_angles = stats.kstest(record.angles % (2.0 * np.pi), lambda x: np.interp(x, grid, share))
+    assert law_of_angles.pvalue > 1e-4
 
 
 def test_islands_of_your_own_on_another_substrate() -> None:
     substrate = origins.hexagonal_substrate(0.3, 3.0)
     islands = [origins.hexagonal_island(A, 2 * A), origins.irregular_island(A, 3 * A, seed=1)]
-    law = origins.domains(islands=islands, weights=[1, 3], substrate=substrate, law="equal", stiffness=1.0, samples=400)
-    record = law.domains
+    given = {"islands": islands, "weights": [1, 3], "substrate": substrate}
+    record = origins.domains(**given, law="equal", stiffness=1.0, samples=400).domains
     assert record.period == pytest.approx(3.0)
     first = record.n_atoms == 19
     assert first.mean() == pytest.approx(0.25, abs=0.1)
@@ -130,9 +127,8 @@ def test_one_atom_ten_million_atoms_and_one_angle() -> None:
     assert single.support() == (1.0 / np.pi, 1.0 / np.pi) and single.atoms[1].tolist() == [1.0]
     large = origins.domains(A, sizes=[(3162, 3163)], stiffness=1.0, samples=5000)
     assert large.cdf(0.0) == 0.0 < large.mean() and large.domains.n_atoms[0] == 3162 * 3163
-    commensurate = origins.domains(
-        2.0 * np.pi, sizes=[(50, 40)], angles=[0.0], substrate=origins.hexagonal_substrate(), stiffness=1.0, samples=5
-    )
+    given = {"sizes": [(50, 40)], "angles": [0.0], "substrate": origins.hexagonal_substrate()}
+    commensurate = origins.domains(2.0 * np.pi, **given, stiffness=1.0, samples=5)
     assert commensurate.mean() == pytest.approx(0.5 * 2000 / (2.0 * np.pi), rel=1e-10)
 
 
@@ -140,122 +136,48 @@ def test_islands_without_a_barrier_are_left_out_and_told() -> None:
     """At phi = 0 rows of four at a quarter period slide freely; the other angle holds."""
     law = origins.domains(np.pi / 2, sizes=[(4, 3)], angles=[0.0, 0.4], stiffness=1.0, samples=1000)
     record = law.domains
-    assert record.superlubric_weight == 0.5 and record.forces.size == 500 and (record.barriers[::2] == 0.0).all()
+    assert record.superlubric_weight == 0.5 and record.forces.size == 500
+    assert (record.barriers[::2] == 0.0).all()
     np.testing.assert_array_equal(record.angles, np.tile([0.0, 0.4], 500))
-    assert law.mean() == pytest.approx(origins.triangular_barrier(np.pi / 2, 4, 3, 0.4) / (2.0 * np.pi), rel=1e-12)
+    assert law.mean() == pytest.approx(
+        origins.triangular_barrier(np.pi / 2, 4, 3, 0.4) / (2.0 * np.pi), rel=1e-12
+    )
     assert record.mean_force == pytest.approx(law.mean(), rel=1e-12)
 
 
 def test_a_sample_depends_on_its_number_alone() -> None:
     longer = origins.domains(**{**SETTINGS, "samples": 12_000}).domains
     shorter = origins.domains(**SETTINGS).domains
-    assert np.array_equal(longer.barriers[:8192], shorter.barriers[:8192])  # whole blocks: to the last bit
+    # whole blocks: to the last bit
+    assert np.array_equal(longer.barriers[:8192], shorter.barriers[:8192])
     np.testing.assert_allclose(longer.barriers[:9000], shorter.barriers, rtol=1e-12, atol=1e-12)
     other = origins.domains(**{**SETTINGS, "seed": 4}).domains
     assert not np.isin(other.angles, shorter.angles).any()
 
 
-PROGRAM = """
-import json
-from mpi4py import MPI
-import origins
-
-settings = json.loads('''%s''')
-comm = MPI.COMM_WORLD
-plain = origins.domains(**settings, comm=comm)
-cold = origins.domains(**{**settings, "samples": 5000}, temperature=5.0, comm=comm)
-try:
-    origins.domains(1.0, sizes=[(1, 1), (3000, 3000)], weights=[1.0, 1e-3], temperature=1e-9, stiffness=1.0, comm=comm)
-    refused = "no"
-except origins.InputError as error:
-    refused = str(error)
-bits = [[float(x).hex() for x in row] for row in (plain.domains.barriers, cold.domains.barriers, plain.breakpoints)]
-every = comm.gather([bits, refused])
-if comm.Get_rank() == 0:
-    print(json.dumps(every))
-"""
-
-
-def test_ranks_share_the_work_and_get_the_same_bits(mpirun) -> None:
-    plain, cold = origins.domains(**SETTINGS), origins.domains(**{**SETTINGS, "samples": 5000}, temperature=5.0)
-    rows = (plain.domains.barriers, cold.domains.barriers, plain.breakpoints)
-    expected = [[float(x).hex() for x in row] for row in rows]
-    for ranks in (3,):
-        done = mpirun(ranks, PROGRAM % json.dumps(SETTINGS))
-        assert done.returncode == 0, done.stderr
-        every = json.loads(done.stdout)
-        assert len(every) == ranks
-        for bits, refused in every:
-            assert bits == expected
-            # one rank's refusal is everyone's
-            assert refused.startswith("temperature: ")
-
-
-BAD = [
-    ({}, "domains: give exactly one of sizes"),
-    ({"sizes": [(3, 3)], "mean_atoms": 10.0}, "domains: give exactly one of sizes"),
-    ({"sizes": [(3, 3)], "lattice_constant": None}, "lattice_constant = None: "),
-    ({"sizes": [[5, 5], [6]]}, "sizes = [[5, 5], [6]]: "),
-    ({"sizes": [(3, 2.5)]}, "sizes = [(3, 2.5)]: "),
-    ({"sizes": [(3, 3)], "weights": [1.0, 1.0]}, "weights = [1.0, 1.0]: "),
-    ({"mean_atoms": 1e13}, "mean_atoms = 10000000000000.0: "),
-    ({"mean_atoms": 5.0, "weights": [1.0]}, "weights = [1.0]: "),
-    ({"islands": []}, "lattice_constant = 2.5: "),
-    ({"islands": ["a"], "lattice_constant": None}, "atoms = 'a': "),
-    ({"islands": origins.triangular_island(A, 2, 2), "lattice_constant": None}, "islands = Atoms("),
-    ({"mean_atoms": 5.0, "angles": [np.nan]}, "angles[0] = nan: "),
-    (
-        {"mean_atoms": 5.0, "angles": [0.0, 20.0]},
-        "angles[1] = 20.0: angles are in radians, 2 pi at most; write 0.349066 for 20 degrees",
-    ),
-    ({"mean_atoms": 5.0, "law": "amontons"}, "law = 'amontons': "),
-    ({"mean_atoms": 5.0, "coefficient": 1.0}, "coefficient = 1.0: "),
-    ({"mean_atoms": 5.0, "law": "paper"}, "stiffness = 1.0: "),
-    ({"mean_atoms": 5.0, "seed": -1}, "seed = -1: "),
-    ({"mean_atoms": 5.0, "substrate": origins.fourier_substrate([[1.0, 1.0]], [1.0])}, "substrate: varies in one"),
-    ({"sizes": [(2, 2)], "lattice_constant": np.pi, "angles": [0.0]}, "domains: none of 20000 islands has a barrier"),
-]
-
-
-@pytest.mark.parametrize("options, begins", BAD)
-def test_bad_input_is_named(options: dict, begins: str) -> None:
-    with pytest.raises(InputError) as refusal:
-        origins.domains(**{"lattice_constant": A, "stiffness": 1.0, **options})
-    assert str(refusal.value).startswith(begins) and "\n" not in str(refusal.value)
-
-
 def test_domains_in_a_scene() -> None:
     def thresholds(**table: object) -> origins.Thresholds:
-        tables = {
-            "contacts": {"thresholds": {"kind": "domains", "stiffness": 1.0, "samples": 300, **table}},
-            "drive": {"to": 1.0, "points": 3},
-        }
-        return load_scene(tables, solved=False).contacts.thresholds
+        law = {"kind": "domains", "stiffness": 1.0, "samples": 300, **table}
+        drive = {"to": 1.0, "points": 3}
+        scene = load_scene({"contacts": {"thresholds": law}, "drive": drive}, solved=False)
+        return scene.contacts.thresholds
 
-    plain = thresholds(lattice_constant=A, sizes=[[5, 4], [6, 5]], weights=[1.0, 2.0])
-    same = origins.domains(A, sizes=[(5, 4), (6, 5)], weights=[1.0, 2.0], stiffness=1.0, samples=300)
+    given = {"sizes": [[5, 4], [6, 5]], "weights": [1.0, 2.0]}
+    plain = thresholds(lattice_constant=A, **given)
+    same = origins.domains(A, **given, stiffness=1.0, samples=300)
     assert np.array_equal(plain.domains.barriers, same.domains.barriers)
     waves = {"kind": "fourier", "wavevectors": [[1.0, 0.0], [0.0, 1.0]], "sines": [1.0, 1.0]}
-    shaped = thresholds(island={"kind": "hexagonal", "lattice_constant": A, "radius": 3 * A}, substrate=waves)
+    island = {"kind": "hexagonal", "lattice_constant": A, "radius": 3 * A}
+    shaped = thresholds(island=island, substrate=waves)
     direct = origins.barrier(origins.hexagonal_island(A, 3 * A), shaped.domains.angles)
     np.testing.assert_allclose(shaped.domains.barriers, direct, atol=1e-12)
     for table, begins in (
-        (
-            {},
-            "contacts.thresholds: domains: give exactly one of sizes, such as [[10, 9]], mean_atoms, such as 100, and "
-            "island, a table with a kind of triangular,",
-        ),
-        (
-            {"lattice_constant": A, "island": {"kind": "oval"}},
-            "contacts.thresholds.lattice_constant = 2.5: the table island",
-        ),
-        ({"island": [{"kind": "hexagonal"}]}, "contacts.thresholds.island = [{'kind': 'hexagonal'}]: must be a table"),
-        ({"island": {"kind": "oval"}}, "contacts.thresholds.island.kind = 'oval': "),
-        (
-            {"lattice_constant": A, "mean_atoms": 5.0, "substrate": {**waves, "cosines": [1.0]}},
-            "contacts.thresholds.substrate.cosines = [1.0]: ",
-        ),
+        ({}, "domains: give exactly one of sizes, such as [[10, 9]], mean_atoms, such as 100, and"),
+        ({"lattice_constant": A, "island": island}, "lattice_constant = 2.5: the table"),
+        ({"island": [{"kind": "oval"}]}, "island = [{'kind': 'oval'}]: must be a table"),
+        ({"island": {"kind": "oval"}}, "island.kind = 'oval': "),
+        ({"island": island, "substrate": waves | {"cosines": [1.0]}}, "substrate.cosines = [1.0]:"),
     ):
         with pytest.raises(InputError) as refusal:
             thresholds(**table)
-        assert str(refusal.value).startswith(begins)
+        assert re.match(r"contacts\.thresholds(: |\.)" + re.escape(begins), str(refusal.value))

@@ -28,7 +28,6 @@ from toolkit.running.ranks import communicator
 from toolkit.running.signals import Terminated, terminable
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.measured import from_samples
-from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.toml import to_toml
 
 GAUSSIAN = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
@@ -62,10 +61,8 @@ def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("text", "column", "values"),
     [
-        ("1;1,5\n2;1,7\n", 2, [1.5, 1.7]),
         ("1;1.5\n2;1.7\n", 2, [1.5, 1.7]),
         ("1,5 2,5\n1,7 2,7\n", 1, [1.5, 1.7]),
-        ("1.5, 2.5\n1.7, 2.7\n", 1, [1.5, 1.7]),
         ("1,1.5\n2,1.7\n", 2, [1.5, 1.7]),
     ],
 )
@@ -74,12 +71,6 @@ def test_decimal_commas_are_read_beside_another_separator(
 ) -> None:
     Path("own.txt").write_text(text)
     assert from_samples(tmp_path, file="own.txt", column=column).samples.tolist() == values
-
-
-def test_a_decimal_comma_alone_is_not_guessed(tmp_path: Path) -> None:
-    Path("own.txt").write_text("1,5\n1,7\n")
-    with pytest.raises(InputError, match="say which of the 2 columns"):
-        from_samples(tmp_path, file="own.txt")
 
 
 def test_a_far_drive_is_for_the_master_equation_alone() -> None:
@@ -107,31 +98,6 @@ def test_a_tolerance_nobody_asked_for_is_not_missed(
     assert main(["run", write(master=table), "--out", "out"]) == status
     found = toolkit.load("out").master
     assert found is not None and found.success == (status == 0) and found.force_error == error
-
-
-def test_a_path_that_ends_where_it_begins_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    soft = SCENE | {"drive": {"to": 2.0, "points": 21, "spring": 0.3}}
-    real = master.solve
-
-    def cut(*arguments: Any, **named: Any) -> Any:
-        found = real(*arguments, **named)
-        found.__dict__.update(path=np.empty(0), success=False, message="stopped at the first point")
-        return found
-
-    monkeypatch.setattr(master, "solve", cut)
-    with pytest.raises(InputError, match="stopped at the first point"):
-        toolkit.run(soft)
-
-
-def test_kelvins_in_place_of_a_length_squared_are_told() -> None:
-    import origins
-
-    with pytest.warns(
-        UserWarning, match=r"temperature is 299 <x_s\^2>: .* it is k_BT/<k>, a length squared"
-    ):
-        origins.Contacts(
-            origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", temperature=300.0)
-        )
 
 
 def test_missing_points_of_a_scan_are_told_with_their_rule() -> None:
@@ -170,7 +136,7 @@ def test_no_damage_of_a_result_goes_unseen(monkeypatch: pytest.MonkeyPatch) -> N
     whole, draws = Path("out/result.h5").read_bytes(), np.random.default_rng(3)
     with h5py.File("out/result.h5") as store:  # any program of HDF5 reads it
         assert store.attrs["version"] == toolkit.__version__
-    for place in [0, 20, 500, *draws.integers(0, len(whole), 200)]:
+    for place in [0, 20, 500, *draws.integers(0, len(whole), 50)]:
         flipped = bytes([whole[place] ^ 1 << draws.integers(8)])
         Path("out/result.h5").write_bytes(whole[:place] + flipped + whole[place + 1 :])
         with pytest.raises(InputError, match=r"its result\.h5 is not one of mesofriction"):
@@ -273,16 +239,6 @@ def test_two_runs_do_not_write_to_one_folder(tmp_path: Path) -> None:
 # -- ranks and signals ----------------------------------------------------------------------------------------
 
 
-def test_an_mpi_that_does_not_load_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Broken:
-        def __getattr__(self, name: str) -> Any:
-            raise OSError("libmpi.so.12: cannot open shared object file")
-
-    monkeypatch.setitem(sys.modules, "mpi4py", Broken())
-    with pytest.raises(InputError, match="mpi4py cannot be imported"):
-        communicator(Launch(2, 0))
-
-
 class OtherRank:
     """Rank 1, which is told what rank 0 found."""
 
@@ -309,18 +265,6 @@ def test_files_are_those_of_rank_0(tmp_path: Path) -> None:
     text = to_toml(SCENE | {"title": "of rank 0"})
     scene = toolkit.load_scene(write(), comm=OtherRank(tmp_path / "mine.toml", text))
     assert scene.title == "of rank 0"
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_lost_terminal_ends_a_run_as_a_scheduler_does(number: int) -> None:
-    with pytest.raises(Terminated), terminable():
-        signal.raise_signal(number)
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup has it
-    try:
-        with terminable():
-            signal.raise_signal(signal.SIGHUP)
-    finally:
-        signal.signal(signal.SIGHUP, before)
 
 
 def test_sighup_keeps_a_checkpoint(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -443,17 +387,6 @@ def test_what_takes_over_a_minute_is_said_early(
         assert told == (f"{said}\n" if total == 1_000 else "")
 
 
-def test_work_that_knows_no_pace_is_shown_too(capsys: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toolkit.running.progress._LOG_PATIENCE", 0.0)
-    made = threading.Event()
-    bar = Progress("sweep", Ticks(lambda: made.wait(60.0), lambda: bar.refine(1e-5), lambda: None))
-    made.set()
-    bar.close()
-    first, second = capsys.readouterr().err.splitlines()
-    assert first.startswith("mesofriction: sweep: at work (kernels are compiled on first use), after 0:00:0")
-    assert second.startswith("mesofriction: sweep: error 1.0e-05 of <x_s> so far, after 0:00:0")
-
-
 @pytest.mark.parametrize("command", ["compare", "thresholds", "precision"])
 def test_the_wall_time_ends_other_commands_too(
     command: str, capsys: Any, monkeypatch: pytest.MonkeyPatch
@@ -469,52 +402,38 @@ def test_the_wall_time_ends_other_commands_too(
     assert "wall_time = 0.01: is over before " in line
 
 
-def test_how_long_springs_of_a_sweep_will_take_is_told_before_them() -> None:
-    sweep = {"velocity": [1.0, 2.0, 3.0], "critical_spring": True}
-    scene, told = toolkit.load_scene(SCENE | {"master": None, "sweep": sweep}), list[float]()
-    assert scene.sweep is not None and solve_sweep(scene.contacts, scene.sweep, told.append).success
-    assert len(told) == 1 and told[0] > 0.0
+# -- no tracebacks --------------------------------------------------------------------------------
 
 
-# -- no tracebacks --------------------------------------------------------------------------------------------
+def one_line(capsys: Any, *words: str) -> str:
+    """What is said of words that cannot be run."""
+    assert main(list(words)) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert len(line) < 400
+    return line
 
 
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         ("a = " + "[" * 5000 + "]" * 5000, "nested too deeply"),
-        ("a" + ".a" * 5000 + " = 1", "nested too deeply|is not TOML|unknown key"),
-        ("[eq]\ncontacts = " + "1" * 5000, "is not TOML"),
-        ("[eq]\ncontacts = " + "1" * 400, "eq"),
+        ("a = " + "1" * 5000, "is not TOML"),
         ('title = "a\x00b"', "is not TOML"),
         ('title = "a\\u0000b"', "title"),
     ],
 )
 def test_odd_scenes_are_one_line(text: str, says: str, capsys: Any) -> None:
-    Path("odd.toml").write_text(
-        text + "\n" + to_toml(SCENE) if not text.startswith("[") else to_toml(SCENE) + text
-    )
-    assert main(["run", "odd.toml"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    import re
-
-    assert re.search(says, line) and len(line) < 400
+    Path("odd.toml").write_text(f"{text}\n{to_toml(SCENE)}")
+    assert says in one_line(capsys, "run", "odd.toml")
 
 
-@pytest.mark.parametrize("name", ["a" * 300, "a" * 300 + ".toml", "a\x00b", "a" * 250 + ".toml"])
-def test_odd_names_of_scenes_are_one_line(name: str, capsys: Any) -> None:
-    if len(name) == 255:
-        Path(name).write_text(to_toml(SCENE))
-    assert main(["run", name]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert len(line) < 400
-    assert (
-        main(["run", write(), "--out", name if len(name) > 255 or "\x00" in name else "x" * 300])
-        == 2
-    )
+@pytest.mark.parametrize("name", ["a" * 300, "a\x00b"])
+def test_odd_names_are_one_line(name: str, capsys: Any) -> None:
+    one_line(capsys, "run", name)
+    one_line(capsys, "run", write(), "--out", name)
 
 
-@pytest.mark.parametrize("file", ["a\x00b", "a" * 5000, "/dev/zero", "pipe", ".", "gone.txt"])
+@pytest.mark.parametrize("file", ["a\x00b", "/dev/zero", "pipe", "gone.txt"])
 @pytest.mark.parametrize("kind", ["samples", "scan"])
 def test_odd_files_are_one_line(kind: str, file: str, capsys: Any) -> None:
     os.mkfifo("pipe")
@@ -524,14 +443,64 @@ def test_odd_files_are_one_line(kind: str, file: str, capsys: Any) -> None:
         surface = {"kind": "scan", "file": file}
         law = {"kind": "from-topography", "model": "gw", "law": "amontons", "pressure": 1e6}
         law |= {"surface": surface, "material": steel}
-    assert main(["run", write(contacts={"thresholds": law})]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "file = " in line and len(line) < 400
+    assert "file = " in one_line(capsys, "run", write(contacts={"thresholds": law}))
 
 
 def test_what_is_no_table_is_not_shown(capsys: Any) -> None:
     Path("words.txt").write_text("user:secret:word\nother:secret:word\n")
     law = {"kind": "from-samples", "file": "words.txt"}
-    assert main(["run", write(contacts={"thresholds": law})]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+    line = one_line(capsys, "run", write(contacts={"thresholds": law}))
     assert "secret" not in line and "line 2 must hold one number" in line
+
+
+def test_a_decimal_comma_alone_is_not_guessed(tmp_path: Path) -> None:
+    Path("own.txt").write_text("1,5\n1,7\n")
+    with pytest.raises(InputError, match="say which of the 2 columns"):
+        from_samples(tmp_path, file="own.txt")
+
+
+def test_a_path_that_ends_where_it_begins_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    soft = SCENE | {"drive": {"to": 2.0, "points": 21, "spring": 0.3}}
+    real = master.solve
+
+    def cut(*arguments: Any, **named: Any) -> Any:
+        found = real(*arguments, **named)
+        found.__dict__.update(path=np.empty(0), success=False, message="stopped at the first point")
+        return found
+
+    monkeypatch.setattr(master, "solve", cut)
+    with pytest.raises(InputError, match="stopped at the first point"):
+        toolkit.run(soft)
+
+
+def test_kelvins_in_place_of_a_length_squared_are_told() -> None:
+    import origins
+
+    with pytest.warns(
+        UserWarning, match=r"temperature is 299 <x_s\^2>: .* it is k_BT/<k>, a length squared"
+    ):
+        origins.Contacts(
+            origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", temperature=300.0)
+        )
+
+
+def test_an_mpi_that_does_not_load_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Broken:
+        def __getattr__(self, name: str) -> Any:
+            raise OSError("libmpi.so.12: cannot open shared object file")
+
+    monkeypatch.setitem(sys.modules, "mpi4py", Broken())
+    with pytest.raises(InputError, match="mpi4py cannot be imported"):
+        communicator(Launch(2, 0))
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_lost_terminal_ends_a_run_as_a_scheduler_does(number: int) -> None:
+    with pytest.raises(Terminated), terminable():
+        signal.raise_signal(number)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup has it
+    try:
+        with terminable():
+            signal.raise_signal(signal.SIGHUP)
+    finally:
+        signal.signal(signal.SIGHUP, before)

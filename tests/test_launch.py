@@ -37,16 +37,27 @@ def scene(tmp_path: Path) -> str:
     ("environment", "launch"),
     [
         ({}, Launch(1, 0)),
-        ({"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_RANK": "1", "PMIX_RANK": "1"}, Launch(2, 1)),
+        (
+            {"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_RANK": "1", "PMIX_RANK": "1"},
+            Launch(2, 1),
+        ),
         ({"SLURM_STEP_NUM_TASKS": "8", "SLURM_PROCID": "5"}, Launch(8, 5, "srun")),
         # with --mpi=pmi2; and mpirun, whose own daemons are a step, one a node
-        ({"SLURM_STEP_NUM_TASKS": "4", "SLURM_PROCID": "1", "PMI_SIZE": "4", "PMI_RANK": "1"}, Launch(4, 1, "srun")),
-        ({"SLURM_STEP_NUM_TASKS": "2", "SLURM_PROCID": "1", "PMI_SIZE": "8", "PMI_RANK": "5"}, Launch(8, 5)),
+        (
+            {"SLURM_STEP_NUM_TASKS": "4", "SLURM_PROCID": "1", "PMI_SIZE": "4", "PMI_RANK": "1"},
+            Launch(4, 1, "srun"),
+        ),
+        (
+            {"SLURM_STEP_NUM_TASKS": "2", "SLURM_PROCID": "1", "PMI_SIZE": "8", "PMI_RANK": "5"},
+            Launch(8, 5),
+        ),
         # a batch script, alone on a machine given for 8 tasks
         ({"SLURM_NTASKS": "8", "SLURM_PROCID": "0"}, Launch(1, 0)),
         # ranks of this node only: the whole launch counts
-        ({"PMI_SIZE": "8", "PMI_RANK": "6", "MPI_LOCALNRANKS": "4", "MPI_LOCALRANKID": "2"}, Launch(8, 6)),
-        ({"PMI_SIZE": "4"}, Launch(1, 0)),
+        (
+            {"PMI_SIZE": "8", "PMI_RANK": "6", "MPI_LOCALNRANKS": "4", "MPI_LOCALRANKID": "2"},
+            Launch(8, 6),
+        ),
     ],
 )
 def test_environment_is_read(environment: dict[str, str], launch: Launch) -> None:
@@ -62,11 +73,19 @@ def alone(tmp_path_factory: pytest.TempPathFactory):
 
 
 @pytest.mark.parametrize("ranks", [2])
-def test_ranks_share_one_run_and_one_voice(ranks: int, mpirun, scene, alone, tmp_path: Path) -> None:
+def test_ranks_share_one_run_and_one_voice(
+    ranks: int, mpirun, scene, alone, tmp_path: Path
+) -> None:
     done = mpirun(ranks, SCRIPT, "run", scene, "--out", "many")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
-    assert [line.split()[0] for line in done.stdout.splitlines()] == ["small", "master", "eq", "eq", "written"]
+    assert [line.split()[0] for line in done.stdout.splitlines()] == [
+        "small",
+        "master",
+        "eq",
+        "eq",
+        "written",
+    ]
     many, one = toolkit.load(tmp_path / "many").eq, alone.eq
     assert many is not None and one is not None
     assert len(many.breaks_per_rank) == ranks and min(many.breaks_per_rank) > 0
@@ -139,7 +158,8 @@ sys.exit(toolkit.command.main())
 def test_bug_on_one_rank_ends_all(mpirun, scene, tmp_path: Path) -> None:
     done = mpirun(3, PLANTED.format("ZeroDivisionError('planted')"), "run", scene)
     assert done.returncode == 1
-    assert done.stderr.count("Traceback (most recent call last)") == 1 and "ZeroDivisionError: planted" in done.stderr
+    assert done.stderr.count("Traceback (most recent call last)") == 1
+    assert "ZeroDivisionError: planted" in done.stderr
     assert os.listdir(tmp_path) == [scene]
 
 
@@ -155,11 +175,12 @@ def test_ranks_that_cannot_meet_are_not_lone_runs(python, scene, tmp_path: Path)
     # what a launcher of another MPI leaves behind: each process alone in its communicator
     pytest.importorskip("mpi4py")
     told = [
-        python(SCRIPT, "run", scene, OMPI_COMM_WORLD_SIZE="2", OMPI_COMM_WORLD_RANK=str(rank)) for rank in (0, 1)
+        python(SCRIPT, "run", scene, OMPI_COMM_WORLD_SIZE="2", OMPI_COMM_WORLD_RANK=str(rank))
+        for rank in (0, 1)
     ]
     assert [done.returncode for done in told] == [2, 2]
-    assert told[0].stderr.startswith("mesofriction: mpirun: started 2 ranks, but mpi4py's MPI connects 1; ")
+    assert told[0].stderr.startswith(
+        "mesofriction: mpirun: started 2 ranks, but mpi4py's MPI connects 1; "
+    )
     assert len(told[0].stderr.splitlines()) == 1 and told[1].stderr == ""
     assert [done.stdout for done in told] == ["", ""] and os.listdir(tmp_path) == [scene]
-
-

@@ -5,7 +5,7 @@ from importlib import import_module
 import pytest
 
 from toolkit.command import COMMANDS
-from toolkit.scene import islands, laws, surfaces, tables
+from toolkit.scene import laws, tables
 from toolkit.scene.scene import shipped_scenes
 
 NAMES = {
@@ -74,10 +74,10 @@ def test_kinds_commands_and_shipped_scenes_are_there() -> None:
         "thresholds": laws.THRESHOLDS,
         "start": laws.START,
         "reforming": laws.REFORMING,
-        "surfaces": surfaces.SURFACES,
-        "stiffnesses": surfaces.STIFFNESSES,
-        "islands": islands.ISLANDS,
-        "substrates": islands.SUBSTRATES,
+        "surfaces": laws.SURFACES,
+        "stiffnesses": laws.STIFFNESSES,
+        "islands": laws.ISLANDS,
+        "substrates": laws.SUBSTRATES,
     }
     for name, kinds in KINDS.items():
         assert set(kinds.split()) <= set(known[name])

@@ -9,7 +9,7 @@ from ase.calculators.calculator import Calculator, all_changes
 from ase.calculators.ff import ForceField
 from ase.calculators.lj import LennardJones
 from ase.calculators.mixing import SumCalculator
-from ase.constraints import FixAtoms, FixedLine
+from ase.constraints import FixAtoms
 from ase.utils.ff import Bond
 from scipy.optimize import minimize_scalar
 from scipy.spatial import KDTree
@@ -31,7 +31,9 @@ def random_substrate(seed: int, waves: int) -> origins.Substrate:
     rng = np.random.default_rng(seed)
     indices = np.array([[1, 0], [0, 1], [1, 1], [1, -1], [2, 0], [0, 2], [2, 1]])[:waves]
     basis = [[1.0, 0.0], [rng.uniform(-0.6, 0.6), rng.uniform(0.7, 1.3)]]
-    return origins.fourier_substrate(indices @ basis, rng.normal(size=waves) + 1j * rng.normal(size=waves))
+    return origins.fourier_substrate(
+        indices @ basis, rng.normal(size=waves) + 1j * rng.normal(size=waves)
+    )
 
 
 class Wells(Calculator):
@@ -43,14 +45,21 @@ class Wells(Calculator):
         super().__init__()
         self.wrong, self.given = wrong, energy
 
-    def calculate(self, atoms: Any = None, properties: Any = None, system_changes: Any = all_changes) -> None:
+    def calculate(
+        self, atoms: Any = None, properties: Any = None, system_changes: Any = all_changes
+    ) -> None:
         super().calculate(atoms, properties, system_changes)
         if self.given == 0.0:
             raise RuntimeError("no licence\nfor this machine")
         x, y = self.atoms.positions[:, :2].T
         depth = np.exp(1.5 * (np.cos(x) + np.cos(y) - 2.0))
-        forces = -1.5 * self.wrong * np.column_stack([np.sin(x) * depth, np.sin(y) * depth, 0.0 * x])
-        self.results = {"energy": -float(depth.sum()) if self.given is None else self.given, "forces": forces}
+        forces = (
+            -1.5 * self.wrong * np.column_stack([np.sin(x) * depth, np.sin(y) * depth, 0.0 * x])
+        )
+        self.results = {
+            "energy": -float(depth.sum()) if self.given is None else self.given,
+            "forces": forces,
+        }
 
 
 @pytest.mark.parametrize("substrate", [SQUARE, random_substrate(3, 7)])
@@ -58,8 +67,13 @@ def test_forces_are_those_of_the_energy(substrate: origins.Substrate) -> None:
     island = turned(origins.triangular_island(2.4, 5, 4), 0.3)
     island.calc = substrate_calculator(substrate)
     forces, energy = island.get_forces(), island.get_potential_energy()
-    assert island.get_potential_energies().sum() == pytest.approx(energy, abs=1e-12) and not forces[:, 2].any()
-    factors = substrate.coefficients * np.exp(1j * (island.positions[:, :2] @ substrate.wavevectors.T)).sum(0)
+    assert (
+        island.get_potential_energies().sum() == pytest.approx(energy, abs=1e-12)
+        and not forces[:, 2].any()
+    )
+    factors = substrate.coefficients * np.exp(
+        1j * (island.positions[:, :2] @ substrate.wavevectors.T)
+    ).sum(0)
     assert energy == pytest.approx(substrate.constant + factors.real.sum(), abs=1e-11)
     assert forces[:, :2].sum(0) == pytest.approx(factors.imag @ substrate.wavevectors, abs=1e-11)
     island.positions[0, 0] += 5e-16  # a step that ASE's own comparison overlooks
@@ -75,7 +89,9 @@ def test_bonds_are_those_of_ase_force_field() -> None:
     shaken.cell = [100.0, 100.0, 100.0]  # the force field wants one
     field = ForceField(bonds=[Bond(i, j, k=3.0, b0=2.5) for i, j in pairs])
     bonds = origins.harmonic_bonds(island, 3.0)
-    assert bonds.get_potential_energy(shaken) == pytest.approx(field.get_potential_energy(shaken), rel=1e-12)
+    assert bonds.get_potential_energy(shaken) == pytest.approx(
+        field.get_potential_energy(shaken), rel=1e-12
+    )
     assert bonds.get_forces(shaken) == pytest.approx(field.get_forces(shaken), abs=1e-11)
     assert bonds.get_potential_energy(island) == pytest.approx(0.0, abs=1e-25)
     longer = origins.harmonic_bonds(island, 3.0, reach=5.1)
@@ -102,9 +118,15 @@ def test_random_rigid_islands_climb_what_the_closed_form_says() -> None:
 def test_other_substrates_climb_what_the_exact_search_says(seed: int) -> None:
     # in the first Newton's steps may go back and forth for ever, in the second two saddles lie close by
     substrate = random_substrate(seed, 7)
-    for island, angle in ((ase.Atoms("H", positions=[[0, 0, 0]]), 0.0), (origins.irregular_island(2.6, 6.0), 1.0)):
+    for island, angle in (
+        (ase.Atoms("H", positions=[[0, 0, 0]]), 0.0),
+        (origins.irregular_island(2.6, 6.0), 1.0),
+    ):
         found = relaxed_barrier(turned(island, angle), substrate_calculator(substrate))
-        assert abs(found.barrier - origins.barrier(island, angle, substrate)) <= found.barrier_error + 1e-10
+        assert (
+            abs(found.barrier - origins.barrier(island, angle, substrate))
+            <= found.barrier_error + 1e-10
+        )
 
 
 def test_wells_of_all_harmonics() -> None:
@@ -129,7 +151,11 @@ def test_atom_on_a_slab_of_lennard_jones_atoms() -> None:
             probe.positions[-1] = x, y, z
             return float(probe.get_potential_energy())
 
-        return float(minimize_scalar(energy, bounds=(0.5, 1.5), method="bounded", options={"xatol": 1e-9}).fun)
+        return float(
+            minimize_scalar(
+                energy, bounds=(0.5, 1.5), method="bounded", options={"xatol": 1e-9}
+            ).fun
+        )
 
     before = atoms.positions.copy()
     found = relaxed_barrier(atoms, own, planar=False, periods=1.1 * np.eye(2))
@@ -144,12 +170,17 @@ def dimer_barrier(length: float, angle: float, stiffness: float) -> float:
     def level(wave: tuple[float, float]) -> float:
         def energy(stretch: np.ndarray) -> np.ndarray:
             apart = length + stretch
-            x, y = 2.0 * np.cos(0.5 * apart * np.cos(angle)), 2.0 * np.cos(0.5 * apart * np.sin(angle))
+            x, y = (
+                2.0 * np.cos(0.5 * apart * np.cos(angle)),
+                2.0 * np.cos(0.5 * apart * np.sin(angle)),
+            )
             return wave[0] * np.abs(x) + wave[1] * np.abs(y) + 0.5 * stiffness * stretch**2
 
         grid = np.linspace(-0.9, 0.9, 1801)
         best = grid[energy(grid).argmin()]
-        found = minimize_scalar(energy, bounds=(best - 1e-3, best + 1e-3), method="bounded", options={"xatol": 1e-12})
+        found = minimize_scalar(
+            energy, bounds=(best - 1e-3, best + 1e-3), method="bounded", options={"xatol": 1e-12}
+        )
         return float(found.fun)
 
     return min(level((1.0, -1.0)), level((-1.0, 1.0))) - level((-1.0, -1.0))
@@ -163,7 +194,9 @@ def test_two_atoms_on_a_spring() -> None:
     assert found.barrier_error < 1e-12
     for place in (found.minimum, found.saddle):
         moved, rest = place.positions - atoms.positions, atoms.positions - atoms.positions.mean(0)
-        assert (rest[:, 0] * moved[:, 1] - rest[:, 1] * moved[:, 0]).sum() == pytest.approx(0.0, abs=1e-14)
+        assert (rest[:, 0] * moved[:, 1] - rest[:, 1] * moved[:, 0]).sum() == pytest.approx(
+            0.0, abs=1e-14
+        )
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-12, 1e-9])
@@ -181,50 +214,25 @@ def test_any_unit_of_length(period: float) -> None:
 
 
 ISLAND = origins.triangular_island(2.5, 2, 2)
-LINE, FIXED = ISLAND.copy(), ISLAND.copy()
-LINE.set_constraint(FixedLine(0, [1, 0, 0]))
-FIXED.set_constraint(FixAtoms(range(4)))
 ON = substrate_calculator(SQUARE)
 TWO = SumCalculator([ON, substrate_calculator(origins.square_substrate(1.0, 3.0))])
-LEVEL = substrate_calculator(origins.fourier_substrate([[1.0, 0.0]], [1.0]))
 
 
 @pytest.mark.parametrize(
-    ("atoms", "calculator", "keywords", "message"),
+    ("calculator", "keywords", "message"),
     [
-        (np.zeros((3, 3)), ON, {}, "atoms = array of shape"),
-        (ase.Atoms("H", positions=[[np.nan, 0, 0]]), ON, {}, "atoms = Atoms.*finite positions"),
-        (LINE, ON, {}, "atoms.constraints = .*FixAtoms"),
-        (FIXED, ON, {}, "atoms = .*FixAtoms does not fix"),
-        (ISLAND, SQUARE, {}, "calculator = .*ASE calculator"),
-        (ISLAND, LEVEL, {}, "wavevectors = .*all parallel"),
-        (ISLAND, Wells(energy=0.0), {"periods": PERIODS}, "calculator = 'RuntimeError: no licence'"),
-        (ISLAND, Wells(energy=np.nan), {"periods": PERIODS}, "calculator = nan: must give finite"),
-        (ISLAND, Wells(wrong=0.0), {"periods": PERIODS}, "calculator = 'no force anywhere'"),
-        (ISLAND, Wells(wrong=1.5), {"periods": PERIODS}, "calculator = .*forces must be those of its energy"),
-        (ISLAND, Wells(), {}, "periods = None: must be given"),
-        (ISLAND, TWO, {}, "periods = None: must be given, as the parts"),
-        (ISLAND, Wells(), {"periods": 3.0 * np.eye(2)}, "periods = .*must leave energies"),
-        (ISLAND, ON, {"periods": [[1.0, 0.0], [2.0, 0.0]]}, "periods = .*not parallel"),
-        (ISLAND, ON, {"rigid": 1}, "rigid = 1: must be True or False"),
-        (origins.triangular_island(2.5, 40, 40), ON, {"rigid": False}, "atoms = .*at most 1500"),
+        (Wells(energy=0.0), {"periods": PERIODS}, "calculator = 'RuntimeError: no licence'"),
+        (Wells(energy=np.nan), {"periods": PERIODS}, "calculator = nan: must give finite"),
+        (Wells(wrong=0.0), {"periods": PERIODS}, "calculator = 'no force anywhere'"),
+        (Wells(wrong=1.5), {"periods": PERIODS}, "calculator = .*forces must be those of its"),
+        (Wells(), {}, "periods = None: must be given"),
+        (TWO, {}, "periods = None: must be given, as the parts"),
+        (Wells(), {"periods": 3.0 * np.eye(2)}, "periods = .*must leave energies"),
     ],
 )
-def test_bad_input_is_refused_in_one_line(atoms: Any, calculator: Any, keywords: dict[str, Any], message: str) -> None:
+def test_calculators_that_cannot_serve_are_refused_in_one_line(
+    calculator: Any, keywords: dict[str, Any], message: str
+) -> None:
     with pytest.raises(InputError, match=f"^{message}") as caught:
-        relaxed_barrier(atoms, calculator, **keywords)
+        relaxed_barrier(ISLAND, calculator, **keywords)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "keywords", "message"),
-    [
-        ((ISLAND, 0.0), {}, "stiffness = 0.0: must be above zero"),
-        ((np.zeros(3), 1.0), {}, "atoms = "),
-        ((ase.Atoms("H2"), 1.0), {}, "atoms = .*in one place"),
-        ((ISLAND, 1.0), {"reach": 1.0}, "reach = 1.0: bonds no atoms"),
-    ],
-)
-def test_bonds_that_cannot_be_are_refused(arguments: Any, keywords: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        origins.harmonic_bonds(*arguments, **keywords)

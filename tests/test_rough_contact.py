@@ -1,11 +1,10 @@
 """From moments to thresholds: each contact model and threshold law against a second road."""
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.special import erfc, ndtr
 
 import origins
 from origins.roughness.from_surface import from_moments
@@ -23,185 +22,154 @@ MOMENTS = SpectralMoments(
 )
 E_STAR, MU, G, H, TAU, C = 3e9, 0.4, 1.1e9, 2.5e8, 6e7, 2e10
 MATERIAL = origins.Material(
-    contact_modulus=E_STAR, local_friction=MU, shear_modulus=G, hardness=H, shear_strength=TAU, force_coefficient=C
+    contact_modulus=E_STAR,
+    local_friction=MU,
+    shear_modulus=G,
+    hardness=H,
+    shear_strength=TAU,
+    force_coefficient=C,
 )
 PATCH = 5e-12
 
 
-def test_lightest_and_heaviest_loads() -> None:
-    options = {"law": "amontons", "material": MATERIAL}
-    lightest = from_moments(MOMENTS, model="gw", pressure=1e-290, **options)
-    i = lightest.interface
-    assert i is not None and i.separation is not None and i.separation > 35 * MOMENTS.summit_std
-    # exponential heights of mean sigma_h²/h0, up to (sigma_h/h0)²: F_k/load is 2/3 mu
-    assert lightest.std() / lightest.mean() == pytest.approx(1.0, abs=1e-3)
-    assert i.friction_coefficient == pytest.approx(2 / 3 * MU, rel=1e-3)
-    light, heavy = (
-        from_moments(MOMENTS, model="persson", pressure=p, patch_area=PATCH, **options) for p in (1e-290, 1e11)
-    )
-    # stresses s exp(-(s/D)²), and a normal law of mean p and variance D²/2
-    assert light.std() / light.mean() == pytest.approx(np.sqrt(4 / np.pi - 1), rel=1e-9)
-    assert light.interface is not None and light.interface.friction_coefficient == pytest.approx(2 / np.pi * MU)
-    width = E_STAR * np.sqrt(MOMENTS.m2)
-    assert heavy.std() / heavy.mean() == pytest.approx(width / np.sqrt(2) / 1e11, rel=1e-9)
-    assert heavy.interface is not None and heavy.interface.area_fraction == 1.0
-    with pytest.raises(origins.InputError, match=r"summits would cover"):
-        from_moments(MOMENTS, model="gw", pressure=1e30, **options)
-    with pytest.raises(origins.InputError, match=r"^pressure = 1e\+30: .*all patches bear it"):
-        from_moments(MOMENTS, model="persson", pressure=1e30, patch_area=PATCH, **options)
+def rule(*edges: float) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre nodes and weights between edges, in s = x^(1/4), for roots of x at 0."""
+    t, w = np.polynomial.legendre.leggauss(60)
+    ends = np.unique(edges) ** 0.25
+    half = 0.5 * np.diff(ends)[:, None]
+    s = ends[:-1, None] + half * (1.0 + t)
+    return s.ravel() ** 4, (half * w * 4.0 * s**3).ravel()
 
 
-def one_summit(law: str, delta: float, radius: float, regime: str = "elastic") -> tuple[float, float, float]:
-    """(load, area, threshold) of one summit, written out; stiffness is f_s/x_s."""
-    load, area = 4.0 / 3.0 * E_STAR * np.sqrt(radius) * delta**1.5, np.pi * radius * delta
-    if regime == "plastic" or (regime == "mixed" and load > H * area):
-        load = H * area
-    if law == "amontons":
-        return load, area, MU * load / (G * np.sqrt(area))
-    if law == "strength":
-        return load, area, TAU * area / (G * np.sqrt(area))
-    return load, area, np.sqrt(MU * load / C)
+def one_contact(law: str, load: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Force and stretch at which a contact breaks, written out."""
+    force = TAU * area if law == "strength" else MU * load
+    return force, np.sqrt(force / C) if law == "paper" else force / (G * np.sqrt(area))
 
 
-CASES = [
-    ("paper", "gaussian", 1.0, "elastic"),
-    ("paper", "exponential", 5e6, "mixed"),
-    ("amontons", "gaussian", 5e6, "mixed"),
-    ("amontons", "exponential", 1e5, "elastic"),
-    ("strength", "gaussian", 5e6, "elastic"),
-    ("strength", "exponential", 5e6, "plastic"),
-    ("amontons", "gaussian", 1.0, "plastic"),
-]
-
-
-@pytest.mark.parametrize(("law", "height_law", "pressure", "regime"), CASES)
-def test_summits_against_sums_over_heights(law: str, height_law: str, pressure: float, regime: str) -> None:
-    found = from_moments(
-        MOMENTS, model="gw", law=law, material=MATERIAL, pressure=pressure, height_law=height_law, regime=regime
-    )
+def assert_sums(
+    found: origins.Thresholds, law: str, pressure: float, often: np.ndarray, load: np.ndarray, area
+) -> None:
+    """All numbers of the record against sums over contacts, `often` of each in an area."""
     i = found.interface
-    assert i is not None and i.separation is not None
-    std, radius = MOMENTS.summit_std, MOMENTS.summit_radius
-    limit = critical_compression(radius, E_STAR, H)
-    summit = lambda d: one_summit(law, d, radius, regime)  # noqa: E731
-
-    def per_area(function) -> float:  # type: ignore[no-untyped-def]
-        if height_law == "gaussian":
-            density = lambda h: np.exp(-0.5 * (h / std) ** 2) / (std * np.sqrt(2 * np.pi))  # noqa: E731
-        else:
-            density = lambda h: np.exp(-h / std) / std if h >= 0 else 0.0  # noqa: E731
-        step = std / max(i.separation / std, 1.0) if height_law == "gaussian" else std
-        # with an edge where contacts turn plastic, if that is in reach
-        edges = sorted({0.0, step, 8 * step, 60 * step, *([limit] if limit < 60 * step else [])})
-        parts = (
-            quad(lambda d: function(d) * density(i.separation + d), a, b, epsabs=0.0, epsrel=1e-12, limit=200)[0]
-            for a, b in itertools.pairwise(edges)
-        )
-        return MOMENTS.summit_density * sum(parts)
-
-    threshold = lambda d: summit(d)[2]  # noqa: E731
-    number = per_area(lambda d: 1.0)
-    assert per_area(lambda d: summit(d)[0]) == pytest.approx(pressure, rel=1e-9)
+    assert i is not None
+    force, x = one_contact(law, load, area)
+    number, k = often.sum(), force / x
+    stiffness = often @ k / number
+    assert often @ load == pytest.approx(pressure, rel=1e-9)
     assert i.contact_density == pytest.approx(number, rel=1e-9)
-    assert i.area_fraction == pytest.approx(per_area(lambda d: summit(d)[1]), rel=1e-9)
-    assert found.mean() == pytest.approx(per_area(threshold) / number, rel=1e-9)
-    assert found.moment(2) == pytest.approx(per_area(lambda d: threshold(d) ** 2) / number, rel=1e-9)
-
-    def strength(d: float) -> float:
-        load, area, _ = summit(d)
-        return TAU * area if law == "strength" else MU * load
-
-    stiffness = per_area(lambda d: strength(d) / threshold(d) if d > 0 else 0.0) / number
+    assert i.area_fraction == pytest.approx(often @ area, rel=1e-9)
+    assert found.mean() == pytest.approx(often @ x / number, rel=1e-9)
+    assert found.moment(2) == pytest.approx(often @ x**2 / number, rel=1e-9)
     assert i.mean_stiffness == pytest.approx(stiffness, rel=1e-8)
     kinetic = number * stiffness * found.moment(2) / (2 * found.mean())
     assert i.friction_coefficient == pytest.approx(kinetic / pressure, rel=1e-8)
-    for d in (0.05 * std, 0.3 * std, std):
-        beyond = (
-            MOMENTS.summit_density
-            * quad(
-                lambda h: (
-                    np.exp(-0.5 * h * h) / np.sqrt(2 * np.pi) if height_law == "gaussian" else np.exp(-h) * (h > 0)
-                ),
-                (i.separation + d) / std,
-                (i.separation + d) / std + 40,
-                epsabs=0.0,
-                epsrel=1e-12,
-                points=[(i.separation + d) / std + s for s in (1e-2, 0.1, 1.0)],
-            )[0]
-        )
-        assert float(found.sf(threshold(d))) == pytest.approx(beyond / number, rel=1e-8)
-    # plastic where the elastic load exceeds what the hardness bears over the plastic area, pi r delta H
-    assert one_summit(law, limit, radius)[0] == pytest.approx(np.pi * radius * limit * H, rel=1e-12)
-    plastic = 1.0 if regime == "plastic" else float(found.sf(threshold(limit)))
+    assert i.mean_load == pytest.approx(pressure / number, rel=1e-9)
+    assert i.mean_area == pytest.approx(often @ area / number, rel=1e-9)
+    assert i.mean_radius == pytest.approx(often @ np.sqrt(area / np.pi) / number, rel=1e-9)
+    assert i.mean_force_threshold == pytest.approx(often @ force / number, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("law", "height_law", "pressure", "regime"),
+    [
+        ("paper", "exponential", 5e6, "mixed"),
+        ("paper", "gaussian", 1.0, "elastic"),
+        ("amontons", "gaussian", 5e6, "mixed"),
+        ("strength", "gaussian", 5e6, "elastic"),
+        ("strength", "exponential", 5e6, "plastic"),
+    ],
+)
+def test_summits_against_sums_over_heights(
+    law: str, height_law: str, pressure: float, regime: str
+) -> None:
+    asked = {"model": "gw", "law": law, "height_law": height_law, "regime": regime}
+    found = from_moments(MOMENTS, material=MATERIAL, pressure=pressure, **asked)
+    i = found.interface
+    assert i is not None and i.separation is not None
+    std, radius = MOMENTS.summit_std, MOMENTS.summit_radius
+    limit, z = critical_compression(radius, E_STAR, H), i.separation / std
+
+    def bears(d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Load and elastic area of summits pressed down by d."""
+        hertz, area = 4.0 / 3.0 * E_STAR * np.sqrt(radius) * d**1.5, np.pi * radius * d
+        plastic = {"elastic": False, "plastic": True, "mixed": hertz > H * area}[regime]
+        return np.where(plastic, H * area, hertz), area
+
+    def beyond(d: np.ndarray) -> np.ndarray:
+        """Share of all summits that are pressed down by more than d."""
+        return ndtr(-z - d / std) if height_law == "gaussian" else np.exp(-z - d / std)
+
+    step = std / max(z, 1.0) if height_law == "gaussian" else std
+    edges = [0.0, step, 8 * step, 60 * step, *([limit] if limit < 60 * step else [])]
+    d, weights = rule(*edges)
+    h = z + d / std
+    density = np.exp(-0.5 * h * h) / np.sqrt(2 * np.pi) if height_law == "gaussian" else np.exp(-h)
+    often = MOMENTS.summit_density * weights * density / std
+    assert_sums(found, law, pressure, often, *bears(d))
+    for at in (0.05 * std, 0.3 * std, std, 0.1 * limit, 0.9 * limit, 1.1 * limit, 7 * limit):
+        force, x = one_contact(law, *bears(np.array(at)))
+        assert float(i.force_threshold(x)) == pytest.approx(float(force), rel=1e-12)
+        assert float(found.sf(x)) == pytest.approx(beyond(at) / beyond(0.0), rel=1e-8, abs=1e-300)
+    # plastic where the elastic load exceeds what the hardness bears over pi r delta
+    plastic = 1.0 if regime == "plastic" else beyond(limit) / beyond(0.0)
     assert i.plastic_fraction == pytest.approx(plastic, rel=1e-10) and i.regime == regime
     assert i.plasticity_index == pytest.approx(E_STAR / (H / 3) * np.sqrt(std / radius), rel=1e-12)
-    assert i.mean_load == pytest.approx(pressure / number, rel=1e-9)
-    assert i.mean_area == pytest.approx(i.area_fraction / number, rel=1e-9)
-    assert i.mean_radius == pytest.approx(per_area(lambda d: np.sqrt(radius * d)) / number, rel=1e-9)
-    assert i.mean_force_threshold == pytest.approx(per_area(strength) / number, rel=1e-9)
-    for d in (0.1 * limit, 0.9 * limit, 1.1 * limit, 7 * limit, 0.3 * std):
-        assert float(i.force_threshold(threshold(d))) == pytest.approx(strength(d), rel=1e-12)
     assert i.mean_plane_separation == i.separation + MOMENTS.summit_offset
 
 
-@pytest.mark.parametrize("law", ["paper", "amontons"])
-@pytest.mark.parametrize("pressure", [1e3, 1.5e8])
+@pytest.mark.parametrize(("law", "pressure"), [("paper", 1.5e8), ("amontons", 1e3)])
 def test_stresses_against_sums_over_the_stress_distribution(law: str, pressure: float) -> None:
-    found = from_moments(
-        MOMENTS, model="persson", law=law, material=MATERIAL, pressure=pressure, patch_area=PATCH
-    )
+    options = {"law": law, "material": MATERIAL, "pressure": pressure}
+    found = from_moments(MOMENTS, model="persson", patch_area=PATCH, **options)
+    width = E_STAR * MOMENTS.rms_slope / np.sqrt(2)
+    s, weights = rule(0.0, pressure, pressure + width, pressure + 3 * width, pressure + 8 * width)
+    # e^-((s-p)/D)² - e^-((s+p)/D)², its difference by expm1
+    towards, mirrored = np.exp(-(((s - pressure) / width) ** 2)), -4 * s * pressure / width**2
+    often = weights * towards * -np.expm1(mirrored) / (width * np.sqrt(np.pi)) / PATCH
+    area = np.full(s.shape, PATCH)
+    assert_sums(found, law, pressure, often, s * PATCH, area)
+
+    def beyond(at: float) -> float:
+        near, far = ((at + sign * pressure) / width for sign in (-1, 1))
+        return 0.5 * float(erfc(near) - erfc(far))
+
     i = found.interface
     assert i is not None
-    width = E_STAR * MOMENTS.rms_slope / np.sqrt(2)
-
-    def density(s: float) -> float:
-        # e^-((s-p)/D)² - e^-((s+p)/D)², its difference by expm1
-        return (
-            np.exp(-(((s - pressure) / width) ** 2))
-            * -np.expm1(-4 * s * pressure / width**2)
-            / (width * np.sqrt(np.pi))
-        )
-
-    def over(function, start: float = 0.0) -> float:  # type: ignore[no-untyped-def]
-        ends = [start, *(e for e in (pressure, pressure + width, pressure + 3 * width) if e > start)]
-        ends.append(pressure + 8 * width + start)
-        pairs = itertools.pairwise(ends)
-        return sum(quad(lambda s: function(s) * density(s), a, b, epsabs=0.0, epsrel=1e-12)[0] for a, b in pairs)
-
-    def threshold(s: float) -> float:
-        force = MU * s * PATCH
-        return force / (G * np.sqrt(PATCH)) if law == "amontons" else np.sqrt(force / C)
-
-    norm = over(lambda s: 1.0)
-    assert i.area_fraction == pytest.approx(norm, rel=1e-9)
-    assert over(lambda s: s) == pytest.approx(pressure, rel=1e-9)
-    assert i.contact_density == pytest.approx(norm / PATCH, rel=1e-9) and i.mean_area == pytest.approx(PATCH)
-    assert found.mean() == pytest.approx(over(threshold) / norm, rel=1e-9)
-    assert found.moment(2) == pytest.approx(over(lambda s: threshold(s) ** 2) / norm, rel=1e-9)
-    for s in (0.2 * width, width, pressure + width):
-        assert float(found.sf(threshold(s))) == pytest.approx(over(lambda t: 1.0, s) / norm, rel=1e-8)
-    stiffness = over(lambda s: MU * s * PATCH / threshold(s) if s > 0 else 0.0) / norm
-    assert i.mean_stiffness == pytest.approx(stiffness, rel=1e-8)
-    kinetic = i.contact_density * stiffness * found.moment(2) / (2 * found.mean())
-    assert i.friction_coefficient == pytest.approx(kinetic / pressure, rel=1e-8)
-    assert i.mean_radius == pytest.approx(np.sqrt(PATCH / np.pi), rel=1e-14)
-    assert i.mean_force_threshold == pytest.approx(MU * pressure * PATCH / norm, rel=1e-9)
-    assert float(i.force_threshold(threshold(width))) == pytest.approx(MU * width * PATCH, rel=1e-12)
-    assert i.plastic_fraction == pytest.approx(over(lambda s: 1.0, H) / norm, rel=1e-8)
+    for at in (0.2 * width, width, pressure + width):
+        force, x = one_contact(law, np.array(at * PATCH), np.array(PATCH))
+        assert float(found.sf(x)) == pytest.approx(beyond(at) / beyond(0.0), rel=1e-8)
+        assert float(i.force_threshold(x)) == pytest.approx(float(force), rel=1e-12)
+    assert i.plastic_fraction == pytest.approx(beyond(H) / beyond(0.0), rel=1e-8)
     assert found.onset_power == (1.0 if law == "amontons" else 3.0)
     assert float(found.pdf(0.0)) == 0.0 and found.std() > 0.0
 
 
 @pytest.mark.parametrize(("model", "law"), [("gw", "strength"), ("persson", "amontons")])
 def test_lengths_and_moduli_scale(model: str, law: str) -> None:
-    h = origins.self_affine_surface((48, 40), (1e-7, 2e-7), hurst=0.8, rms_slope=0.1, seed=1, short_cutoff=8e-7)
+    h = origins.self_affine_surface(
+        (48, 40), (1e-7, 2e-7), hurst=0.8, rms_slope=0.1, seed=1, short_cutoff=8e-7
+    )
 
     def made(length: float, modulus: float) -> origins.Thresholds:
-        constants = {"contact_modulus": E_STAR, "shear_modulus": G, "hardness": H, "shear_strength": TAU}
-        material = origins.Material(**{k: v * modulus for k, v in constants.items()}, local_friction=MU)
+        constants = {
+            "contact_modulus": E_STAR,
+            "shear_modulus": G,
+            "hardness": H,
+            "shear_strength": TAU,
+        }
+        material = origins.Material(
+            **{k: v * modulus for k, v in constants.items()}, local_friction=MU
+        )
         patch = PATCH * length**2 if model == "persson" else None
         sizes = 1e-7 * length, 2e-7 * length
-        options = {"model": model, "law": law, "material": material, "pressure": 1e5 * modulus, "patch_area": patch}
+        options = {
+            "model": model,
+            "law": law,
+            "material": material,
+            "pressure": 1e5 * modulus,
+            "patch_area": patch,
+        }
         return origins.from_topography(h * length, sizes, **options)
 
     one, other = made(1.0, 1.0), made(1e9, 1e-3)
@@ -216,19 +184,26 @@ def test_lengths_and_moduli_scale(model: str, law: str) -> None:
 
 def test_resolution_study_is_the_same_call_at_each_step() -> None:
     h = origins.self_affine_surface((96, 80), 1e-7, hurst=0.7, rms_slope=0.1, seed=2)
-    options = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5, "detrend": "tilt"}
+    options = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
+    options |= {"detrend": "tilt"}
     study = origins.resolution_study(h, 1e-7, factors=(1, 2, 4), **options)
     for step, found in zip((1, 2, 4), study, strict=True):
         alone = origins.from_topography(h, 1e-7, step=step, **options)
         assert found.interface == alone.interface and found.mean() == alone.mean()
         assert found.interface is not None
-        assert found.interface.moments == origins.spectral_moments(h, 1e-7, detrend="tilt", step=step)
+        moments = origins.spectral_moments(h, 1e-7, detrend="tilt", step=step)
+        assert found.interface.moments == moments
     m4 = [t.interface.moments.m4 for t in study if t.interface]
     assert m4[0] > 2 * m4[1] > 4 * m4[2]
 
 
 FINE = replace(MOMENTS, m2_axes=(0.0035, 0.0035), pixel_size=None)
 SCAN = replace(FINE, pixel_size=(1e-7, 1e-7), size=(5e-4, 5e-4))
+STEEP, UNEVEN = replace(FINE, m2_axes=(0.3, 0.3), m0=1e-10), replace(FINE, m2_axes=(0.004, 0.001))
+HARDER, SOFTER = replace(MATERIAL, hardness=1e10), replace(MATERIAL, hardness=2.5e7)
+SOFT = replace(MATERIAL, hardness=None)
+EVEN = origins.PowerLaw(1e3, 0.0)
+EVENLY_STIFF = replace(SOFT, shear_modulus=None, contact_stiffness=EVEN)
 PATCHES = {"model": "persson", "patch_area": PATCH}
 
 
@@ -237,103 +212,21 @@ PATCHES = {"model": "persson", "patch_area": PATCH}
     [
         (PATCHES, {"pressure": 5e7}, "contacts cover 31% of the surface: neighb"),
         (PATCHES, {"pressure": 1e9}, "full contact"),
-        ({}, {"moments": replace(FINE, m2_axes=(0.3, 0.3), m0=1e-10)}, "rms slope is 0.77"),
-        ({}, {"moments": replace(FINE, m2_axes=(0.004, 0.001))}, "the two axes differ by a factor 2:"),
+        ({}, {"moments": STEEP}, "rms slope is 0.77"),
+        ({}, {"moments": UNEVEN}, "the two axes differ by a factor 2:"),
         ({}, {"pressure": 3e7}, "contacts cover"),
-        ({}, {"material": replace(MATERIAL, hardness=2.5e7)}, "would be plastic, and are taken as elastic"),
-        ({}, {"material": replace(MATERIAL, hardness=1e10), "regime": "plastic"}, "by Hertz' theory, and all"),
-        ({}, {"material": replace(MATERIAL, hardness=None, shear_modulus=1e6)}, "slip after"),
-        ({}, {"moments": replace(FINE, pixel_size=(1e-7, 1e-6))}, "pixels: the scan does not resolve it"),
+        ({}, {"material": SOFTER}, "would be plastic, and are taken as elastic"),
+        ({}, {"material": HARDER, "regime": "plastic"}, "by Hertz' theory, and all"),
+        ({}, {"material": replace(SOFT, shear_modulus=1e6)}, "slip after"),
+        ({}, {"moments": replace(FINE, pixel_size=(1e-7, 1e-6))}, "pixels: the scan does not res"),
         ({}, {"moments": replace(SCAN, size=(0.2, 1e-4))}, "0.2 m across: is the unit right?"),
-        ({}, {"moments": SCAN, "pressure": 1.0}, "contacts, fewer than one: what they bear extrapolates the tail"),
+        ({}, {"moments": SCAN, "pressure": 1.0}, "contacts, fewer than one: what they bear extra"),
         (PATCHES, {"moments": SCAN, "patch_area": 9.9e-15}, "is below the 1e-14 m² of a pixel"),
         (PATCHES, {"moments": SCAN, "patch_area": 2.6e-7}, "is above the 2.5e-07 m² of the scan"),
-        (
-            {},
-            {
-                "material": origins.Material(
-                    contact_modulus=E_STAR, local_friction=MU, contact_stiffness=origins.PowerLaw(1e3, 0.0)
-                )
-            },
-            "is above the local 0.4: Eq. Q6",
-        ),
+        ({}, {"material": EVENLY_STIFF}, "is above the local 0.4: Eq. Q6"),
     ],
 )
 def test_one_strain_at_a_time_is_said(calm: dict, change: dict, says: str) -> None:
-    soft = replace(MATERIAL, hardness=None)
-    common = {"moments": FINE, "model": "gw", "law": "amontons", "material": soft, "pressure": 1e5, **calm}
-    assert from_moments(**common).interface.cautions == ()
-    assert any(says in line for line in from_moments(**{**common, **change}).interface.cautions)
-
-
-GOOD = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
-
-
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        ({"model": "hertz"}, "model = 'hertz'"),
-        ({"law": "coulomb"}, "law = 'coulomb'"),
-        ({"material": {"E": 1.0}}, "material = {'E': 1.0}"),
-        ({"pressure": 0.0}, "pressure = 0.0"),
-        ({"pressure": 1e9}, 'model = "persson"'),
-        (
-            {
-                "law": "paper",
-                "material": origins.Material(
-                    contact_modulus=1e9,
-                    local_friction=0.3,
-                    force_coefficient=1e9,
-                    contact_stiffness=origins.PowerLaw(1.0, 1.0),
-                ),
-            },
-            "material.contact_stiffness: law = ",
-        ),
-        ({"pressure": 1e9, "height_law": "exponential"}, "bear at most"),
-        ({"height_law": "flat"}, "height_law = 'flat'"),
-        ({"patch_area": 1e-12}, "patch_area = 1e-12"),
-        ({"regime": "brittle"}, "regime = 'brittle'"),
-        ({"regime": "mixed", "material": origins.Material(contact_modulus=1e9)}, "material.hardness = None"),
-        ({"model": "persson", "patch_area": 1e-12, "regime": "mixed"}, 'model = "gw"'),
-        ({"model": "persson"}, "patch_area = None: model = \"persson\" needs the area of one contact"),
-        ({"model": "persson", "patch_area": 1e-12, "height_law": "exponential"}, "height_law"),
-        ({"model": "persson", "patch_area": 1e-12, "law": "strength"}, "model = 'gw'"),
-        ({"material": origins.Material(contact_modulus=1e9)}, "material.local_friction = None"),
-        ({"material": origins.Material(contact_modulus=1e9, local_friction=0.3)}, "material.shear_modulus = None"),
-        (
-            {"material": origins.Material(contact_modulus=1e9, local_friction=0.3), "law": "paper"},
-            "material.force_coefficient = None",
-        ),
-        (
-            {"material": origins.Material(contact_modulus=1e9, shear_modulus=1e9), "law": "strength"},
-            "material.shear_strength = None",
-        ),
-    ],
-)
-def test_what_has_no_meaning_is_refused_in_one_line(change: dict, says: str) -> None:
-    with pytest.raises(origins.InputError) as caught:
-        from_moments(**{"moments": MOMENTS, **GOOD, **change})
-    assert says in str(caught.value) and "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("constants", "says"),
-    [
-        ({"contact_modulus": -1.0}, "contact_modulus = -1.0"),
-        ({"contact_modulus": 1.0, "hardness": 0.0}, "hardness = 0.0"),
-        ({"contact_modulus": 1.0, "shear_modulus": 1.0, "density": 1.0, "sound_velocity": 1.0}, "given twice"),
-        ({"contact_modulus": 1.0, "density": 1.0}, "sound_velocity = None"),
-        ({"contact_modulus": 1.0, "local_friction": np.inf}, "local_friction = inf"),
-    ],
-)
-def test_bad_materials_are_refused_in_one_line(constants: dict, says: str) -> None:
-    with pytest.raises(origins.InputError) as caught:
-        origins.Material(**constants)
-    assert says in str(caught.value) and "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("options", [{"factors": ()}, {"factors": (0,)}, {"factors": 2}, {"step": 2}])
-def test_bad_resolution_studies_are_refused(options: dict) -> None:
-    h = origins.self_affine_surface((32, 32), 1e-7, hurst=0.8, rms_slope=0.1, seed=1)
-    with pytest.raises(origins.InputError, match=r"factors"):
-        origins.resolution_study(h, 1e-7, **GOOD, **options)
+    usual = {"moments": FINE, "model": "gw", "law": "amontons", "material": SOFT, "pressure": 1e5}
+    assert from_moments(**usual | calm).interface.cautions == ()
+    assert any(says in line for line in from_moments(**usual | calm | change).interface.cautions)

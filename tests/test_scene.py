@@ -246,6 +246,7 @@ LINES = {"kind": "fourier", "wavevectors": [[1.0, 0.0]], "sines": [1.0]}
         (ROUGH | {"pressure": 1e12}, 'or take the thresholds of model = "persson"'),
         (ROUGH | {"detrend": "tilt"}, 'write detrend = "centre"'),
         (ROUGH | {"surface": SUMMITS | {"radius": True}}, "surface.radius = true: must be a number"),
+        (ROUGH | {"surface": SUMMITS | {"radius": 1e-300}}, "some of its numbers are too large or too small"),
         (ISLANDS, 'stiffness: is missing; law = "area" needs it; for lengths in units of your own write stiffness ='),
         (ISLANDS | {"sizes": [[7.0, 9.0]]}, "domains: give exactly one of sizes, such as [[10, 9]]"),
         (ISLANDS | {"stiffness": 1.0, "substrate": LINES}, "thresholds.substrate: varies in one direction only"),

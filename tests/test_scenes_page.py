@@ -11,7 +11,7 @@ import msgspec
 import pytest
 
 import origins
-from toolkit.scene import islands, laws, surfaces, tables
+from toolkit.scene import laws, tables
 
 PAGE = Path(__file__).parents[1] / "docs" / "scenes.md"
 GIVEN = ("folder", "comm")  # not for a scene to say
@@ -29,14 +29,14 @@ KINDS = {
     "[contacts.start]": laws.START,
     "[contacts.reforming]": laws.REFORMING,
     "[contacts.thresholds]": laws.THRESHOLDS,
-    "[contacts.thresholds.surface]": surfaces.SURFACES,
-    "[contacts.thresholds.material.contact_stiffness]": surfaces.STIFFNESSES,
-    "[contacts.thresholds.island]": islands.ISLANDS,
-    "[contacts.thresholds.substrate]": islands.SUBSTRATES,
+    "[contacts.thresholds.surface]": laws.SURFACES,
+    "[contacts.thresholds.material.contact_stiffness]": laws.STIFFNESSES,
+    "[contacts.thresholds.island]": laws.ISLANDS,
+    "[contacts.thresholds.substrate]": laws.SUBSTRATES,
 }
 CALLS = {
     "[contacts.thermal]": origins.Thermal,
-    "[contacts.ageing]": laws.ageing,
+    "[contacts.ageing]": origins.Ageing,
     "[contacts.delay]": origins.Delay,
     "[contacts.thresholds.material]": origins.Material,
 }

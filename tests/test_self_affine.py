@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from counted_calls import CountedCalls
 
 import origins
 
@@ -22,7 +21,9 @@ def modes(h: np.ndarray, dx: float, dy: float) -> tuple[np.ndarray, np.ndarray, 
 
 @pytest.mark.parametrize(("shape", "pixel_size", "options"), CASES)
 @pytest.mark.parametrize("seed", [0, 7])
-def test_slope_is_exact_in_fourier_space_and_by_differences(shape, pixel_size, options, seed) -> None:  # type: ignore[no-untyped-def]
+def test_slope_is_exact_in_fourier_space_and_by_differences(
+    shape, pixel_size, options, seed
+) -> None:  # type: ignore[no-untyped-def]
     h = origins.self_affine_surface(shape, pixel_size, rms_slope=0.13, seed=seed, **options)
     dx, dy = pixel_size if isinstance(pixel_size, tuple) else (pixel_size, pixel_size)
     power, q_x, q_y = modes(h, dx, dy)
@@ -51,40 +52,9 @@ def test_spectrum_is_flat_then_a_power_then_nothing() -> None:
 
 def test_seed_decides_the_phases_alone() -> None:
     options = {"hurst": 0.8, "rms_slope": 0.1}
-    one, same, other = (origins.self_affine_surface((32, 32), 1.0, seed=s, **options) for s in (1, 1, 2))
+    one, same, other = (
+        origins.self_affine_surface((32, 32), 1.0, seed=s, **options) for s in (1, 1, 2)
+    )
     assert (one == same).all() and not np.allclose(one, other)
     assert np.allclose(np.abs(np.fft.fft2(one)), np.abs(np.fft.fft2(other)), rtol=1e-10, atol=1e-10)
     assert abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 0.8
-
-
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        ({"hurst": 0.0}, "hurst = 0.0"),
-        ({"hurst": 1.2}, "hurst = 1.2"),
-        ({"rms_slope": -0.1}, "rms_slope = -0.1"),
-        ({"seed": -1}, "seed = -1"),
-        ({"seed": 2**64}, "seed = "),
-        ({"seed": 1.5}, "seed = 1.5"),
-        ({"shape": (2, 32)}, "shape[0] = 2"),
-        ({"shape": 32}, "shape = 32"),
-        ({"pixel_size": (1.0, 0.0)}, "pixel_size[1] = 0.0"),
-        ({"short_cutoff": 1.0}, "short_cutoff = 1.0"),
-        ({"long_cutoff": 3.0, "short_cutoff": 4.0}, "long_cutoff = 3.0"),
-        ({"short_cutoff": 100.0, "long_cutoff": 200.0}, "no mode"),
-    ],
-)
-def test_bad_input_is_refused_in_one_line(change: dict, says: str) -> None:
-    good = {"shape": (32, 32), "pixel_size": 1.0, "hurst": 0.8, "rms_slope": 0.1, "seed": 1}
-    with pytest.raises(origins.InputError) as caught:
-        origins.self_affine_surface(**{**good, **change})
-    assert says in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_a_surface_beyond_memory_is_refused_at_once() -> None:
-    for shape, needed in (((10**6, 10**6), "4e+04"), ((10**200, 10**200), "over 1e300")):
-        with CountedCalls() as told, pytest.raises(origins.InputError) as caught:
-            origins.self_affine_surface(shape, 1.0, hurst=0.8, rms_slope=0.1, seed=1)
-        assert f": needs {needed} GB, 40 bytes a point, and this machine has " in str(caught.value)
-        assert "\n" not in str(caught.value) and len(str(caught.value)) < 250
-        assert told.number < 100  # a surface of 16 x 16 points takes more

@@ -309,3 +309,14 @@ def test_wall_time_cuts_the_path():
     assert not solution.success and "by wall_time; the path is cut there" in solution.message
     assert solution.path.size == solution.force.size == solution.position.size < path.size
     assert solution.regime.verdict == "undecided"
+
+
+def test_large_and_small_slips_in_turn_do_not_fade() -> None:
+    """A line through the logarithms of their drops falls or rises by where the path ends."""
+    peaks = [origins.gaussian(0.3, 0.003), origins.gaussian(1.0, 0.03)]
+    contacts = origins.Contacts(origins.mixture(peaks, [0.3, 0.7]))
+    for end in (10.0, 11.0, 12.0):
+        found = master.solve(contacts, [0.0, end], 1e-6, spring=0.5, slip="reform-after")
+        drops = found.slips.drop
+        np.testing.assert_allclose(drops[6:9], drops[3:6], rtol=0.01)
+        assert found.regime.verdict == "stick-slip" and found.regime.trend is None

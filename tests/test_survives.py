@@ -20,7 +20,10 @@ from toolkit.scene.toml import to_toml
 
 SCENE: dict[str, Any] = {
     "title": "survivor",
-    "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "delay": {"time": 0.1}},
+    "contacts": {
+        "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2},
+        "delay": {"time": 0.1},
+    },
     "drive": {"to": 2.0, "points": 11},
     "eq": {"contacts": 29 << 14, "replicas": 1, "seed": 5, "histograms": [2.0]},
 }
@@ -82,7 +85,15 @@ def same(folder: Path, other: Path) -> None:
     """Bits of two results, histograms and all."""
     one, two = toolkit.load(folder).eq, toolkit.load(other).eq
     assert one is not None and two is not None and one.success and two.success
-    for name in ("force", "force_standard_error", "holding", "holding_standard_error", "breaks", "contacts", "message"):
+    for name in (
+        "force",
+        "force_standard_error",
+        "holding",
+        "holding_standard_error",
+        "breaks",
+        "contacts",
+        "message",
+    ):
         assert np.array_equal(getattr(one, name), getattr(two, name)), name
     for mine, yours in zip(one.histograms, two.histograms, strict=True):
         for field in dataclasses.fields(mine):
@@ -92,10 +103,14 @@ def same(folder: Path, other: Path) -> None:
 
 def followed(told: str) -> int:
     """Contacts that a run says it need not follow again; 0 where it says nothing."""
-    return int(told.split("checkpoint: ")[1].split()[0].replace(",", "")) if "going on" in told else 0
+    return (
+        int(told.split("checkpoint: ")[1].split()[0].replace(",", "")) if "going on" in told else 0
+    )
 
 
-def test_killed_eight_times_in_turn_it_loses_no_block(python: Callable[..., Any], tmp_path: Path) -> None:
+def test_killed_eight_times_in_turn_it_loses_no_block(
+    python: Callable[..., Any], tmp_path: Path
+) -> None:
     scene_file(tmp_path)
     program = """
 for turn in range(8):
@@ -127,7 +142,7 @@ def test_ranks_killed_one_or_all_and_another_number_goes_on(
         now = followed(done.stderr)
         assert now > before or victims == [1]
         before = now
-    done = python(FORKS + 'print(*child(), file=stdout)')
+    done = python(FORKS + "print(*child(), file=stdout)")
     assert done.returncode == 0 and done.stdout.startswith("0 "), done.stderr
     assert followed(done.stdout) > before
     same(tmp_path / "whole", tmp_path / "out")
@@ -158,7 +173,10 @@ print(json.dumps(told), file=stdout)
     done = mpirun(2, RANK, json.dumps(fate), "run", "scene.toml", "--out", "many")
     assert done.returncode == 143 and done.stdout == ""
     assert done.stderr == f"mesofriction: terminated; {kept.replace('out', 'many')}"
-    assert sorted(os.listdir(tmp_path / "many/checkpoint")) == ["000-rank-00000.npz", "000-rank-00001.npz"]
+    assert sorted(os.listdir(tmp_path / "many/checkpoint")) == [
+        "000-rank-00000.npz",
+        "000-rank-00001.npz",
+    ]
 
 
 # -- in one process -----------------------------------------------------------------------------------------
@@ -171,15 +189,22 @@ def cut_short(folder: Path, **eq: Any) -> Any:
     return toolkit.run(SMALL | {"eq": SMALL["eq"] | eq}, folder=folder).eq
 
 
-def test_stopped_by_its_wall_time_it_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_stopped_by_its_wall_time_it_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     whole = toolkit.run(SCENE | {"eq": SMALL["eq"] | {"wall_time": None}}).eq
     found = [cut_short(tmp_path / "out") for _ in range(3)]
     assert [eq.contacts for eq in found] == [BLOCK, 2 * BLOCK, 3 * BLOCK]
-    assert [eq.success for eq in found] == [False, False, True] and "stopped before all" in found[0].message
+    assert [eq.success for eq in found] == [False, False, True] and "stopped before all" in found[
+        0
+    ].message
     assert whole is not None and np.array_equal(found[-1].force, whole.force)
     assert not (tmp_path / "out/checkpoint").exists()
     told = capsys.readouterr().err.splitlines()
-    assert told[0] == f"mesofriction: stopped by the wall time; run it again with --out {tmp_path}/out to go on"
+    assert (
+        told[0]
+        == f"mesofriction: stopped by the wall time; run it again with --out {tmp_path}/out to go on"
+    )
     assert [followed(line) for line in told] == [0, BLOCK, 0, 2 * BLOCK]
 
 
@@ -196,7 +221,10 @@ def test_another_scenes_checkpoint_is_refused(tmp_path: Path) -> None:
         cut_short(tmp_path, tolerance=1e-3)
     assert sorted(tmp_path.rglob("*")) == files
     # what the ensemble's numbers do not depend on may change
-    assert toolkit.run(SMALL | {"title": "renamed", "master": {"tolerance": 1e-3}}, folder=tmp_path).eq is not None
+    assert (
+        toolkit.run(SMALL | {"title": "renamed", "master": {"tolerance": 1e-3}}, folder=tmp_path).eq
+        is not None
+    )
 
 
 def test_thresholds_from_a_file_that_changed_are_another_run(tmp_path: Path) -> None:
@@ -207,7 +235,9 @@ def test_thresholds_from_a_file_that_changed_are_another_run(tmp_path: Path) -> 
         (tmp_path / "x.txt").write_text("\n".join(samples.split()))
         (tmp_path / "s.toml").write_text(to_toml(tables))
         names.append(identity(toolkit.load_scene(tmp_path / "s.toml")))
-    assert [key for key in names[0] if names[0][key] != names[1][key]] == ["contacts.thresholds as drawn"]
+    assert [key for key in names[0] if names[0][key] != names[1][key]] == [
+        "contacts.thresholds as drawn"
+    ]
 
 
 def interrupting(done: int, expected: int) -> None:
@@ -216,20 +246,22 @@ def interrupting(done: int, expected: int) -> None:
 
 
 @pytest.mark.usefixtures("whole_blocks")
-def test_interrupted_in_a_notebook_the_finished_blocks_are_the_result(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupted_in_a_notebook_the_finished_blocks_are_the_result(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     tables = SCENE | {"eq": SCENE["eq"] | {"contacts": 5 * BLOCK}}
     with pytest.raises(KeyboardInterrupt):
         toolkit.run(tables, progress=interrupting)
     monkeypatch.setattr("sys.ps1", ">>> ", raising=False)
     result = toolkit.run(tables, progress=interrupting)
     assert result.eq is not None and result.eq.contacts == 2 * BLOCK and not result.success
-    assert result.eq.message.startswith("interrupted: ") and "stopped before all" in result.eq.message
+    assert (
+        result.eq.message.startswith("interrupted: ") and "stopped before all" in result.eq.message
+    )
     first = toolkit.run(SCENE | {"eq": SCENE["eq"] | {"contacts": 2 * BLOCK}}).eq
     assert first is not None and np.array_equal(first.force, result.eq.force)
     # the handler is as before
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
 
 
 def test_no_contact_counts_twice_and_what_is_damaged_is_done_again(
@@ -247,7 +279,9 @@ def test_no_contact_counts_twice_and_what_is_damaged_is_done_again(
     for rank, state in enumerate(reversed(states)):
         write_state(home / f"000-rank-{rank:05d}.npz", state, told)
     spared = (home / "000-rank-00001.npz").read_bytes()
-    (home / "000-rank-00002.npz").write_bytes(spared[:-3000] + bytes([spared[-3000] ^ 4]) + spared[-2999:])
+    (home / "000-rank-00002.npz").write_bytes(
+        spared[:-3000] + bytes([spared[-3000] ^ 4]) + spared[-2999:]
+    )
     (found,) = Checkpoint(tmp_path / "out", scene).earlier(only_look=True)
     assert found.contacts == 2 * BLOCK and len(os.listdir(home)) == 3
     assert toolkit.run(scene, folder=tmp_path / "out").eq is not None and whole is not None
@@ -262,7 +296,9 @@ def test_a_disk_that_refuses_checkpoints_is_told_once_and_the_run_goes_on(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("toolkit.running.checkpoint.write_state", refused)
-    found = toolkit.run(SCENE | {"eq": SCENE["eq"] | {"contacts": 5 * BLOCK}}, folder=tmp_path, checkpoint=1e-9).eq
+    found = toolkit.run(
+        SCENE | {"eq": SCENE["eq"] | {"contacts": 5 * BLOCK}}, folder=tmp_path, checkpoint=1e-9
+    ).eq
     assert found is not None and found.success
     told = f"mesofriction: {tmp_path}/checkpoint: no checkpoint: No space left on device; the run goes on\n"
     assert capsys.readouterr().err == told

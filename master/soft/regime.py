@@ -45,7 +45,7 @@ class Regime:
         Slips found along the path.
     trend : float or None
         Relative change of the force drop from one slip to the next over the later half; None for
-        fewer than 4 slips.
+        fewer than 4 slips, and where drops there go up and down.
     """
 
     verdict: Verdict
@@ -153,6 +153,8 @@ def _by_trend(
     if since > SILENT * longest:
         silent = f"then none for {since / longest:.3g} times the longest pause"
         return Found("decaying transient", f"{count} slips, {silent}")
+    if count >= FEWEST and trend is None:
+        return _by_largest(slips)
     if trend is None:
         few = f"{count} slips up to the end of the path are too few to tell; lengthen it"
         return Found("undecided", few)
@@ -161,6 +163,17 @@ def _by_trend(
         return Found("decaying transient", fading)
     told = f"{count} slips up to the end of the path, their drops not fading"
     return Found("stick-slip", told)
+
+
+def _by_largest(slips: Slips) -> Found:
+    """Whether slips fade of which large and small ones take turns: the largest of a while tells."""
+    count, drops = slips.drop.size, np.abs(slips.drop)
+    last, before = (float(part.max()) for part in (drops[-(count // 3) :], drops[count // 3 :]))
+    told = f"{count} slips up to the end of the path, whose drops go up and down"
+    if last >= (1.0 - STEADY) * before:
+        return Found("stick-slip", f"{told} and do not fade: the largest of the last third is {last:.3g}")
+    lengthen = f"the largest of the last third is {last:.3g}, that of the later two {before:.3g}"
+    return Found("undecided", f"{told}; {lengthen}: lengthen it")
 
 
 def _oldest(contacts: Contacts, clock: Array) -> Array:
@@ -212,8 +225,11 @@ def _lacking(contacts: Contacts, spring: float, critical: float, course: Course 
 
 
 def _trend(drop: Array) -> float | None:
-    """Slope of log |drop| against number over the later half."""
+    """Slope of log |drop| against number over the later half; None where drops go up and down."""
     late = np.abs(drop[drop.size // 2 :])
     if drop.size < FEWEST or not (late > 0.0).all():
+        return None
+    change = np.diff(np.log(late))
+    if change.max() > STEADY and change.min() < -STEADY:
         return None
     return float(np.expm1(np.polyfit(np.arange(late.size), np.log(late), 1)[0]))

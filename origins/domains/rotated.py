@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy.typing as npt
 
 from origins.domains.angle_thresholds import angle_thresholds
 from origins.domains.barriers import checked_substrate, radians
+from origins.domains.domain_samples import DomainSamples
 from origins.domains.drawing import Angles, Islands, decaying, draw, given, listed, triangular
 from origins.domains.substrates import Substrate
 from origins.errors import InputError, finite_array, positive, refuse, whole
@@ -26,55 +26,6 @@ LAWS = ("area", "equal", "paper")
 _MOST_SAMPLES = 100_000_000
 _MOST_ATOMS = 1e12
 _FEW = 2  # sizes whose curves of barriers are followed: solvers take half a minute for the peaks of three
-
-
-@dataclass(frozen=True, eq=False)
-class DomainSamples:
-    """What the thresholds of rotated domains were made of.
-
-    Attributes
-    ----------
-    barriers : array of shape (samples,)
-        epsilon_a, energies; 0 for islands that slide freely.
-    angles : array of shape (samples,)
-        Radians.
-    n_atoms : array of shape (samples,)
-        N_a.
-    period : float
-        a_s, the shortest period of the substrate, a length.
-    superlubric_weight : float
-        Share of islands without a barrier. They bear no force and never break, and are left out of P_c, of
-        N_c and of what follows.
-    mean_stiffness : float
-        <k> over the islands that resist, force per length.
-    mean_force : float
-        f of the fit exp(-f_s/f), the likeliest one: the mean of f_s.
-    exponential_distance : float
-        How crude that fit is: the largest distance of its cdf from that of the forces (Kolmogorov and
-        Smirnov), to be held against the sampling error 1.36/samples^(1/2).
-    exponential_ratios : (float, float)
-        <f_s²>/(2 f²) and <f_s³>/(6 f³), both 1 for an exponential law.
-    """
-
-    barriers: Array
-    angles: Array
-    n_atoms: npt.NDArray[np.int64]
-    period: float
-    superlubric_weight: float
-    mean_stiffness: float
-    mean_force: float
-    exponential_distance: float
-    exponential_ratios: tuple[float, float]
-
-    @property
-    def forces(self) -> Array:
-        """f_s = epsilon_a/a_s of the islands that resist, sorted."""
-        return np.sort(self.barriers[self.barriers > 0.0]) / self.period
-
-    def histogram(self, bins: int | npt.ArrayLike = 50) -> tuple[Array, Array]:
-        """(density, edges) of f_s over the islands that resist, the density of unit area; bins as in np.histogram."""
-        density, edges = np.histogram(self.forces, bins=bins, density=True)
-        return density, edges
 
 
 def domains(

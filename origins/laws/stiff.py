@@ -15,10 +15,9 @@ from scipy.special import exprel
 from origins.errors import TEMPERATURE, positive
 from origins.laws.compiled import CompiledRates
 from origins.laws.rate_law import Numbers, RateLaw
+from origins.laws.stiff_barrier import fall, remaining, stretch
 
 Array = npt.NDArray[np.float64]
-
-_LEAST = 1e-300  # in place of 0, where nothing is left to divide
 
 
 @dataclass(frozen=True)
@@ -95,28 +94,3 @@ class StiffRates(RateLaw):
     def _spring(self, stiffness: Numbers) -> Array:
         """k_i/2k_BT, per length squared."""
         return np.asarray(stiffness) / (2.0 * self.temperature)
-
-
-# Of numbers and of arrays alike: stiff_compiled.py compiles these for loops over single contacts.
-
-
-def remaining(x: Numbers, threshold: Numbers) -> Array:
-    """u = (1 - x/x_s)^(3/2), 0 beyond the threshold."""
-    s = np.maximum((threshold - x) / threshold, 0.0)
-    return s * np.sqrt(s)
-
-
-def fall(near: Numbers, far: Numbers, threshold: Numbers) -> Array:
-    """u(near) - u(far), without cancellation."""
-    first = np.sqrt(np.maximum((threshold - near) / threshold, 0.0))
-    last = np.sqrt(np.maximum((threshold - far) / threshold, 0.0))
-    part = (far - near) / threshold * (first * first + first * last + last * last)
-    return part / np.maximum(first + last, _LEAST)
-
-
-def stretch(u: Numbers, gone: Numbers, threshold: Numbers) -> Array:
-    """x from u and from gone = 1 - u, by whichever is the smaller and has kept its digits."""
-    late = 1.0 - np.cbrt(u * u)
-    early = -np.expm1(2.0 / 3.0 * np.log1p(-np.minimum(gone, 0.75)))
-    is_late = u < 0.5
-    return threshold * (is_late * late + (1.0 - is_late) * early)

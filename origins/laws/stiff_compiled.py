@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origins.laws.compiled import CompiledRates, inlined
-from origins.laws.stiff import fall, remaining, stretch
+from origins.laws.stiff_barrier import fall, remaining, stretch
 
 
 class StiffLaw(NamedTuple):

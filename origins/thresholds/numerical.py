@@ -296,6 +296,5 @@ class NumericalLaw:
         with np.errstate(over="ignore", invalid="ignore"):
             each = self._node_weights * (self._nodes + (self._origin - centre)) ** n
         parts = np.where(self._node_weights > 0.0, each, 0.0).sum(axis=1)
-        total = float(parts.sum())
-        far = float(parts[self._above[:-1] < _RARE].sum())
+        total, far = float(parts.sum()), float(parts[self._above[:-1] < _RARE].sum())
         return np.inf if self._upper == np.inf and far > _HEAVY * total else total

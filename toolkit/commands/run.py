@@ -54,7 +54,10 @@ def report(result: Any) -> list[str]:
     if isinstance(solved, SoftRecord):
         slips = f"{solved.slips.drive.size} slips"
         if solved.slips.drive.size > 1:
-            slips += f", period {with_error(solved.period, 2.0 * solved.slips.drive_error, 9)}"
+            drops = abs(solved.slips.drop)
+            # where large and small slips take turns no single pause is their period
+            name = "period" if abs(drops[-1] - drops[-2]) < 0.1 * drops[-2] else "last pause"
+            slips += f", {name} {with_error(solved.period, 2.0 * solved.slips.drive_error, 9)}"
         lines.append(f"regime  {solved.regime.verdict}, {slips}: {solved.regime.reason}")
     if isinstance(solved, AgeingRecord):
         outrun = "contacts never outrun it"

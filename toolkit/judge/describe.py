@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origins import Contacts
-from origins.domains.rotated import DomainSamples
+from origins.domains.domain_samples import DomainSamples
 from origins.errors import InputError
 from origins.thresholds.law import Thresholds
 from origins.thresholds.quadrature import gauss, panel_edges

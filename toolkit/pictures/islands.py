@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from origins.domains.rotated import DomainSamples
+from origins.domains.domain_samples import DomainSamples
 from toolkit.pictures.axes import INK
 
 _SHOWN = 20_000  # islands, as many as a picture can show

@@ -32,7 +32,6 @@ def save_precision(measured: Precision, path: Path) -> None:
 def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
     """True error in units of <x_s> against run time in s, both as logarithms; grey is where the reference errs too.
 
-    Tolerances that give one and the same answer are drawn once, by the fastest: their run times differ by chance.
     Points in the grey are drawn faint, and no lower than the reference's own error.
     """
     own = max(measured.reference.error, _LEAST)
@@ -40,12 +39,6 @@ def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
         points = [point for point in measured.points if point.method == method]
         if not points:
             continue
-        if method == "master":
-            slowest_first = sorted(points, key=lambda point: -point.run_time)
-            fastest = {(point.error, point.claimed_error): point for point in slowest_first}
-            once = [point for point in points if point in fastest.values()]
-            label += ", equal results once" if len(once) < len(points) else ""
-            points = once
         run_time = np.array([point.run_time for point in points])
         error = np.maximum([point.error for point in points], own)
         faint = np.array([point.at_reference for point in points])
@@ -54,13 +47,8 @@ def plot_precision(axes: "Axes", measured: Precision) -> "Axes":
         claimed = np.array([point.claimed_error or np.nan for point in points])
         if claim and (claimed > 0.0).any():
             claimed[claimed < own] = np.nan
-            hollow: dict[str, Any] = {
-                "mfc": "none",
-                "mec": ink,
-                "ms": 6,
-                "mew": 0.9,
-                "label": f"{label}: {claim}",
-            }
+            hollow: dict[str, Any] = {"mfc": "none", "mec": ink, "ms": 6, "mew": 0.9}
+            hollow["label"] = f"{label}: {claim}"
             axes.plot(run_time, claimed, marker, **hollow)
     axes.set(xscale="log", yscale="log", xlabel="run time (s)")
     axes.set_ylabel(r"largest error of $F$ over the path, in $\langle x_s\rangle$")

@@ -76,12 +76,8 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
             path, force = with_slips(path, force, solved)
         axes.plot(path, force, color=INK["master"], lw=1.4, ls=dashes, zorder=3, label=label)
         if isinstance(solved, AgeingRecord) and solved.outrun < path[-1]:
-            outrun: dict[str, Any] = {
-                "color": "0.9",
-                "lw": 0,
-                "label": "contacts outrun $P_c$ (Q15)",
-            }
-            axes.axvspan(solved.outrun, path[-1], **outrun)
+            label = "contacts outrun $P_c$ (Q15)"
+            axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
     if is_coupled(eq):
         number = min(_REPLICAS, len(eq.forces))
         each = f"{eq.contacts // len(eq.forces):,} contacts"

@@ -56,9 +56,12 @@ def slip_lines(result: Result) -> list[str]:
     lines = [_line(slip, replicas, result.mean_threshold) for slip in beside[:_SHOWN]]
     if len(beside) > _SHOWN:
         lines.append(f"slips   and {len(beside) - _SHOWN} more, in result.h5")
-    scale = (eq.contacts / replicas) ** (-2.0 / 3.0)
-    late = f"N contacts slip late by some N^(-2/3) = {scale:.1e} of <x_s>, more at each slip"
-    number = solved.slips.drive.size
+    number, late = solved.slips.drive.size, "N contacts slip late by some N^(-2/3)/K"
+    if number:
+        # of a slip on a spring K the force falls by K times the way
+        spring = abs(solved.slips.drop[0] / (solved.slips.after[0] - solved.slips.before[0]))
+        scale = (eq.contacts / replicas) ** (-2.0 / 3.0) / spring
+        late += f" = {scale:.1e} of <x_s>, more at each slip"
     lines.append(f"slips   {number} of the master equation, {own} of eq {sizes}; {late}")
     return lines
 

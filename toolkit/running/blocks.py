@@ -11,7 +11,7 @@ from toolkit.running.checkpoint import Checkpoint, say
 from toolkit.running.signals import Deferred
 
 if TYPE_CHECKING:
-    from eq_model import CoupledEnsemble, CoupledResult, Ensemble, EnsembleResult
+    from eq_model import CoupledResult, Ensemble, EnsembleResult
 
     AnyResult = EnsembleResult | CoupledResult
 
@@ -20,7 +20,7 @@ _WORTH_KEEPING = 1.0  # seconds of work: a shorter ensemble is followed again as
 
 
 def follow(
-    ensemble: "Ensemble | CoupledEnsemble",
+    ensemble: "Ensemble",
     progress: Callable[[int, int], None] | None = None,
     checkpoint: Checkpoint | None = None,
     done_before: int = 0,
@@ -87,7 +87,7 @@ def _tell_or_hear(comm: Any, asked: Deferred) -> None:
             comm.isend(asked.signal, dest=rank, tag=_STOP)
 
 
-def unfinished(ensemble: "Ensemble | CoupledEnsemble", result: "AnyResult") -> bool:
+def unfinished(ensemble: "Ensemble", result: "AnyResult") -> bool:
     """Whether there is something to go on with."""
     return not result.success and result.contacts < ensemble.total
 

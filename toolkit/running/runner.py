@@ -26,11 +26,13 @@ from toolkit.scene.tables import EqTable
 from toolkit.version import __version__
 
 if TYPE_CHECKING:
-    from eq_model import CoupledEnsemble, Ensemble
+    from eq_model import Ensemble
 
 _GOOD_ENOUGH = 1e-3  # of <x_s>: an error that a picture hardly shows
-_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas", "seed": "seed"}
-_EQ_KEYS |= {"histograms": "histograms", "slip_fraction": "slip_fraction"}
+_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"}
+_EQ_KEYS |= {
+    name: name for name in ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
+}
 
 
 def run(
@@ -205,28 +207,21 @@ def solve_master(
         raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
 
 
-def make_ensemble(
-    scene: Scene, asked: EqTable, comm: Any, **other: Any
-) -> "Ensemble | CoupledEnsemble":
+def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ensemble":
     """The ensemble that the scene's table asks for; `other` arguments of its class take the place of its own.
 
     Raises InputError with the scene's own keys.
     """
     import eq_model
 
-    drive, contacts, kind = scene.drive, scene.contacts, eq_model.Ensemble  # type: Any, Any, Any
-    arguments: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time, "comm": comm}
-    arguments |= {"n_contacts": asked.contacts, "n_replicas": asked.replicas}
-    arguments |= {"seed": asked.seed, "wall_time": asked.wall_time}
-    if drive.spring is not None:
-        kind = eq_model.CoupledEnsemble
-        arguments |= {"spring": drive.spring, "slip": drive.slip}
-        if asked.slip_fraction is not None:
-            arguments["slip_fraction"] = asked.slip_fraction
-    else:
-        arguments |= {"tolerance": asked.tolerance, "histograms": scene.histogram_points()}
-        if scene.master is not None:
-            # single contacts know no mean rate and no common P_c: they tell how far off these are
-            contacts = contacts.each_by_itself()
+    drive, contacts = scene.drive, scene.contacts
+    if scene.master is not None:
+        # single contacts know no mean rate and no common P_c: they tell how far off these are
+        contacts = contacts.each_by_itself()
+    arguments: dict[str, Any] = {"comm": comm, "histograms": scene.histogram_points()}
+    arguments |= {name: getattr(drive, name) for name in ("velocity", "time", "spring", "slip")}
+    arguments |= {
+        name: getattr(asked, key) for name, key in _EQ_KEYS.items() if name != "histograms"
+    }
     with laws.inside("eq", _EQ_KEYS):
-        return kind(contacts, scene.path, **(arguments | other))
+        return eq_model.Ensemble(contacts, scene.path, **(arguments | other))

@@ -1,6 +1,7 @@
 """A scene's [drive]: where the slider goes, and when, as points of a path."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,7 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _MOST_POINTS = 10_000_000
 _LISTED = 4  # other speeds that are told
 _LEAST_SCALE = 1e-14  # of times, whose rounding it would be
+_SAME = 1e-9  # of the furthest point, and of a time
 _KEYS = {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}
 
 
@@ -31,8 +33,8 @@ def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
     area in m². For these a bare number is refused, as it may be meant in either unit.
     """
     interface, given = contacts.interface, table.spring
-    text = given if isinstance(given, str) else ""
-    if table.area is not None and not text.endswith("N/m"):
+    number, _, unit = given.partition(" ") if isinstance(given, str) else ("", "", "")
+    if table.area is not None and unit != "N/m":
         rule = 'is for a spring in N/m, such as spring = "50 N/m"; leave it out'
         refuse("drive.area", table.area, rule)
     each = 0.0 if interface is None else interface.contact_density * interface.mean_stiffness
@@ -45,7 +47,6 @@ def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
             f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m², of '
             f'which each has N_c<k> = {each:.3g} N/m, or spring = "{given:g} N_c<k>" for so many times that',
         )
-    number, _, unit = given.partition(" ")
     if not _NUMBER.fullmatch(number) or unit not in ("N/m", "N_c<k>"):
         refuse("drive.spring", given, 'must be a number and a unit, "50 N/m" or "0.5 N_c<k>"')
     value = positive("drive.spring", float(number), "such as 0.5")
@@ -57,7 +58,10 @@ def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
     if table.area is None:
         rule = "needs drive.area, the nominal area in m², such as area = 1e-4"
         refuse("drive.spring", given, rule)
-    return value / (each * positive("drive.area", table.area))
+    contacts = interface.contact_density * positive("drive.area", table.area)
+    if contacts < 1.0:
+        refuse("drive.area", table.area, f"holds {contacts:.2g} contacts; give the nominal area of a whole slider in m²")
+    return value / (each * table.area)
 
 
 def make_drive(table: "DriveTable", spring: float | None = None) -> Drive:
@@ -106,34 +110,34 @@ def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
     speeds = np.abs(moved / np.diff(drive.time))[moved != 0.0]
     if not speeds.size:
         return Speed(drive.velocity, "as all legs are holds")
-    told = [f"{speed:.4g}" for speed in np.unique(speeds.astype(np.float32))]  # without rounding
-    others = [one for one in dict.fromkeys(told) if one != f"{speeds[0]:.4g}"][:_LISTED]
-    chosen = f"the first leg's, others slide at {', '.join(others)}" if others else ""
-    return Speed(float(f"{speeds[0]:.12g}"), chosen)  # less what times round
+    known = np.unique(speeds.astype(np.float32))  # without rounding
+    others = [one for one in dict.fromkeys(f"{v:.4g}" for v in known) if one != f"{speeds[0]:.4g}"]
+    told = f"the first leg's, others slide at {', '.join(others[:_LISTED])}" if others else ""
+    return Speed(float(f"{speeds[0]:.12g}"), told)  # less what times round
 
 
 def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
     """Where the points begin, 0 unless said, and all ends in turn; and when each is reached, where that is said."""
     given = table.begin is not None
-    begin = 0.0 if table.begin is None else finite("drive.from", table.begin)
+    ends: dict[str, float | None] = {
+        f"drive.turns[{k}]": end for k, end in enumerate(table.turns or ())
+    }
     if table.turns is None:
-        end = finite("drive.to", table.to)
-        if end <= 0.0:
-            rule = f"must be above zero; for the other way write turns = [{end or -1.0:g}]"
-            refuse("drive.to", end, rule)
-        ends = [end]
-    else:
-        ends = [finite(f"drive.turns[{k}]", end) for k, end in enumerate(table.turns)]
-    places = np.array([begin, *ends])
+        ends = {"drive.to": table.to}
+    corners = {"drive.from": table.begin or 0.0} | ends
+    places = np.array([finite(key, place) for key, place in corners.items()])
     if not ends:
-        refuse("drive.turns", ends, "must hold a position at least")
+        refuse("drive.turns", [], "must hold a position at least")
+    if table.turns is None and places[1] <= 0.0:
+        rule = f"must be above zero; for the other way write turns = [{places[1] or -1.0:g}]"
+        refuse("drive.to", places[1], rule)
     if table.times is None:
         if table.hold_scale is not None:
             rule = "is of holds, and without drive.times there is none"
             refuse("drive.hold_scale", table.hold_scale, rule)
         same = np.flatnonzero(np.diff(places) == 0.0)
         if same.size:
-            key = "drive.from" if given and not same[0] else f"drive.turns[{same[0]}]"
+            key = "drive.from" if given and not same[0] else [*ends][same[0]]
             rule = "is where the path already stands; leave it out, or give drive.times for a hold"
             refuse(key, places[same[0] + 1], rule)
         return places, None
@@ -153,11 +157,16 @@ def _path(
 ) -> tuple[Array, Array | None]:
     """Straight from one corner to the next, all of them among the points, and when; points as even as that allows, with
     times as many to each piece, and even in ln(1 + t/hold_scale) where one is a hold."""
+    corner = np.arange(places.size)
+    travelled = np.append(0.0, np.abs(np.diff(places)).cumsum()) if clock is None else corner
+    number = np.round(travelled / travelled[-1] * (points - 1)).astype(int)
+    # each leg has a point of its own at least, whichever way rounding went
+    number = np.maximum.accumulate(number - corner) + corner
+    number = np.minimum(number, points - 1 - corner[::-1])
+    path = np.interp(np.arange(points), number, places)
     if clock is None:
-        number = _numbers(np.append(0.0, np.abs(np.diff(places)).cumsum()), points)
-        return np.interp(np.arange(points), number, places), None
-    number = _numbers(np.arange(places.size, dtype=float), points)
-    path, time = (np.interp(np.arange(points), number, values) for values in (places, clock))
+        return path, None
+    time = np.interp(np.arange(points), number, clock)
     if hold_scale is None:
         return path, time
     scale, holds = positive("drive.hold_scale", hold_scale), np.flatnonzero(np.diff(places) == 0.0)
@@ -174,10 +183,30 @@ def _path(
     return path, time
 
 
-def _numbers(travelled: Array, points: int) -> npt.NDArray[np.int64]:
-    """Which of the points are corners, these having travelled so far."""
-    number = np.round(travelled / travelled[-1] * (points - 1)).astype(int)
-    # each leg has a point of its own at least, whichever way rounding went
-    corner = np.arange(travelled.size)
-    number = np.maximum.accumulate(number - corner) + corner
-    return np.minimum(number, points - 1 - corner[::-1])
+def histogram_points(
+    drive: Drive, positions: Sequence[float] | None, times: Sequence[float] | None
+) -> npt.NDArray[np.intp]:
+    """Indices of the path's points at these positions, each time the slider comes there, where it rests the first and
+    the last of them; and at these times. None twice, in order.
+
+    Raises InputError for what is none of the path's points, and for times on a path that has none.
+    """
+    if times is not None and drive.time is None:
+        rule = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"
+        refuse("eq.histogram_times", list(times), rule)
+    clock, of_all = drive.path if drive.time is None else drive.time, "; all of drive.times are"
+    asked = [("histograms", k, at, drive.path, "") for k, at in enumerate(positions or ())]
+    asked += [("histogram_times", k, at, clock, of_all) for k, at in enumerate(times or ())]
+    found = set[int]()
+    for name, k, value, points, more in asked:
+        key = f"eq.{name}[{k}]"
+        off = np.abs(points - finite(key, value))
+        there = np.flatnonzero(off <= _SAME * np.abs(value if more else points).max())
+        if not there.size:
+            near = np.unique(points[np.argsort(off, kind="stable")[:2]])
+            told = " and ".join(f"{x:.12g}" for x in near)
+            refuse(key, value, f"is none of the path's points; near it are {told}{more}")
+        if more:
+            there = there[[off[there].argmin()]]
+        found |= {int(at) for at in there if at - 1 not in there or at + 1 not in there}
+    return np.array(sorted(found), np.intp)

@@ -28,6 +28,43 @@ START = {
     "gaussian": "origins:gaussian_start",
 }
 REFORMING = {**START, "boltzmann": "origins:boltzmann_reforming"}
+SURFACES = {
+    "scan": "toolkit.scene.surfaces:open_scan",
+    "self-affine": "toolkit.scene.surfaces:generate",
+    "spectrum": "origins:moments_of_spectrum",
+    "summits": "origins:moments_of_summits",
+}
+STIFFNESSES = {
+    "sound": "origins:sound_stiffness",
+    "mindlin": "origins:mindlin_stiffness",
+    "column": "origins:column_stiffness",
+    "power-law": "origins:PowerLaw",
+}
+_SHAPES = "triangular square rectangular hexagonal circular irregular"
+ISLANDS = {kind: f"origins:{kind}_island" for kind in _SHAPES.split()}
+ISLANDS |= {"file": "toolkit.scene.islands:island_of_file"}
+SUBSTRATES = {
+    "square": "origins:square_substrate",
+    "hexagonal": "origins:hexagonal_substrate",
+    "fourier": "toolkit.scene.islands:fourier_substrate",
+}
+
+# keys whose value is a table: its kinds, or the one function it calls
+CONTACTS: dict[str, Mapping[str, str] | str] = {
+    "start": START,
+    "reforming": REFORMING,
+    "thermal": "origins:Thermal",
+    "ageing": "origins:Ageing",
+    "delay": "origins:Delay",
+}
+_TABLES: dict[str, Mapping[str, str] | str] = {
+    "final": THRESHOLDS,
+    "surface": SURFACES,
+    "material": "origins:Material",
+    "contact_stiffness": STIFFNESSES,
+    "island": ISLANDS,
+    "substrate": SUBSTRATES,
+}
 
 # how Python's values in a message are written in TOML
 _TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
@@ -39,48 +76,48 @@ def identical_start(value: float) -> float:
     return finite("value", value)
 
 
-def ageing(
-    folder: Path, final: Mapping[str, Any], rate: float, closure: str = "exact", comm: Any = None
-) -> origins.Ageing:
-    """Ageing towards the law that the table `final` names, of a kind of THRESHOLDS; see origins.Ageing."""
-    law = build(THRESHOLDS, as_table("final", final), "final", folder, comm)
-    return origins.Ageing(law, rate, closure)  # type: ignore[arg-type]
-
-
 def build(
-    kinds: Mapping[str, str], table: Mapping[str, Any], where: str, folder: Path, comm: Any = None
+    kinds: Mapping[str, str] | str, table: object, where: str, folder: Path, comm: Any = None
 ) -> Any:
-    """What the table's kind makes of the table's other keys.
+    """What the table's kind makes of the table's other keys; `kinds` of one name has no kind and calls that.
 
-    The components of a mixture, tables with a kind of their own, are built first. A function
-    with a parameter `folder` is given `folder`, from where the scene's file names count, and one with a parameter
-    `comm` the communicator whose ranks, all of which must call, share its work.
-    Raises InputError with the path of the bad key, counted from `where`.
+    Tables within it, the components of a mixture among them, are built first. A function with a parameter `folder` is
+    given `folder`, from where the scene's file names count, and one with a parameter `comm` the communicator whose
+    ranks, all of which must call, share its work. Raises InputError with the path of the bad key, counted from `where`.
     """
-    kind = table.get("kind")
-    if kind is None:
-        raise InputError(f"{where}.kind: is missing; must be one of {', '.join(kinds)}")
-    if not isinstance(kind, str) or kind not in kinds:
-        refuse(f"{where}.kind", kind, f"must be one of {', '.join(kinds)}")
-    module, name = kinds[kind].split(":")
-    function = getattr(import_module(module), name)
-    arguments = {key: value for key, value in table.items() if key != "kind"}
-    if "components" in arguments:
-        parts, place = arguments["components"], f"{where}.components"
-        if not (isinstance(parts, list) and parts and all(isinstance(p, Mapping) for p in parts)):
-            rule = 'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
-            refuse(place, parts, rule)
-        built = (build(kinds, part, f"{place}[{k}]", folder, comm) for k, part in enumerate(parts))
-        arguments["components"] = list(built)
-    return call(function, arguments, where, kind, folder=folder, comm=comm)
+    if not isinstance(table, Mapping):
+        refuse(where, table, "must be a table")
+    place, title, arguments = kinds, "it", dict(table)
+    if not isinstance(kinds, str):
+        title = arguments.pop("kind", None)
+        if title is None:
+            raise InputError(f"{where}.kind: is missing; must be one of {', '.join(kinds)}")
+        if not isinstance(title, str) or title not in kinds:
+            refuse(f"{where}.kind", title, f"must be one of {', '.join(kinds)}")
+        place = kinds[title]
+    module, name = str(place).split(":")
+    with inside(where, {key: key for key in arguments}):
+        for key, value in arguments.items():
+            if key in _TABLES:
+                arguments[key] = build(_TABLES[key], value, key, folder, comm)
+            elif key == "components":
+                tables = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
+                if not (tables and value):
+                    rule = (
+                        'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
+                    )
+                    refuse(key, value, rule)
+                parts = enumerate(value)
+                arguments[key] = [
+                    build(THRESHOLDS, part, f"{key}[{k}]", folder, comm) for k, part in parts
+                ]
+    return call(
+        getattr(import_module(module), name), arguments, where, title, folder=folder, comm=comm
+    )
 
 
 def call(
-    function: Callable[..., Any],
-    arguments: Mapping[str, Any],
-    where: str,
-    title: str = "it",
-    **given: object,
+    function: Callable[..., Any], arguments: Mapping[str, Any], where: str, title: str, **given: Any
 ) -> Any:
     """function(**arguments), whose keys come from the table `where` of a scene.
 
@@ -88,14 +125,19 @@ def call(
     """
     parameters = dict(inspect.signature(function).parameters)
     given = {key: value for key, value in given.items() if parameters.pop(key, None) is not None}
+    takes = f"{title} takes {', '.join(parameters)}"
     for key, value in arguments.items():
         if key not in parameters:
-            refuse(f"{where}.{key}", value, f"unknown key; {title} takes {', '.join(parameters)}")
+            refuse(f"{where}.{key}", value, f"unknown key; {takes}")
     for key, parameter in parameters.items():
         if parameter.default is parameter.empty and key not in arguments:
-            raise InputError(f"{where}.{key}: is missing; {title} takes {', '.join(parameters)}")
+            raise InputError(f"{where}.{key}: is missing; {takes}")
     with inside(where, {name: name for name in parameters}):
-        return function(**arguments, **given)
+        try:
+            return function(**arguments, **given)
+        except ArithmeticError as error:
+            rule = "some of its numbers are too large or too small; are they in the right unit?"
+            raise InputError(f"{title}: {rule}") from error
 
 
 def without_kelvin(
@@ -114,13 +156,6 @@ def without_kelvin(
         refuse(f"{where}.kelvin", given["kelvin"], rule)
     with inside(where, {"kelvin": "kelvin"}):
         return {**table, "temperature": thresholds.interface.temperature(kelvin=given["kelvin"])}
-
-
-def as_table(name: str, value: object) -> Mapping[str, Any]:
-    """`value` if it is a table, else InputError."""
-    if not isinstance(value, Mapping):
-        refuse(name, value, "must be a table")
-    return value
 
 
 @contextmanager

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 import origins
-from origins.errors import refuse, whole
+from origins.errors import one_of, refuse, whole
 from toolkit.scene.given_files import read_text
 
-QUANTITIES = ("x_s", "f_s")
 _DECIMAL = re.compile(r"\d,\d")
 
 
@@ -41,25 +40,20 @@ def from_samples(
         if value is not None:
             whole(name, value, 1)
             if file is None:
-                refuse(
-                    name, value, "says where in a file the samples are; leave it out without one"
-                )
+                rule = "says where in a file the samples are; leave it out without one"
+                refuse(name, value, rule)
+    if file is None and quantity != "x_s":
+        refuse("quantity", quantity, "says what a file holds; leave it out without one")
     if file is not None:
-        if not isinstance(file, str):
-            refuse("file", file, 'must be a file name, such as "thresholds.txt"')
         if x_s is not None or f_s is not None or weights is not None:
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
-        if quantity not in QUANTITIES:
-            refuse("quantity", quantity, 'must be "x_s" or "f_s"')
-        lines = read_text("file", folder / file, comm, file).splitlines()
-        names = {quantity: column} | (
-            {} if weight_column is None else {"the weight": weight_column}
-        )
-        table = _read(file, lines, names)
-        given[quantity] = table[:, 0].tolist()
-        weights = table[:, 1].tolist() if weight_column is not None else None
-    elif quantity != "x_s":
-        refuse("quantity", quantity, "says what a file holds; leave it out without one")
+        one_of("quantity", quantity, tuple(given))
+        lines = read_text("file", file, folder, comm).splitlines()
+        columns = {quantity: column}
+        if weight_column is not None:
+            columns["the weight"] = weight_column
+        found = _read(file, lines, columns).T.tolist()
+        given[quantity], weights = found[0], found[1] if len(found) > 1 else None
     return origins.from_samples(
         **given, coefficient=coefficient, stiffness=stiffness, weights=weights
     )
@@ -69,28 +63,28 @@ def _read(file: str, lines: list[str], columns: dict[str, int | None]) -> np.nda
     """The values of these columns, counted from 1 (None: of the only one), a row for each line."""
     words = {number: _words(line.partition("#")[0]) for number, line in enumerate(lines, start=1)}
     rows = {number: [_number(word) for word in line] for number, line in words.items() if line}
-    if rows and all(value is None for value in next(iter(rows.values()))):
-        del rows[next(iter(rows))]  # a header
+    first = next(iter(rows), 0)
+    if rows and all(value is None for value in rows[first]):
+        del rows[first]  # a header
     width = len(next(iter(rows.values()), []))
     if not width:
         refuse("file", file, "holds no numbers; write one value a line")
-    table = []
-    for name, place in columns.items():
+    table = np.empty((len(rows), len(columns)))
+    for column, (name, place) in enumerate(columns.items()):
         if place is None and width > 1:
             rule = f"say which of the {width} columns holds {name}, such as column = {width}"
             refuse("file", file, f"holds several columns; {rule}")
         if (place or 1) > width:
             refuse("file", file, f"there is no column {place}")
-        for number, row in rows.items():
+        for k, (number, row) in enumerate(rows.items()):
             value = row[(place or 1) - 1] if len(row) == width else None
-            if value is None or not (np.isfinite(value) and value > 0.0):
+            if value is None or not 0.0 < value < np.inf:
                 # not the line itself: what is no table may not be meant to be shown
                 many = f"{width} columns, as many as the first" if width > 1 else "one number"
-                refuse(
-                    "file", file, f"line {number} must hold {many}, {name} finite and above zero"
-                )
-            table.append(value)
-    return np.reshape(table, (len(columns), -1)).T
+                rule = f"line {number} must hold {many}, {name} finite and above zero"
+                refuse("file", file, rule)
+            table[k, column] = value
+    return table
 
 
 def _words(line: str) -> list[str]:

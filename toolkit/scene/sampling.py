@@ -99,11 +99,11 @@ def _of_one(part: Sampled) -> list[str]:
     few, misses = round(part.effective_samples) < FEW, part.cdf_misfit > part.cdf_error
     if not few and not misses:
         return []
-    told = f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows "
-    said, alike = (
-        [f"{told}{min(part.cdf_error, 1.0):.2g}"],
-        part.effective_samples > 0.99 * part.n_samples,
-    )
+    alike = part.effective_samples > 0.99 * part.n_samples
+    said = [
+        f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows "
+        f"{min(part.cdf_error, 1.0):.2g}"
+    ]
     if few:
         count = "" if alike else f", which their weights make {part.effective_samples:.2g}"
         said = [f"few thresholds, {part.n_samples} samples{count}: {said[0]}", "take more samples"]

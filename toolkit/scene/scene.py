@@ -13,15 +13,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-import origins
 from origins.contacts import Contacts, TooHot, too_cold
 from origins.drive import Drive
 from origins.errors import InputError, check_tolerance, positive, refuse, shown, whole
 from toolkit.running.ranks import on_root
 from toolkit.scene import laws, tables
-from toolkit.scene.drive import Speed, make_drive, sliding_speed, spring_number
+from toolkit.scene.drive import Speed, histogram_points, make_drive, sliding_speed, spring_number
 from toolkit.scene.given_files import read_text
-from toolkit.scene.histogram_points import histogram_points
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.toml import to_toml
 
@@ -82,11 +80,8 @@ class Scene:
 
     def only_forward(self, what: str) -> "Scene":
         """Itself, if its slider is rigid and moves forward; InputError with the name of `what` takes no other."""
-        rule = f"{what} takes a rigid slider that moves forward; give drive.to alone"
-        if self.drive.spring is not None:
-            refuse("drive.spring", self.drive.spring, rule)
-        if not self.drive.forward:
-            raise InputError(f"drive.{'from' if self.drive.path[0] != 0.0 else 'turns'}: {rule}")
+        with laws.inside("drive", {"spring": "spring"}):
+            self.drive.only_forward(what)
         return self
 
 
@@ -111,7 +106,7 @@ def load_scene(
             text = to_toml(scene)
             return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
         file = on_root(comm, lambda: _find(scene))
-        text = read_text("scene", file, comm, scene, "is not TOML")
+        text = read_text("scene", str(file), Path(), comm, "is not TOML")
         return _checked(file.stem, text, tomllib.loads(text), file.parent, solved, comm)
     except RecursionError as error:
         raise InputError(
@@ -168,7 +163,9 @@ def _checked(
     if table.eq is not None:
         if solved:
             _check_reach(scene, table.drive)
-        _check_coupled(scene, table.eq)
+        if scene.drive.spring is not None and (np.diff(scene.path) < 0.0).any():
+            rule = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
+            raise InputError(f"drive.turns: {rule}")
         scene.histogram_points()
     return scene
 
@@ -197,26 +194,6 @@ def _check_numbers(name: str, table: tables.SceneTable, solved: bool) -> None:
                 positive(f"eq.{key}", value, such)
 
 
-def _check_coupled(scene: Scene, table: tables.EqTable) -> None:
-    """Raise InputError for what the ensemble of a soft slider does not take, and for what it alone takes."""
-    from eq_model.coupled.ensemble import check_coupled
-
-    soft = scene.drive.spring is not None
-    rule = "is of a soft slider; give drive.spring, or leave it out"
-    if soft:
-        rule = "is of independent contacts; with drive.spring leave it out, and give replicas"
-    for name in ("tolerance", "histograms", "histogram_times") if soft else ("slip_fraction",):
-        if (value := getattr(table, name)) is not None:
-            refuse(f"eq.{name}", value, rule)
-    if not soft:
-        return
-    if (np.diff(scene.path) < 0.0).any():
-        rule = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
-        raise InputError(f"drive.turns: {rule}")
-    with laws.inside("scene", {}):
-        check_coupled(scene.contacts, scene.drive)
-
-
 def _check_reach(scene: Scene, table: tables.DriveTable | None) -> None:
     """Raise InputError where the ensemble's contacts would break millions of times each, which takes too long."""
     reach, mean = float(np.abs(scene.path).max()), scene.contacts.mean_threshold
@@ -234,19 +211,10 @@ def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:
     """The contacts with the laws that the table names, and no other."""
     thresholds = laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm)
     made: dict[str, Any] = {"thresholds": thresholds, "stiffness": table.stiffness}
-    for name, kinds in (("start", laws.START), ("reforming", laws.REFORMING)):
+    for name, kinds in laws.CONTACTS.items():
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
-            made[name] = laws.build(kinds, own, f"contacts.{name}", folder)
-    calls: dict[str, Any] = {
-        "thermal": origins.Thermal,
-        "ageing": laws.ageing,
-        "delay": origins.Delay,
-    }
-    for name, law in calls.items():
-        if (own := getattr(table, name)) is not None:
-            own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
-            made[name] = laws.call(law, own, f"contacts.{name}", folder=folder, comm=comm)
+            made[name] = laws.build(kinds, own, f"contacts.{name}", folder, comm)
     thermal = table.thermal or {}
     if thermal and thresholds.interface is not None and "attempt_frequency" not in thermal:
         raise InputError(

@@ -74,19 +74,18 @@ class SweepRecord:
 
 def make_sweep(table: "SweepTable", contacts: Contacts, velocity: float) -> Sweep:
     """The checked sweep of a scene, at `velocity` where it names none. Raises InputError with the path of a bad key."""
-    if table.temperature is not None and table.kelvin is not None:
-        raise InputError("sweep: has temperature and kelvin; give one of them")
-    lacking = (
-        {} if contacts.thermal is not None else {"temperature": "thermal", "kelvin": "thermal"}
-    )
-    lacking |= {} if contacts.ageing is not None else {"rate": "ageing"}
-    for name, law in lacking.items():
-        if getattr(table, name) is not None:
-            rule = f"the contacts have no law for it; add [contacts.{law}]"
-            raise InputError(f"sweep.{name}: {rule}")
     asked = {name: getattr(table, name) for name in (*QUANTITIES, "kelvin")}
     asked["velocity"] = velocity if table.velocity is None else table.velocity
     asked = {name: value for name, value in asked.items() if value is not None}
+    if asked.keys() >= {"temperature", "kelvin"}:
+        raise InputError("sweep: has temperature and kelvin; give one of them")
+    for name, law in (("temperature", "thermal"), ("kelvin", "thermal"), ("rate", "ageing")):
+        if name in asked and getattr(contacts, law) is None:
+            rule = f"the contacts have no law for it; add [contacts.{law}]"
+            raise InputError(f"sweep.{name}: {rule}")
+    if "kelvin" in asked and contacts.interface is None:
+        rule = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
+        raise InputError(f"sweep.kelvin: {rule}")
     given = {name: _values(f"sweep.{name}", value) for name, value in asked.items()}
     along = [name for name in given if given[name].size > 1]
     along.sort(key=lambda name: -given[name].size)
@@ -100,15 +99,12 @@ def make_sweep(table: "SweepTable", contacts: Contacts, velocity: float) -> Swee
     if points > _MOST_POINTS:
         raise InputError(f"sweep: has {points:,} points; take {_MOST_POINTS:,} at most")
     axes = np.meshgrid(*(given[name] for name in along), indexing="ij")
-    made = {name: np.full(axes[0].shape, values[0]) for name, values in given.items()}
+    made: dict[str, Any] = dict.fromkeys(("temperature", "kelvin", "rate", "delay"))
+    made |= {name: np.full(axes[0].shape, values[0]) for name, values in given.items()}
     made |= dict(zip(along, axes, strict=True))
-    if (kelvin := made.get("kelvin")) is not None:
-        if contacts.interface is None:
-            rule = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
-            raise InputError(f"sweep.kelvin: {rule}")
-        made["temperature"] = kelvin * contacts.interface.temperature(kelvin=1.0)
-    others = (made.get(name) for name in ("temperature", "kelvin", "rate", "delay"))
-    return Sweep(tuple(along), table.critical_spring, made["velocity"], *others)
+    if contacts.interface is not None and "kelvin" in given:
+        made["temperature"] = made["kelvin"] * contacts.interface.temperature(kelvin=1.0)
+    return Sweep(tuple(along), table.critical_spring, **made)
 
 
 def _values(name: str, value: "float | list[float] | RangeTable") -> Array:
