@@ -7,17 +7,16 @@ into vector code.
 
 import numpy as np
 
-from eq_model.compiling import bare, compiled, inlined
+from eq_model.compiling import compiled, inlined
 from eq_model.contact import bin_of, look_at
-from eq_model.draws.births import draw_round, form_part, make_room
+from eq_model.draws.births import draw_round, form_all, make_room
 from eq_model.draws.quantiles import draw_values
 from eq_model.draws.streams import EXPOSURES, LANES, ROW, THRESHOLDS, draw
 from eq_model.laws.breaking import break_row
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 _STARTS = np.int64(12)  # of a purpose: words of the contacts at X = 0
-_GROUP = np.uint64(8)  # lanes, a whole part of LANES
-_REST = 4  # rounds after which lanes without contacts leave
+_SOME = 8  # lanes passed at once, and rounds after which lanes without contacts leave
 
 
 @inlined
@@ -53,10 +52,10 @@ def _release(n, x, birth, bins, measured, found, change, sums):  # type: ignore[
         sums[_U(found[i]), _U(3)] += _I(change[i])
 
 
-@bare
+@inlined
 def _look(n, x, birth, since, found, bins, watch, counts):  # type: ignore[no-untyped-def]
     """Count n contacts at watched points between where they form, `since`, and the bins where they break."""
-    for i in range(n):
+    for i in range(n if counts.shape[0] else 0):
         if since[i] <= bins.end:
             for k in range(watch.before[bin_of(since[i], bins)], watch.before[found[i]]):
                 look_at(k, birth[i], _F(x[i]), watch, counts)
@@ -66,12 +65,12 @@ def _look(n, x, birth, since, found, bins, watch, counts):  # type: ignore[no-un
 def _next(n, at, number, firsts, end, ends):  # type: ignore[no-untyped-def]
     """Lanes whose contact holds to the end take the next one, where it broke first."""
     last, many = firsts.size - 1, _U(0)
-    for first in range(_U(0), _U(n), _GROUP):
+    for first in range(_U(0), _U(n), _U(_SOME)):
         # most often none of a group ends; which of its contacts do cannot be foreseen: no branch
         some = False
-        for i in range(_GROUP):
+        for i in range(_U(_SOME)):
             some |= at[first + i] > end
-        for i in range(first, first + _GROUP if some else first):
+        for i in range(first, first + _U(_SOME * some)):
             ends[many] = np.int32(i)
             many += _U(at[i] > end)
     for lane in ends[:many]:
@@ -88,17 +87,16 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
     """
     stream, again, bins, watch = work.stream, work.settings.again, work.bins, work.watch
     room, measured, end, place = make_room(), work.measured, bins.end, bins.places[0]
-    watched = counts.shape[0] > 0
     x, at, birth = np.empty(LANES, _I), np.empty(LANES, _I), np.empty(LANES, _I)
     zeros, found, change = np.zeros(LANES, _I), np.empty(LANES, np.int32), room.rows.place
     # all contacts as they begin, up to their first break; those that break go on in the lanes
     warm, e, words = work.settings.bears, np.zeros(LANES, _I), np.empty(4 * ROW, np.uint32)
-    starts, own, breaks = work.settings.starts, np.empty((2, LANES), _I), _I(0)
+    begun, breaks = form_all(count, stream, work.settings.starts, room), _I(0)
     firsts, many = np.full(count + 1, end + 1), 0
     for part in range(-(-count // LANES)):
-        n, total, square = min(count - part * LANES, LANES), _I(0), _I(0)
-        form_part(_I(part), stream, starts, room, own[0], own[1])
-        x[:n] = own[0, :n]
+        own = begun[:, part * LANES : (part + 1) * LANES]
+        n, total, square = own.shape[1], _I(0), _I(0)
+        x[:n] = own[0]
         if warm:
             draw(n, _I(part), stream, EXPOSURES + _STARTS, words)
             table = work.settings.exposures
@@ -108,21 +106,19 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
             birth[i] = -own[1, i]
             y = birth[i] - place
             total += y
-        for i in range(_U(n) if measured else _U(0)):
-            y = birth[i] - place
             square += _I(np.floor(0.5 + _F(y) * _F(y) * bins.square))
         sums[0, 0] += n
         sums[0, 1] += total
         sums[0, 3] += square
         breaks += _advance(n, x, birth, at, bins, found)
         _release(n, x, birth, bins, measured, found, change, sums)
-        if watched:
-            _look(n, own[0], birth, zeros, found, bins, watch, counts)
+        _look(n, own[0], birth, zeros, found, bins, watch, counts)
         for i in range(n):
             firsts[many] = at[i]
             many += at[i] <= end
     firsts[many:] = end + 1
     number, n, turn = np.arange(LANES), min(LANES, many), _I(0)
+    own = np.empty((1, LANES), _I)
     at[:n] = firsts[:n]
     while n > 0:
         draw_round(n, turn, stream, again, room)
@@ -139,11 +135,10 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
             birth, at = at, birth
             breaks += _advance(n, x, birth, at, bins, found)
             _release(n, x, birth, bins, measured, found, change, sums)
-            if watched:
-                _look(n, own[0] if warm else x, birth, birth, found, bins, watch, counts)
+            _look(n, own[0] if warm else x, birth, birth, found, bins, watch, counts)
             _next(n, at, number, firsts, end, found)
         turn += 1
-        if turn % _REST == 0:
+        if turn % _SOME == 0:
             m = 0
             for i in range(n):  # lanes that have no more contacts leave
                 if number[i] < many:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.compiling import bare, compiled, inlined
+from eq_model.compiling import compiled, inlined
 from eq_model.draws.quantiles import Scratch, beyond, draw_values, quantile, scratch
 from eq_model.draws.streams import LANES, ROW, draw, uniform, words_at
 from eq_model.draws.tables import Table
@@ -75,20 +75,14 @@ def form_row(n, row, turn, stream, births, room, x, r):  # type: ignore[no-untyp
                 x[i] = beyond(abs(r[i]), uniform(a, b), uniform(c, d), table, room.rows)
 
 
-@bare
-def form_part(part, stream, births, room, x, r):  # type: ignore[no-untyped-def]
-    """Thresholds x and stretches r of LANES contacts, the part-th of a block, after all before it."""
-    turn, row = part >> _I(2), part & _I(3)
-    if row == 0:
-        draw_round(_I(LANES), turn, stream, births, room)
-    form_row(_I(LANES), row, turn, stream, births, room, x, r)
-
-
 @compiled
 def form_all(count, stream, births, room):  # type: ignore[no-untyped-def]
     """Thresholds and stretches of `count` contacts, shape (2, count)."""
     out = np.empty((2, -(-count // LANES) * LANES), _I)
     for part in range(_I(out.shape[1] // LANES)):
-        own = out[:, part * LANES : (part + 1) * LANES]
-        form_part(part, stream, births, room, own[0], own[1])
+        x, r = out[0, part * LANES : (part + 1) * LANES], out[1, part * LANES : (part + 1) * LANES]
+        turn, row = part >> _I(2), part & _I(3)
+        if row == 0:
+            draw_round(_I(LANES), turn, stream, births, room)
+        form_row(_I(LANES), row, turn, stream, births, room, x, r)
     return out[:, :count]
