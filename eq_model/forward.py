@@ -16,7 +16,7 @@ from eq_model.laws.breaking import break_row
 
 _U, _I, _F = np.uint64, np.int64, np.float64
 _STARTS = np.int64(12)  # of a purpose: words of the contacts at X = 0
-_SOME = 8  # lanes passed at once, and rounds after which lanes without contacts leave
+_REST = 4  # rounds after which lanes without contacts leave
 
 
 @inlined
@@ -65,14 +65,9 @@ def _look(n, x, birth, since, found, bins, watch, counts):  # type: ignore[no-un
 def _next(n, at, number, firsts, end, ends):  # type: ignore[no-untyped-def]
     """Lanes whose contact holds to the end take the next one, where it broke first."""
     last, many = firsts.size - 1, _U(0)
-    for first in range(_U(0), _U(n), _U(_SOME)):
-        # most often none of a group ends; which of its contacts do cannot be foreseen: no branch
-        some = False
-        for i in range(_U(_SOME)):
-            some |= at[first + i] > end
-        for i in range(first, first + _U(_SOME * some)):
-            ends[many] = np.int32(i)
-            many += _U(at[i] > end)
+    for i in range(_U(n)):  # no branch: which contacts end cannot be foreseen
+        ends[many] = np.int32(i)
+        many += _U(at[i] > end)
     for lane in ends[:many]:
         k = _U(lane)
         number[k] = min(number[k] + LANES, last)
@@ -138,7 +133,7 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
             _look(n, own[0] if warm else x, birth, birth, found, bins, watch, counts)
             _next(n, at, number, firsts, end, found)
         turn += 1
-        if turn % _SOME == 0:
+        if turn % _REST == 0:
             m = 0
             for i in range(n):  # lanes that have no more contacts leave
                 if number[i] < many:
