@@ -7,7 +7,7 @@ into vector code.
 
 import numpy as np
 
-from eq_model.compiling import bare, compiled
+from eq_model.compiling import compiled, inlined
 from eq_model.contact import bin_of, look_at
 from eq_model.draws.births import draw_round, form_all, make_room
 from eq_model.draws.quantiles import draw_values
@@ -19,7 +19,7 @@ _STARTS = np.int64(12)  # of a purpose: words of the contacts at X = 0
 _REST = 4  # rounds after which lanes without contacts leave
 
 
-@bare
+@inlined
 def _advance(n, x, birth, at, bins, found):  # type: ignore[no-untyped-def]
     """Move n contacts from where they are relaxed by their thresholds x to where they break, at; how many broke."""
     top, end, breaks = bins.points.size, bins.end, _I(0)
@@ -36,7 +36,7 @@ def _advance(n, x, birth, at, bins, found):  # type: ignore[no-untyped-def]
     return breaks
 
 
-@bare
+@inlined
 def _release(n, x, birth, bins, measured, found, change, sums):  # type: ignore[no-untyped-def]
     """Add up what n contacts release that were relaxed at `birth` and broke at thresholds x; not in the last bin."""
     last, first, shift, per = bins.points.size - 1, bins.places[0], bins.shift, bins.square
@@ -52,7 +52,7 @@ def _release(n, x, birth, bins, measured, found, change, sums):  # type: ignore[
         sums[_U(found[i]), _U(3)] += _I(change[i])
 
 
-@bare
+@inlined
 def _look(n, x, birth, since, found, bins, watch, counts):  # type: ignore[no-untyped-def]
     """Count n contacts at watched points between where they form, `since`, and the bins where they break."""
     for i in range(n if counts.shape[0] else 0):
@@ -61,7 +61,7 @@ def _look(n, x, birth, since, found, bins, watch, counts):  # type: ignore[no-un
                 look_at(k, birth[i], _F(x[i]), watch, counts)
 
 
-@bare
+@inlined
 def _next(n, at, number, firsts, end, ends):  # type: ignore[no-untyped-def]
     """Lanes whose contact holds to the end take the next one, where it broke first."""
     last, many = firsts.size - 1, _U(0)

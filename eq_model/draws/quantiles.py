@@ -64,7 +64,7 @@ def _choose(n, row, words, table, rows):  # type: ignore[no-untyped-def]
         )
 
 
-@bare
+@inlined
 def values(n, row, words, table, rows, out):  # type: ignore[no-untyped-def]
     """Whole quantiles of n words of a row; True where some exceed FAR: `mend` has them from the tree."""
     start, many = _U(row * ROW), table.begins.size
@@ -108,7 +108,7 @@ def mend(n, row, turn, stream, purpose, words, table, out):  # type: ignore[no-u
             )
 
 
-@bare
+@inlined
 def draw_values(n, row, turn, stream, purpose, words, table, rows, out):  # type: ignore[no-untyped-def]
     """Whole quantiles of n words of a row, all of them."""
     if values(n, row, words, table, rows, out):

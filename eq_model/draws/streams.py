@@ -12,7 +12,7 @@ import numpy as np
 from eq_model.compiling import bare, inlined
 from origins.errors import refuse, whole
 
-LANES = 512  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
+LANES = 256  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
 ROW = LANES + 24  # a word a lane; rows of one array then do not share a cache set
 ROUNDS = 7
 
