@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-BLOCK = 1 << 15  # contacts of a block at most: their rows and sums stay in the cache
+BLOCK = 1 << 14  # contacts of a block at most: their rows and sums stay in the cache
 _LONGEST = 0.25  # s that a block should take at most, going by the estimate
 _ALL_MEASURED, _EACH = 4, 8  # blocks that count for the variance: the first ones, then one in eight
 _NAP = 0.001  # seconds
