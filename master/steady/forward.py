@@ -15,8 +15,8 @@ from origins import Contacts
 # Last coefficients of the tables, at least, and in units of the tolerance of K*: a slope loses some
 # four digits.
 FINEST_TABLE, ACCURACY = 1e-13, 1e-6
-# Of the mean threshold: no force is known to less than what so long a stretch bears.
-LEAST_STRETCH = 1e-3
+# Of the mean threshold: a march to less than what so long a stretch bears would follow rounding.
+LEAST_STRETCH = 0.1
 # Of the error of what is left of contacts, what a march tells.
 TOLD = 10.0
 
