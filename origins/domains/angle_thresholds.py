@@ -119,7 +119,7 @@ class AngleThresholds(Thresholds):
         on_peak = np.isin(np.asarray(x), self._scale * self._peaks)
         return np.where(on_peak, np.inf, np.maximum(density, 0.0))
 
-    def _moment(self, n: int) -> float:
+    def _moment(self, n: float) -> float:
         return self._scale**n * self._curve.mean(lambda b: b**n)
 
     def _variance(self) -> float:

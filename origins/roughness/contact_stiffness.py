@@ -12,7 +12,9 @@ def sound_stiffness(density: float, sound_velocity: float) -> PowerLaw:
     density in kg/m³ and transverse sound velocity in m/s, above zero; the law takes m² and gives N/m.
     Raises InputError otherwise.
     """
-    return PowerLaw(positive("density", density) * positive("sound_velocity", sound_velocity) ** 2, 0.5)
+    return PowerLaw(
+        positive("density", density) * positive("sound_velocity", sound_velocity) ** 2, 0.5
+    )
 
 
 def mindlin_stiffness(
@@ -32,7 +34,9 @@ def mindlin_stiffness(
     return PowerLaw(8.0 / compliance / float(np.sqrt(np.pi)), 0.5)
 
 
-def column_stiffness(youngs_modulus: float, aspect: float | None = None, height: float | None = None) -> PowerLaw:
+def column_stiffness(
+    youngs_modulus: float, aspect: float | None = None, height: float | None = None
+) -> PowerLaw:
     """k = (3 pi/4) E_c r_c (r_c/h)³ of a cylinder bent sideways (paper, Eqs. eq15 and eq15a).
 
     Its radius is r_c = (A/pi)^(1/2), its length h.
@@ -57,7 +61,9 @@ def column_stiffness(youngs_modulus: float, aspect: float | None = None, height:
             "column_stiffness: give one of aspect and height, such as aspect = 1.0 for columns as long as wide"
         )
     if aspect is not None:
-        return PowerLaw(0.75 * float(np.sqrt(np.pi)) * modulus * positive("aspect", aspect) ** 3, 0.5)
+        return PowerLaw(
+            0.75 * float(np.sqrt(np.pi)) * modulus * positive("aspect", aspect) ** 3, 0.5
+        )
     return PowerLaw(0.75 / np.pi * modulus / positive("height", height) ** 3, 2.0)
 
 

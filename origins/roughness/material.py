@@ -68,7 +68,11 @@ class Material:
             refuse("shear_modulus", self.shear_modulus, f"given twice; {_ONE_OF}")
         if self.contact_stiffness is not None:
             if not isinstance(self.contact_stiffness, PowerLaw):
-                refuse("contact_stiffness", self.contact_stiffness, "must be a law, such as mindlin_stiffness(...)")
+                refuse(
+                    "contact_stiffness",
+                    self.contact_stiffness,
+                    "must be a law, such as mindlin_stiffness(...)",
+                )
             if not 0.0 <= self.contact_stiffness.exponent <= _STEEPEST:
                 rule = f"must lie between 0 and {_STEEPEST:g}, such as 0.5"
                 refuse("contact_stiffness.exponent", self.contact_stiffness.exponent, rule)
@@ -78,16 +82,21 @@ class Material:
             name = "sound_velocity" if self.sound_velocity is None else "density"
             refuse(name, None, _ONE_OF)
 
-    def needed(self, name: str, law: str) -> float:
-        """The constant `name`, in SI units; InputError where it was left out though the threshold law needs it."""
+    def needed(self, name: str, what: str) -> float:
+        """The constant `name`, in SI units; InputError where it was left out though `what`, law or regime, needs it."""
         value = getattr(self, name)
         if value is None:
             such = f"{name} = {_SUCH_AS[name]}"
-            raise InputError(f'material.{name} = None: law = "{law}" needs it; give the material one, such as {such}')
+            raise InputError(
+                f"material.{name} = None: {what} needs it; give the material one, such as {such}"
+            )
         return float(value)
 
     def stiffness(self, law: str) -> PowerLaw:
-        """k in N/m as a power of the contact's area in m²; InputError where the law needs it and nothing tells it."""
+        """k in N/m as a power of the contact's area in m² under a threshold law.
+
+        InputError where the law needs a constant that is not there. The paper's k is c x_s, no law of the area.
+        """
         if self.contact_stiffness is not None:
             return self.contact_stiffness
         if self.density is not None and self.sound_velocity is not None:

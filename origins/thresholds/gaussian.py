@@ -129,12 +129,12 @@ class NormalAboveZero(CutGaussian):
             x = x + np.where(np.isfinite(step) & (np.abs(step) < 0.1 * self.parent_std), step, 0.0)
         return np.maximum(x, 0.0)
 
-    def _moment(self, n: int) -> float:
-        if self.parent_mean < 0.0:
+    def _moment(self, n: float) -> float:
+        if self.parent_mean < 0.0 or n != round(n):
             return super()._moment(n)
         variance = self.parent_std**2
         lower, moment = 1.0, self.parent_mean + variance * self._at_zero
-        for order in range(2, n + 1):
+        for order in range(2, round(n) + 1):
             lower, moment = moment, self.parent_mean * moment + (order - 1) * variance * lower
         return moment
 

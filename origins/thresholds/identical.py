@@ -40,5 +40,5 @@ class Identical(Thresholds):
     def _variance(self) -> float:
         return 0.0
 
-    def _moment(self, n: int) -> float:
+    def _moment(self, n: float) -> float:
         return self.value**n

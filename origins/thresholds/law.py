@@ -12,7 +12,6 @@ import numpy.typing as npt
 from origins.errors import InputError, refuse
 from origins.thresholds.inversion import invert_hazard
 from origins.thresholds.numerical import NumericalLaw
-from origins.thresholds.quadrature import moment as panel_moment
 
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
@@ -111,14 +110,14 @@ class Thresholds:
             hazard.shape
         )
 
-    def _moment(self, n: int) -> float:
-        return self._central_moment(n, 0.0)
+    def _moment(self, n: float) -> float:
+        return self._numerical.moment(n)
 
     def _variance(self) -> float:
         mean, square = self.moment(1), self.moment(2)
         if not square - mean * mean < 1e-3 * square:
             return square - mean * mean
-        return self._central_moment(2, mean)
+        return self._numerical.moment(2, mean)
 
     def support(self) -> tuple[float, float]:
         """Ends (lower, upper) of the support; upper may be inf."""
@@ -139,11 +138,6 @@ class Thresholds:
             rule = "state it as _log_weight, which need not be normalised"
             raise InputError(f"{type(self).__name__}: its density adds up to {whole}; {rule}")
         return found
-
-    def _central_moment(self, n: int, centre: float) -> float:
-        if type(self)._sf is Thresholds._sf:
-            return self._numerical.moment(n, centre)
-        return panel_moment(self, n, centre)
 
     @property
     def atoms(self) -> tuple[Array, Array]:

@@ -155,8 +155,8 @@ class Mixture(Thresholds):
         out[open_] = invert_hazard(self, goal[open_], low, high, 0.5 * (low + high))
         return out.reshape(hazard.shape)
 
-    def _moment(self, n: int) -> float:
-        return float(self.weights @ [c.moment(n) for c in self.components])
+    def _moment(self, n: float) -> float:
+        return float(self.weights @ [c._moment(n) for c in self.components])
 
     def _variance(self) -> float:
         mean = self.mean()

@@ -21,8 +21,6 @@ _TAIL = 1e-18
 _DEPTH = 64
 _MOST = 8192  # panels still open: only a cdf that contradicts its density leaves so many
 _EPSILON = float(np.finfo(float).eps)
-# survivals at which a moment's tail is cut into further panels
-_FAR = 10.0 ** -np.array([18, 20, 22, 25, 29, 34, 40, 48, 58, 70, 85, 105, 130, 160, 200, 250, 300])
 
 
 def gauss(left: Array, right: Array) -> tuple[Array, Array]:
@@ -109,27 +107,3 @@ def _cdf_mass(thresholds: Any, left: Array, right: Array) -> Array:
     for position, weight in zip(*thresholds.atoms, strict=True):
         mass = mass - weight * ((left < position) & (position <= right))
     return mass
-
-
-def moment(thresholds: Any, n: int, centre: float = 0.0) -> float:
-    """<(x_s - centre)^n> by panels, atoms added; for laws whose tail falls faster than any power.
-
-    Where the nodes' rounding spoils a panel, beside a density that diverges, the cdf gives its weight.
-    """
-    edges = panel_edges(thresholds)
-    atoms, weights = thresholds.atoms
-    total = float((weights * (atoms - centre) ** n).sum())
-    if not edges.size:
-        return total
-    if not np.isfinite(thresholds.support()[1]):
-        edges = np.unique(np.concatenate([edges, thresholds.isf(_FAR)]))
-    left, right = edges[:-1], edges[1:]
-    nodes, factors = gauss(left, right)
-    factors = factors * finite_density(thresholds, nodes)
-    mass, known = factors.sum(-1), _cdf_mass(thresholds, left, right)
-    spoilt = np.abs(mass - known) > 16.0 * _EPSILON
-    empty = spoilt & (mass <= 0.0)
-    factors[empty] = known[empty, None] * GAUSS_WEIGHTS
-    kept = spoilt & ~empty
-    factors[kept] *= (known[kept] / mass[kept])[:, None]
-    return total + float((factors * (nodes - centre) ** n).sum())

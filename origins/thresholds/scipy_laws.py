@@ -168,7 +168,7 @@ class FrozenThresholds(ForeignThresholds):
         low, high = self._ask("ppf", below), self._ask("isf", above)
         return np.maximum(low, self._support[0]), np.maximum(high, self._support[0])
 
-    def _moment(self, n: int) -> float:
+    def _moment(self, n: float) -> float:
         value = self._mean if n == 1 else float(self.frozen.moment(n))
         # where a moment is infinite some distributions return what their formula gives beyond its range
         beyond = not value >= self._mean**n * (1.0 - 1e-9)
