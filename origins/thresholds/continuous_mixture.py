@@ -1,21 +1,17 @@
 """Laws averaged over a continuous parameter, such as the orientation of grains: a mixture at a quadrature's nodes."""
 
 from collections.abc import Callable, Sequence
-from functools import cache
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
 from origins.errors import InputError, finite, positive, refuse
 from origins.thresholds.law import Array, Thresholds
-from origins.thresholds.mixture import Mixture, mixture
-from origins.thresholds.quadrature import NODES, gauss
+from origins.thresholds.mixture import Mixture
 from origins.thresholds.scipy_laws import as_thresholds
 
 _MOST = 512  # laws in the mixture
-_PILOTS = 16
 _SAME = 1e-9  # of a place: as near, it is one
-_BESIDE = 1e-9
 _JUMP = 1e-4  # in units of 1/<x_s>
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _TAILS = 10.0 ** -np.array([8.0, 5.0, 3.0, 2.0, 1.0, 0.6, 0.3])
@@ -42,8 +38,8 @@ def continuous_mixture(
     density : function of phi
         R(phi) >= 0, normalised here; left out: all phi equal.
     accuracy : float
-        Of the survival, absolute, and of <x_s>, relative. Intervals of phi are halved until the sum over all differs
-        from that over their halves by less.
+        Of the survival, absolute, and of <x_s>, relative. Gauss's nodes in phi are doubled until their sums differ
+        from those over twice as many by less.
 
     Returns
     -------
@@ -55,73 +51,53 @@ def continuous_mixture(
     exact values or jumps that move with phi: the average has none, while any finite mixture keeps one for each law,
     and a K* of its own with it.
     """
-    lower, upper, accuracy = (
-        finite("lower", lower),
-        finite("upper", upper),
-        positive("accuracy", accuracy),
-    )
+    lower, upper = finite("lower", lower), finite("upper", upper)
+    accuracy = positive("accuracy", accuracy)
     if not upper > lower:
         refuse("upper", upper, f"must be above lower = {lower:g}")
     if not callable(law):
-        refuse(
-            "law",
-            law,
-            "must be a function of phi, such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))",
-        )
+        such = "such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))"
+        refuse("law", law, f"must be a function of phi, {such}")
     if density is not None and not callable(density):
         refuse("density", density, "must be a function of phi")
-    # never at an end of an interval, where sums would agree however rough the law is in between
-    places = lower + (upper - lower) * ((np.arange(_PILOTS) + 0.5) * _GOLDEN % 1.0)
-    pilots = [as_thresholds(law(float(phi))) for phi in places]
-    _check_moving(pilots)
-    x = np.unique([x for one in pilots for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
-    scale = max(one.mean() for one in pilots)
+    # places in no order, at which nothing is the same by symmetry
+    pilots = lower + (upper - lower) * (_GOLDEN * np.arange(1, 9) % 1.0)
+    seen = [as_thresholds(law(float(phi))) for phi in pilots]
+    _check_moving(seen)
+    x = np.unique([x for one in seen for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
+    scale = max(one.mean() for one in seen)
 
-    @cache
-    def part(low: float, high: float) -> _Part:
-        phis, weights = gauss(np.array(low), np.array(high))
+    def averaged(count: int) -> _Average:
+        places, weights = np.polynomial.legendre.leggauss(count)
+        phis = 0.5 * (lower + upper) + 0.5 * (upper - lower) * places
         laws = [as_thresholds(law(float(phi))) for phi in phis]
         if density is not None:
             weights = weights * [_height(density, float(phi)) for phi in phis]
-        rows = np.array([[1.0, one.mean() / scale, *one.sf(x)] for one in laws])
-        return _Part(laws, weights, weights @ rows)
-
-    @cache
-    def missed(low: float, high: float) -> float:
-        """By how much the sums of an interval differ from those of its halves, at most."""
-        middle = 0.5 * (low + high)
-        halves = part(low, middle).sums + part(middle, high).sums
-        return float(np.abs(part(low, high).sums - halves).max())
-
-    intervals = [(lower, upper)]
-    while True:
-        whole = float(sum(part(*one).sums[0] for one in intervals))
-        if not whole > 0.0:
+        if not weights.sum() > 0.0:
             refuse("density", density, "is zero at all phi asked")
-        error = sum(missed(*one) for one in intervals) / whole
+        shares = weights / weights.sum()
+        return _Average(laws, shares, shares @ [[one.mean() / scale, *one.sf(x)] for one in laws])
+
+    count, coarse = 8, averaged(8)
+    while True:
+        fine = averaged(2 * count)
+        error = float(np.abs(fine.sums - coarse.sums).max())
         if error <= accuracy:
-            break
-        if NODES * (len(intervals) + 1) > _MOST:
+            used = np.flatnonzero(coarse.shares)
+            return ContinuousMixture(
+                [coarse.laws[int(i)] for i in used], coarse.shares[used], error
+            )
+        if 2 * count > _MOST:
             rule = f"{_MOST} laws reach {error:.2g} only; ask for less, or smooth the law"
             refuse("accuracy", accuracy, rule)
-        low, high = max(intervals, key=lambda one: missed(*one))
-        intervals.remove((low, high))
-        intervals += [(low, 0.5 * (low + high)), (0.5 * (low + high), high)]
-    parts = [part(*one) for one in sorted(intervals)]
-    shares = np.concatenate([one.weights for one in parts])
-    laws = [law for one in parts for law in one.laws]
-    used = np.flatnonzero(shares)
-    flat = cast(Mixture, mixture([laws[i] for i in used], shares[used] / shares.sum()))
-    found = ContinuousMixture(flat.components, flat.weights, error)
-    found.parts = flat.parts
-    return found
+        count, coarse = 2 * count, fine
 
 
-class _Part(NamedTuple):
-    """Laws at the nodes of an interval of phi, their weights, and their sums: weight, <x_s>, survivals."""
+class _Average(NamedTuple):
+    """Laws at the nodes of phi, their shares, and their sums: <x_s>, survivals."""
 
     laws: list[Thresholds]
-    weights: Array
+    shares: Array
     sums: Array
 
 
@@ -136,9 +112,9 @@ def _check_moving(laws: Sequence[Thresholds]) -> None:
     """InputError where an exact value or a jump of the density stands at another place in every law."""
     found = [_hard_points(one) for one in laws]
     for i, points in enumerate(found):
-        others = np.concatenate([other for j, other in enumerate(found) if j != i])
+        others = np.concatenate(found[:i] + found[i + 1 :])
         for point in points:
-            if not (np.abs(others - point) <= _SAME * abs(point)).any():
+            if not (np.abs(others - point) <= _SAME * point).any():
                 raise InputError(
                     f"law: an exact value or a jump of the density moves with phi, one stands at {point:.6g}: the "
                     "average has none, a mixture of finitely many laws has them all and a K* of its own; write the "
@@ -150,21 +126,15 @@ def _check_moving(laws: Sequence[Thresholds]) -> None:
 def _hard_points(law: Thresholds) -> Array:
     """Places of exact values, and those where the density jumps or diverges."""
     points = law.breakpoints[law.breakpoints > 0.0]
-    if points.size:
-        beside = law.pdf(points[:, None] * (1.0 + np.array([-_BESIDE, _BESIDE])))
-        size = (
-            np.abs(np.diff(np.where(np.isfinite(beside), beside, np.inf), axis=1)[:, 0])
-            * law.mean()
-        )
-        points = points[~(size <= _JUMP)]
+    below, above = (law.pdf(points * (1.0 + side)) * law.mean() for side in (-_SAME, _SAME))
+    with np.errstate(invalid="ignore"):
+        points = points[~(np.abs(above - below) <= _JUMP)]
     return np.concatenate([points, law.atoms[0]])
 
 
 class ContinuousMixture(Mixture):
     """The mixture at the nodes; quadrature_error as in continuous_mixture."""
 
-    def __init__(
-        self, components: Sequence[Thresholds], weights: Array, quadrature_error: float
-    ) -> None:
-        super().__init__(components, weights)
-        self.quadrature_error = quadrature_error
+    def __init__(self, laws: Sequence[Thresholds], weights: Array, error: float) -> None:
+        super().__init__(laws, weights)
+        self.quadrature_error = error

@@ -101,14 +101,20 @@ class Thresholds:
 
     def _from_hazard(self, hazard: Array) -> Array:
         """Thresholds at which -log of the survival is `hazard`."""
-        flat = hazard.ravel()
+        left, right = self._bracket(hazard.ravel())
+        middle = 0.5 * left + 0.5 * right
+        return invert_hazard(self, hazard.ravel(), left, right, middle).reshape(hazard.shape)
+
+    def _bracket(self, hazard: Array) -> tuple[Array, Array]:
+        """Lengths between which -log of the survival reaches each hazard, shape (n,)."""
         if type(self)._sf is Thresholds._sf:
-            left, right = self._numerical.bracket(flat)
-        else:
-            left, right = (np.full(flat.shape, end) for end in self._bracket(float(flat.max())))
-        return invert_hazard(self, flat, left, right, 0.5 * left + 0.5 * right).reshape(
-            hazard.shape
-        )
+            return self._numerical.bracket(hazard)
+        lower, upper = self.support()
+        if np.isinf(upper):
+            upper, most = max(2.0 * lower, 1.0), float(hazard.max())
+            while -self._logsf(np.array([upper]))[0] < most and upper < 1e300:
+                upper *= 2.0
+        return np.full(hazard.shape, lower), np.full(hazard.shape, upper)
 
     def _moment(self, n: float) -> float:
         return self._numerical.moment(n)
@@ -261,13 +267,3 @@ class Thresholds:
         if within.any():
             out[within] = inner(q[within])
         return out[()]
-
-    def _bracket(self, hazard: float) -> tuple[float, float]:
-        """A finite interval that holds every threshold up to the one where -log sf(x) = hazard."""
-        lower, upper = self.support()
-        if np.isfinite(upper):
-            return lower, upper
-        upper = max(2.0 * lower, 1.0)
-        while -self._logsf(np.array([upper]))[0] < hazard and upper < 1e300:
-            upper *= 2.0
-        return lower, upper
