@@ -191,10 +191,6 @@ class Thresholds:
         """Threshold above which a fraction q lies, accurate for tiny q. InputError for q outside [0, 1]."""
         return self._quantile(self._isf, q, ends=self.support()[::-1])
 
-    def rough_quantiles(self, below: Array, above: Array) -> tuple[Array, Array]:
-        """ppf(below) and isf(above), where a few digits will do."""
-        return self.ppf(below), self.isf(above)
-
     def moment(self, n: int) -> float:
         """<x_s^n>, n = 0, 1, 2, ..., a length to the power n; inf where it does not exist."""
         if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 0:

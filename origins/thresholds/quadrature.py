@@ -38,7 +38,8 @@ def panel_edges(
     """
     lower, end = thresholds.support()
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
-    low, high = thresholds.rough_quantiles(_SEEDS, np.concatenate([_SEEDS, far, [tail]]))
+    low = thresholds.ppf(_SEEDS)
+    high = thresholds.isf(np.concatenate([_SEEDS, far, [tail]]))
     # a quantile that a law cannot give is no seed
     low, high = low[np.isfinite(low)], high[np.isfinite(high)]
     seeds = [low, high[:-1], thresholds.breakpoints]
