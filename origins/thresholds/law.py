@@ -153,19 +153,19 @@ class Thresholds:
     # -- what everyone calls --------------------------------------------------------------------------
     def pdf(self, x: npt.ArrayLike) -> Array:
         """Density P_c(x), per length; atoms left out, the limit from inside at the support's ends. Shape as x."""
-        return self._density(self._pdf, x, 0.0)
+        return self._inside(self._pdf, x, 0.0, 0.0)
 
     def logpdf(self, x: npt.ArrayLike) -> Array:
         """log P_c(x), finite where P_c underflows."""
-        return self._density(self._logpdf, x, -np.inf)
+        return self._inside(self._logpdf, x, -np.inf, -np.inf)
 
     def cdf(self, x: npt.ArrayLike) -> Array:
         """Probability that a threshold is at most x."""
-        return self._inside(self._cdf, x, 0.0, self._lowest_atom, 1.0)
+        return self._inside(self._cdf, x, 0.0, 1.0, self._lowest_atom)
 
     def sf(self, x: npt.ArrayLike) -> Array:
         """Survival: probability that a threshold exceeds x."""
-        survival = self._inside(self._sf, x, 1.0, 1.0 - self._lowest_atom, 0.0)
+        survival = self._inside(self._sf, x, 1.0, 0.0, 1.0 - self._lowest_atom)
         if not self._survival_checked:
             self.check_survival(x, survival)
             self._survival_checked = True
@@ -181,7 +181,7 @@ class Thresholds:
 
     def logsf(self, x: npt.ArrayLike) -> Array:
         """log of the survival, finite where it underflows."""
-        return self._inside(self._logsf, x, 0.0, np.log1p(-self._lowest_atom), -np.inf)
+        return self._inside(self._logsf, x, 0.0, -np.inf, np.log1p(-self._lowest_atom))
 
     def ppf(self, q: npt.ArrayLike) -> Array:
         """Threshold below which a fraction q lies. InputError for q outside [0, 1]."""
@@ -225,28 +225,22 @@ class Thresholds:
         inner: Callable[[Array], Array],
         x: npt.ArrayLike,
         below: float,
-        at_lower: float,
         above: float,
+        at_lower: float | None = None,
     ) -> Array:
+        """inner(x) inside the support, else its limits; a density, which has no `at_lower`, is asked at the ends, too."""
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
-        if x.ndim and x.size and x.min() > lower and x.max() < upper:
+        if at_lower is None:
+            within = (x >= lower) & (x <= upper) & np.isfinite(x)
+        else:
+            within = (x > lower) & (x < upper)
+        if x.ndim and x.size and within.all():
             return inner(x)
         # a NaN compares false everywhere and stays what it is
         out = np.where(x >= upper, above, np.where(x < lower, below, x))
-        out[x == lower] = at_lower if lower < upper else above
-        within = (x > lower) & (x < upper)
-        if within.any():
-            out[within] = inner(x[within])
-        return out[()]
-
-    def _density(self, inner: Callable[[Array], Array], x: npt.ArrayLike, outside: float) -> Array:
-        x = np.asarray(x, dtype=float)
-        lower, upper = self.support()
-        if x.ndim and x.size and x.min() >= lower and x.max() <= upper and x.max() < np.inf:
-            return inner(x)
-        out = np.where(np.isnan(x), x, outside)
-        within = (x >= lower) & (x <= upper) & np.isfinite(x)
+        if at_lower is not None:
+            out[x == lower] = at_lower if lower < upper else above
         if within.any():
             out[within] = inner(x[within])
         return out[()]

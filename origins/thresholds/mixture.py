@@ -87,7 +87,7 @@ class Mixture(Thresholds):
         return self._atoms
 
     def _sum(self, values: list[Array]) -> Array:
-        return np.tensordot(self.weights, np.stack(values), 1)
+        return np.asarray(sum(w * value for w, value in zip(self.weights, values, strict=True)))
 
     def _log_sum(self, values: list[Array]) -> Array:
         highest = np.maximum.reduce(values)
