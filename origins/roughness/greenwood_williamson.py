@@ -7,7 +7,7 @@ load nor threshold, but thresholds as a function of delta have a kink and P_c ha
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from scipy.special import log_ndtr
@@ -22,8 +22,11 @@ from origins.thresholds.law import Thresholds
 
 _DEEPEST = 1e8  # of sigma_h: summits cover the surface long before
 _FALL = 60.0  # integrals over heights end where the density has fallen by e^-60
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(200)
+_COUNT = 200  # nodes of such an integral
 REGIMES = ("elastic", "plastic", "mixed")
+
+
+_rule = cache(np.polynomial.legendre.leggauss)  # takes longer than an import may
 
 
 def critical_compression(radius: float, contact_modulus: float, hardness: float) -> float:
@@ -104,8 +107,9 @@ class Summits:
         # t = s^4 makes every quarter order smooth at 0, and other orders smooth enough
         s = np.unique(np.array([near, np.clip(bend, near, far), far]) ** 0.25)
         half = 0.5 * np.diff(s)[:, None]
-        nodes = s[:-1, None] + half * (_NODES + 1.0)
-        t, weights = nodes**4, 4.0 * half * _WEIGHTS * nodes**3
+        places, shares = _rule(_COUNT)
+        nodes = s[:-1, None] + half * (places + 1.0)
+        t, weights = nodes**4, 4.0 * half * shares * nodes**3
         weights = weights * np.exp(-(t - peak) * (tilt + 0.5 * curvature * (t - peak)))
         loads = weights * self.load(self.std * t)
         if self.heights == "gaussian":

@@ -228,7 +228,7 @@ class Thresholds:
         above: float,
         at_lower: float | None = None,
     ) -> Array:
-        """inner(x) inside the support, else its limits; a density, which has no `at_lower`, is asked at the ends, too."""
+        """inner(x) inside the support, else its limits; a density has no `at_lower`, and is asked at the ends, too."""
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
         if at_lower is None:
