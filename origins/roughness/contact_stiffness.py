@@ -28,9 +28,13 @@ def mindlin_stiffness(
     poisson_ratio : nu, above -1 and at most 1/2, one number or a pair.
     The law takes m² and gives N/m. Raises InputError otherwise.
     """
-    moduli = [positive(name, value) for name, value in _both("shear_modulus", shear_modulus)]
-    ratios = [poisson(name, value) for name, value in _both("poisson_ratio", poisson_ratio)]
-    compliance = sum((2.0 - ratio) / modulus for modulus, ratio in zip(moduli, ratios, strict=True))
+    compliance = 0.0
+    moduli, ratios = _both("shear_modulus", shear_modulus), _both("poisson_ratio", poisson_ratio)
+    for (of_modulus, modulus), (of_ratio, value) in zip(moduli, ratios, strict=True):
+        ratio = finite(of_ratio, value)
+        if not -1.0 < ratio <= 0.5:
+            refuse(of_ratio, value, "must be above -1 and at most 1/2, such as 0.3")
+        compliance += (2.0 - ratio) / positive(of_modulus, modulus)
     return PowerLaw(8.0 / compliance / float(np.sqrt(np.pi)), 0.5)
 
 
@@ -65,14 +69,6 @@ def column_stiffness(
             0.75 * float(np.sqrt(np.pi)) * modulus * positive("aspect", aspect) ** 3, 0.5
         )
     return PowerLaw(0.75 / np.pi * modulus / positive("height", height) ** 3, 2.0)
-
-
-def poisson(name: str, value: object) -> float:
-    """`value` as a Poisson ratio, above -1 and at most 1/2."""
-    ratio = finite(name, value)
-    if not -1.0 < ratio <= 0.5:
-        refuse(name, value, "must be above -1 and at most 1/2, such as 0.3")
-    return ratio
 
 
 def _both(name: str, value: object) -> list[tuple[str, object]]:
