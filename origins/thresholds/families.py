@@ -55,6 +55,8 @@ class Rectangular(Thresholds):
         return self.upper - self._width * q
 
     def _moment(self, n: float) -> float:
+        if n != round(n):
+            return super()._moment(n)
         # (u^(n+1) - l^(n+1)) / (n+1)(u - l) without the cancellation
         powers = self.upper ** np.arange(n + 1.0) * self.lower ** np.arange(n, -1.0, -1.0)
         return float(powers.sum()) / (n + 1)

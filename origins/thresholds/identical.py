@@ -30,3 +30,6 @@ class Identical(Rectangular):
 
     def _pdf(self, x: Array) -> Array:
         return np.zeros(x.shape)
+
+    def _moment(self, n: float) -> float:
+        return self.lower**n
