@@ -206,9 +206,3 @@ class Sampled(Mixture):
         below[atom] -= self.atoms[1]
         self.cdf_misfit = float(max((steps - up_to).max(), (below - steps + shares).max()))
         self.beyond = float(below[0]), float(self.sf(values[-1]))
-
-    def _ppf(self, q: Array) -> Array:
-        return self.components[0].ppf(q) if len(self.components) == 1 else super()._ppf(q)
-
-    def _isf(self, q: Array) -> Array:
-        return self.components[0].isf(q) if len(self.components) == 1 else super()._isf(q)

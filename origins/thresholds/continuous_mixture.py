@@ -1,7 +1,6 @@
 """Laws averaged over a continuous parameter, such as the orientation of grains: a mixture at a quadrature's nodes."""
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -65,9 +64,8 @@ def continuous_mixture(
     seen = [as_thresholds(law(float(phi))) for phi in pilots]
     _check_moving(seen)
     x = np.unique([x for one in seen for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
-    scale = max(one.mean() for one in seen)
 
-    def averaged(count: int) -> _Average:
+    def averaged(count: int) -> ContinuousMixture:
         places, weights = np.polynomial.legendre.leggauss(count)
         phis = 0.5 * (lower + upper) + 0.5 * (upper - lower) * places
         laws = [as_thresholds(law(float(phi))) for phi in phis]
@@ -75,30 +73,20 @@ def continuous_mixture(
             weights = weights * [_height(density, float(phi)) for phi in phis]
         if not weights.sum() > 0.0:
             refuse("density", density, "is zero at all phi asked")
-        shares = weights / weights.sum()
-        return _Average(laws, shares, shares @ [[one.mean() / scale, *one.sf(x)] for one in laws])
+        used = np.flatnonzero(weights)
+        return ContinuousMixture([laws[int(i)] for i in used], weights[used] / weights.sum())
 
     count, coarse = 8, averaged(8)
     while True:
         fine = averaged(2 * count)
-        error = float(np.abs(fine.sums - coarse.sums).max())
-        if error <= accuracy:
-            used = np.flatnonzero(coarse.shares)
-            return ContinuousMixture(
-                [coarse.laws[int(i)] for i in used], coarse.shares[used], error
-            )
+        missed = np.append(fine.sf(x) - coarse.sf(x), fine.mean() / coarse.mean() - 1.0)
+        coarse.quadrature_error = float(np.abs(missed).max())
+        if coarse.quadrature_error <= accuracy:
+            return coarse
         if 2 * count > _MOST:
-            rule = f"{_MOST} laws reach {error:.2g} only; ask for less, or smooth the law"
-            refuse("accuracy", accuracy, rule)
+            rule = f"{_MOST} laws reach {coarse.quadrature_error:.2g} only"
+            refuse("accuracy", accuracy, f"{rule}; ask for less, or smooth the law")
         count, coarse = 2 * count, fine
-
-
-class _Average(NamedTuple):
-    """Laws at the nodes of phi, their shares, and their sums: <x_s>, survivals."""
-
-    laws: list[Thresholds]
-    shares: Array
-    sums: Array
 
 
 def _height(density: Callable[[float], float], phi: float) -> float:
@@ -135,6 +123,4 @@ def _hard_points(law: Thresholds) -> Array:
 class ContinuousMixture(Mixture):
     """The mixture at the nodes; quadrature_error as in continuous_mixture."""
 
-    def __init__(self, laws: Sequence[Thresholds], weights: Array, error: float) -> None:
-        super().__init__(laws, weights)
-        self.quadrature_error = error
+    quadrature_error: float
