@@ -1,15 +1,19 @@
 """Laws averaged over a continuous parameter, such as the orientation of grains: a mixture at a quadrature's nodes."""
 
 from collections.abc import Callable, Sequence
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
 from origins.errors import InputError, finite, positive, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import Mixture
+from origins.thresholds.quadrature import NODES, gauss
 from origins.thresholds.scipy_laws import as_thresholds
 
 _MOST = 512  # laws in the mixture
+_PILOTS = 16
 _SAME = 1e-9  # of a place: as near, it is one
 _JUMP = 1e-4  # in units of 1/<x_s>
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
@@ -37,8 +41,8 @@ def continuous_mixture(
     density : function of phi
         R(phi) >= 0, normalised here; left out: all phi equal.
     accuracy : float
-        Of the survival, absolute, and of <x_s>, relative. Gauss's nodes in phi are doubled until their sums differ
-        from those over twice as many by less.
+        Of the survival, absolute, and of <x_s>, relative. Intervals of phi are halved until the sum over all differs
+        from that over their halves by less.
 
     Returns
     -------
@@ -59,34 +63,58 @@ def continuous_mixture(
         refuse("law", law, f"must be a function of phi, {such}")
     if density is not None and not callable(density):
         refuse("density", density, "must be a function of phi")
-    # places in no order, at which nothing is the same by symmetry
-    pilots = lower + (upper - lower) * (_GOLDEN * np.arange(1, 9) % 1.0)
-    seen = [as_thresholds(law(float(phi))) for phi in pilots]
-    _check_moving(seen)
-    x = np.unique([x for one in seen for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
+    # never at an end of an interval, where sums would agree however rough the law is in between
+    places = lower + (upper - lower) * ((np.arange(_PILOTS) + 0.5) * _GOLDEN % 1.0)
+    pilots = [as_thresholds(law(float(phi))) for phi in places]
+    _check_moving(pilots)
+    x = np.unique([x for one in pilots for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
+    scale = max(one.mean() for one in pilots)
 
-    def averaged(count: int) -> ContinuousMixture:
-        places, weights = np.polynomial.legendre.leggauss(count)
-        phis = 0.5 * (lower + upper) + 0.5 * (upper - lower) * places
+    @cache
+    def part(low: float, high: float) -> _Part:
+        phis, weights = gauss(np.array(low), np.array(high))
         laws = [as_thresholds(law(float(phi))) for phi in phis]
         if density is not None:
             weights = weights * [_height(density, float(phi)) for phi in phis]
-        if not weights.sum() > 0.0:
-            refuse("density", density, "is zero at all phi asked")
-        used = np.flatnonzero(weights)
-        return ContinuousMixture([laws[int(i)] for i in used], weights[used] / weights.sum())
+        rows = np.array([[1.0, one.mean() / scale, *one.sf(x)] for one in laws])
+        return _Part(laws, weights, weights @ rows)
 
-    count, coarse = 8, averaged(8)
+    @cache
+    def missed(low: float, high: float) -> float:
+        """By how much the sums of an interval differ from those of its halves, at most."""
+        middle = 0.5 * (low + high)
+        halves = part(low, middle).sums + part(middle, high).sums
+        return float(np.abs(part(low, high).sums - halves).max())
+
+    intervals = [(lower, upper)]
     while True:
-        fine = averaged(2 * count)
-        missed = np.append(fine.sf(x) - coarse.sf(x), fine.mean() / coarse.mean() - 1.0)
-        coarse.quadrature_error = float(np.abs(missed).max())
-        if coarse.quadrature_error <= accuracy:
-            return coarse
-        if 2 * count > _MOST:
-            rule = f"{_MOST} laws reach {coarse.quadrature_error:.2g} only"
-            refuse("accuracy", accuracy, f"{rule}; ask for less, or smooth the law")
-        count, coarse = 2 * count, fine
+        whole = float(sum(part(*one).sums[0] for one in intervals))
+        if not whole > 0.0:
+            refuse("density", density, "is zero at all phi asked")
+        error = sum(missed(*one) for one in intervals) / whole
+        if error <= accuracy:
+            break
+        if NODES * (len(intervals) + 1) > _MOST:
+            rule = f"{_MOST} laws reach {error:.2g} only; ask for less, or smooth the law"
+            refuse("accuracy", accuracy, rule)
+        low, high = max(intervals, key=lambda one: missed(*one))
+        intervals.remove((low, high))
+        intervals += [(low, 0.5 * (low + high)), (0.5 * (low + high), high)]
+    parts = [part(*one) for one in sorted(intervals)]
+    shares = np.concatenate([one.weights for one in parts])
+    laws = [law for one in parts for law in one.laws]
+    used = np.flatnonzero(shares)
+    found = ContinuousMixture([laws[i] for i in used], shares[used] / shares.sum())
+    found.quadrature_error = error
+    return found
+
+
+class _Part(NamedTuple):
+    """Laws at the nodes of an interval of phi, their weights, and their sums: weight, <x_s>, survivals."""
+
+    laws: list[Thresholds]
+    weights: Array
+    sums: Array
 
 
 def _height(density: Callable[[float], float], phi: float) -> float:
@@ -102,7 +130,7 @@ def _check_moving(laws: Sequence[Thresholds]) -> None:
     for i, points in enumerate(found):
         others = np.concatenate(found[:i] + found[i + 1 :])
         for point in points:
-            if not (np.abs(others - point) <= _SAME * point).any():
+            if not (np.abs(others - point) <= _SAME * abs(point)).any():
                 raise InputError(
                     f"law: an exact value or a jump of the density moves with phi, one stands at {point:.6g}: the "
                     "average has none, a mixture of finitely many laws has them all and a K* of its own; write the "
