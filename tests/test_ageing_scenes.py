@@ -9,7 +9,7 @@ import pytest
 
 import toolkit
 from toolkit.command import main
-from toolkit.commands.run import report
+from toolkit.commands import report
 from toolkit.pictures.run import plot_defects
 from toolkit.results.records import AgeingRecord
 from toolkit.scene.scene import SHIPPED

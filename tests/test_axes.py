@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 import origins
 from toolkit.judge.compare import compare
 from toolkit.pictures.axes import heights, spans_decades
-from toolkit.pictures.compare import draw_comparison, plot_surface
+from toolkit.pictures.compare import draw_comparison
 from toolkit.pictures.run import (
     plot_deviation,
     plot_force,
@@ -51,14 +51,6 @@ def test_lengths_of_a_surface_have_a_prefix_and_data_stay_in_metres() -> None:
     assert axes.get_lines()[0].get_xdata().max() == 5e-8
     plot_deviation(axes := Figure().subplots(), result)
     assert axes.texts[0].get_text().startswith("not compared: too few contacts")
-    plot_surface(
-        axes := Figure().subplots(),
-        1e-6 * np.random.default_rng(1).standard_normal((8, 8)),
-        (2e-3, 1e-3),
-    )
-    assert "2 mm" in labels(axes.xaxis) and any(
-        one.endswith("m") for one in labels(axes.figure.axes[1].yaxis)
-    )
 
 
 def test_a_density_that_diverges_is_cut_and_a_narrow_peak_is_not() -> None:

@@ -95,7 +95,7 @@ def test_run_of_a_surface_says_and_keeps_what_to_mind(write_scene, capsys) -> No
     told = [note.removeprefix("note    ") for note in notes]
     assert any("the scan does not resolve it" in note for note in interface.cautions)
     assert told[:-1] == list(interface.cautions)
-    assert told[-1].startswith("errors are numerical only, not those of the scan")
+    assert told[-1].startswith("errors are numerical only, not those of the surface")
     written = json.loads(Path("mine-output/summary.json").read_text())
     assert written["notes"] == told
     numbers = written["interface"]

@@ -12,8 +12,8 @@ from conftest import HANGS, clean_environment
 
 import toolkit
 from origins.errors import InputError
-from toolkit.commands.run import report
-from toolkit.results.slips import slips_beside
+from toolkit.commands import report
+from toolkit.results.beside import slips_beside
 from toolkit.scene.toml import to_toml
 
 SCENE = {

@@ -196,7 +196,6 @@ def test_a_disk_that_refuses_is_found_out_before_the_work(monkeypatch: pytest.Mo
 def test_a_finished_ensemble_stays_where_its_result_is_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("toolkit.running.blocks._WORTH_KEEPING", 0.0)
 
     def refused(*arguments: Any) -> None:
         raise OSError(28, "No space left on device")

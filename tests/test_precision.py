@@ -14,7 +14,7 @@ import pytest
 import origins
 from toolkit.command import main
 from toolkit.judge.precision import Ladders, Point, Precision, precision
-from toolkit.judge.references import closed_form
+from toolkit.judge.precision import closed_form
 from toolkit.scene.scene import load_scene
 from toolkit.scene.toml import to_toml
 

@@ -18,7 +18,7 @@ from toolkit.command import main
 from toolkit.results.files import summary
 from toolkit.results.folders import write_folder
 from toolkit.results.records import OWN_UNIT
-from toolkit.results.slips import slips_beside
+from toolkit.results.beside import slips_beside
 from toolkit.running.runner import solve_master
 from toolkit.scene.scene import SHIPPED, shipped_scenes
 from toolkit.scene.toml import to_toml

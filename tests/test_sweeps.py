@@ -61,11 +61,11 @@ def test_a_picture_has_a_line_for_each_value_of_the_second_quantity() -> None:
     assert axes[0].get_title() == "scene\nthermal: law soft"
     ageing = {"rate": 0.2, "final": {"kind": "gaussian", "mean": 1.5, "std": 0.1}}
     for sweep, laws, title in (
-        ({"temperature": [0.1, 0.3], "delay": 0.05}, WARM, "thermal: law soft; delay = 0.05; velocity = 1"),
-        ({"velocity": [1.0, 2.0], "temperature": 0.7}, WARM, "thermal: law soft; temperature = 0.7"),
-        ({"velocity": [1.0, 2.0], "rate": 0.7}, {"thresholds": THRESHOLDS, "ageing": ageing}, "rate = 0.7"),
+        ({"temperature": [0.1, 0.3], "delay": 0.05}, WARM, "thermal: law soft"),
+        ({"velocity": [1.0, 2.0], "temperature": 0.7}, WARM, "thermal: law soft"),
+        ({"velocity": [1.0, 2.0], "rate": 0.7}, {"thresholds": THRESHOLDS, "ageing": ageing}, ""),
     ):
-        assert plot_sweep(Figure().subplots(), toolkit.run(scene(sweep, laws))).get_title().split("\n")[1] == title
+        assert plot_sweep(Figure().subplots(), toolkit.run(scene(sweep, laws))).get_title() == f"scene\n{title}".strip()
 
 
 def test_sweeps_go_beside_a_run_and_along_kelvins(tmp_path: Path, capsys, monkeypatch) -> None:

@@ -1,4 +1,4 @@
-"""The command `mesofriction`: each subcommand is a module of toolkit.commands, imported when it is called."""
+"""The command `mesofriction`: subcommands are functions of toolkit.commands."""
 
 import sys
 from typing import TYPE_CHECKING, Any
@@ -82,12 +82,15 @@ def _parse(words: list[str]) -> "argparse.Namespace":
 def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
     from importlib import import_module
 
-    module = import_module(f"toolkit.commands.{parsed.command}")
+    commands = import_module("toolkit.commands")
     from toolkit.running.ranks import end_together, on_root
 
-    if module.ALL_RANKS:
-        return end_together(lambda comm: int(module.execute(parsed, comm)), launched)
+    command = getattr(commands, parsed.command)
+    if parsed.command not in commands.ON_ONE_RANK:
+        return end_together(lambda comm: int(command(parsed, comm)), launched)
     # the other ranks wait: what rank 0 imports may start MPI, which starts on all or on none
-    return end_together(
-        lambda comm: on_root(comm, lambda: int(module.execute(parsed, None))), launched
-    )
+    return end_together(lambda comm: on_root(comm, lambda: int(command(parsed, None))), launched)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

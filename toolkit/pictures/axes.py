@@ -1,16 +1,24 @@
-"""Axes that can be read: lengths in metres with a prefix, densities that peak or span decades."""
+"""Axes that can be read: what the curves of a run are drawn against, lengths in metres with a prefix, densities that
+peak or span decades; and the title above them."""
 
+import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import msgspec
 import numpy as np
+import numpy.typing as npt
 
-from toolkit.results.records import ThresholdCurve
+from toolkit.results.records import Curve, Result, SoftRecord, ThresholdCurve
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.axis import Axis
 
+Array = npt.NDArray[np.float64]
+
 INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
+_WIDE = 90  # letters of a title's line
 _DECADES = 1e3  # a quantity that spans more is drawn on a logarithmic axis
 _SPIKE = 10.0  # times what 95 % of the contacts see: a higher end of a density is cut off
 _SHARE = 0.05  # of the contacts, above and below what the limits are made for
@@ -69,3 +77,70 @@ def spans_decades(curve: ThresholdCurve) -> bool:
     """Whether half of the thresholds lie in the first thousandth of what is shown."""
     median, last = (float(curve.x[curve.survival > part].max(initial=0.0)) for part in (0.5, 1e-3))
     return 0.0 < median * _DECADES < last
+
+
+def some_of(size: int, most: int) -> npt.NDArray[np.intp]:
+    """Indices of at most so many of `size` points, evenly."""
+    return np.unique(np.linspace(0, size - 1, most).round().astype(np.intp))
+
+
+def curves(result: Result) -> list[Curve]:
+    """What the solvers found, the master equation's first."""
+    return [curve for curve in (result.master, result.eq) if curve is not None]
+
+
+def along(result: Result, curve: Curve) -> Array:
+    """What a curve is drawn against: times where the scene gives them, else its path."""
+    return result.time[: curve.path.size] if result.timed else curve.path
+
+
+def with_slips(places: Array, force: Array, solved: SoftRecord) -> tuple[Array, Array]:
+    """The curve with the ends of each slip put in where it happens, between points of the path.
+
+    `places` are what the curve is drawn against. A drive that turns or rests is left as it is.
+    """
+    if not (np.diff(solved.path) > 0.0).all():
+        return places, force
+    slips = solved.slips
+    at = np.searchsorted(solved.path, slips.drive)
+    there = np.interp(slips.drive, solved.path, places)
+    ends = np.column_stack([slips.force_before, slips.force_after]).ravel()
+    return np.insert(places, at.repeat(2), there.repeat(2)), np.insert(force, at.repeat(2), ends)
+
+
+def write_along(axes: "Axes", result: Result) -> None:
+    """The axis of that. Where holds have a scale, points are even on it, so that each decade of a hold can be told."""
+    drive = result.asked.drive
+    if not result.timed or drive is None:
+        pulled = drive is not None and drive.spring is not None
+        place = "drive position $X_T$" if pulled else "slider position $X$"
+        name_lengths(axes.xaxis, place, result.in_metres)
+        return
+    axes.set_xlabel(f"time $t${' (s)' if result.in_metres else ''}")
+    if drive.hold_scale is not None:
+        times, number = result.time, np.arange(result.time.size, dtype=float)
+        both = (lambda t: np.interp(t, times, number), lambda n: np.interp(n, number, times))
+        axes.set_xscale("function", functions=both)
+        turns = np.unique([times[0], *(drive.times or ())])
+        axes.set(xlim=(times[0], times[-1]), xticks=turns[some_of(turns.size, 8)])
+        how = f"logarithmic in holds, even in ln(1 + t/{drive.hold_scale:.3g}) since each began"
+        axes.set_xlabel(f"{axes.get_xlabel()}, {how}")
+
+
+def grows(result: Result) -> bool:
+    """Whether thresholds grow with the age of each contact."""
+    return result.asked.contacts.thresholds.get("kind") == "growing-grains"
+
+
+def headline(result: Result) -> str:
+    """A picture's title: that of the scene, and below it the laws of the contacts as the scene has them, but for keys
+    that a sweep varies."""
+    contacts, sweep, said = result.asked.contacts, result.asked.sweep, list[str]()
+    swept = {} if sweep is None or result.asked.drive is not None else msgspec.structs.asdict(sweep)
+    varied = {{"delay": "time"}.get(key, key) for key, value in swept.items() if value is not None}
+    for law in ("thermal", "ageing", "delay", "reforming"):
+        table = (getattr(contacts, law) or {}).items()
+        told = [f"{key} {value}" for key, value in table if key not in varied | {"final"}]
+        said += [f"{law}: {', '.join(told)}"] if told else []
+    title = plain(result.title or result.name)
+    return "\n".join([title, *textwrap.wrap("; ".join(said), _WIDE)])

@@ -6,15 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from toolkit.pictures.abscissa import conditions
-from toolkit.pictures.axes import name_lengths, plain
+from toolkit.pictures.axes import headline, name_lengths, some_of
 from toolkit.results.records import Result
-from toolkit.scene.sweep import SweepRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Array = npt.NDArray[np.float64]
 
 _NAMES = {
     "velocity": ("speed", "v", "m/s"),
@@ -25,17 +21,16 @@ _NAMES = {
 }
 _DECADES = 30.0  # a quantity that spans more is drawn on a logarithmic axis
 _LINES = 8  # as many as are told apart; of more some are drawn
-_ALL = 1e-9  # of the contacts
+HELD = 1.0 - 1e-9  # of the contacts: fewer that hold are worth a picture
 
 
 def plot_sweep(axes: "Axes", result: Result) -> "Axes":
     """F_k/(N_c<k>) along the sweep, a line for each value of its second quantity."""
     if (sweep := result.sweep) is not None:
-        _draw(axes, result, sweep, sweep.force)
+        _draw(axes, result, sweep.force)
         name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.in_metres)
         if result.master is None and result.eq is None:
-            head = [plain(result.title or result.name), conditions(result, sweep)]
-            axes.set_title("\n".join(filter(None, head)))
+            axes.set_title(headline(result))
         if len(sweep.along) > 1:
             axes.legend(fontsize="small")
     return axes
@@ -44,7 +39,7 @@ def plot_sweep(axes: "Axes", result: Result) -> "Axes":
 def plot_swept_holding(axes: "Axes", result: Result) -> "Axes":
     """The fraction of the contacts that hold along the sweep."""
     if result.sweep is not None:
-        _draw(axes, result, result.sweep, result.sweep.holding)
+        _draw(axes, result, result.sweep.holding)
         axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
     return axes
 
@@ -53,7 +48,7 @@ def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
     """K*/(N_c<k>) along the sweep, from 0: below it stick-slip. What is infinite is not drawn."""
     if result.sweep is not None and result.sweep.critical_spring is not None:
         spring = result.sweep.critical_spring
-        _draw(axes, result, result.sweep, np.where(np.isfinite(spring), spring, np.nan))
+        _draw(axes, result, np.where(np.isfinite(spring), spring, np.nan))
         axes.set_ylabel(r"$K^*/(N_c\langle k\rangle)$")
         axes.set_ylim(bottom=0.0)
     return axes
@@ -64,36 +59,30 @@ def sweep_panels(result: Result) -> list[tuple[Callable[["Axes", Result], "Axes"
     sweep = result.sweep
     return [
         (plot_sweep, sweep is not None),
-        (plot_swept_holding, sweep is not None and bool((sweep.holding < 1.0 - _ALL).any())),
+        (plot_swept_holding, sweep is not None and bool((sweep.holding < HELD).any())),
         (plot_critical_spring, sweep is not None and sweep.critical_spring is not None),
     ]
 
 
-def _draw(axes: "Axes", result: Result, sweep: SweepRecord, values: Array) -> None:
-    """Lines against the sweep's first quantity, named by its second."""
+def _draw(axes: "Axes", result: Result, values: npt.NDArray[np.float64]) -> None:
+    """Lines against the sweep's first quantity, named by its second; with SI units where lengths are metres."""
     from matplotlib import colormaps
 
-    first, *second = sweep.along
-    x: Any = getattr(sweep, first)
+    first, *second = result.sweep.along  # type: ignore[union-attr]
+    x: Any = getattr(result.sweep, first)
     rows = x.reshape(x.shape[0], -1)[:, 0]
     table = values.reshape(rows.size, -1)
-    some = np.unique(np.linspace(0, table.shape[1] - 1, _LINES).round().astype(int))
+    some = some_of(table.shape[1], _LINES)
+    units = {name: unit for name, (*_, unit) in _NAMES.items() if result.in_metres or unit == "K"}
+    style: dict[str, Any] = {"lw": 1.4, "marker": "." if rows.size < 2 * _LINES else ""}
     for k, column in enumerate(some):
-        label: str | None = None
-        ink: Any = "#1f4e79"
-        if second:
-            _, symbol, unit = _NAMES[second[0]]
-            here = float(getattr(sweep, second[0])[0, column])
-            label = f"${symbol}$ = {here:.3g} {_unit(result, unit)}".rstrip()
-            ink = colormaps["viridis"](0.85 * k / max(some.size - 1, 1))
-        marks = "." if rows.size < 2 * _LINES else ""
-        axes.plot(rows, table[:, column], color=ink, lw=1.4, marker=marks, label=label)
-    name, symbol, unit = _NAMES[first]
-    axes.set_xlabel(f"{name} ${symbol}$ ({_unit(result, unit)})".removesuffix(" ()"))
+        style["color"] = "#1f4e79"
+        for name in second:
+            here = float(getattr(result.sweep, name)[0, column])
+            style["label"] = f"${_NAMES[name][1]}$ = {here:.3g} {units.get(name, '')}".rstrip()
+            style["color"] = colormaps["viridis"](0.85 * k / max(some.size - 1, 1))
+        axes.plot(rows, table[:, column], **style)
+    name, symbol, _ = _NAMES[first]
+    axes.set_xlabel(f"{name} ${symbol}$ ({units.get(first, '')})".removesuffix(" ()"))
     if rows.min() > 0.0 and rows.max() > _DECADES * rows.min():
         axes.set_xscale("log")
-
-
-def _unit(result: Result, unit: str) -> str:
-    """An SI unit, where lengths are in metres or it is that of a temperature; else nothing."""
-    return unit if result.in_metres or unit == "K" else ""

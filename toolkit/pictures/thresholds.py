@@ -1,26 +1,28 @@
-"""Pictures of a law of thresholds: P_c, its survival and its hazard."""
+"""Pictures of a law of thresholds: P_c, its survival and its hazard; and of islands, whose barriers they come from."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origins.domains.domain_samples import DomainSamples
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
-from toolkit.pictures.axes import INK, heights, name_lengths, plain, spans_decades
+from toolkit.pictures.axes import INK, heights, name_lengths, plain, some_of, spans_decades
 from toolkit.results.records import ThresholdCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_STEPS = 2000  # as many as a picture can show
+_STEPS, _ISLANDS = 2000, 20_000  # as many as a picture can show
 _STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
 
 
 def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     """P_c(x), with exact single values as lines as high as their weight."""
     finite = np.isfinite(curve.density)
-    if curve.density[finite].any():
+    smooth = curve.density[finite].any()
+    if smooth:
         _upright(axes, curve, curve.density)
         x, density = curve.x[finite], curve.density[finite]
         axes.fill_between(x, density, color=INK["thresholds"], alpha=0.25, lw=0)
@@ -28,10 +30,9 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
     if curve.atoms.size:
         # a weight is no density: beside one it has an axis of its own
-        own = axes.twinx() if curve.density[finite].any() else axes
+        own = axes.twinx() if smooth else axes
         own.vlines(curve.atoms, 0.0, curve.atom_weights, color=INK["thresholds"], lw=2)
-        top = 1.05 * float(curve.atom_weights.max())
-        own.set(ylabel="weight at one value", ylim=(0.0, top))
+        own.set(ylabel="weight at one value", ylim=(0.0, 1.05 * float(curve.atom_weights.max())))
     return axes
 
 
@@ -47,7 +48,7 @@ def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
     """Over S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
     if isinstance(thresholds, Sampled):
         x, above = thresholds.samples, 1.0 - np.cumsum(thresholds.shares)
-        some = np.unique(np.linspace(0, x.size - 1, _STEPS).round().astype(int))
+        some = some_of(x.size, _STEPS)
         label = f"{thresholds.n_samples} samples"
         axes.step(x[some], above[some], where="post", color="0.25", lw=0.6, label=label)
         axes.legend()
@@ -74,25 +75,21 @@ def _upright(axes: "Axes", curve: ThresholdCurve, values: Any) -> None:
 def _label(
     axes: "Axes", curve: ThresholdCurve, title: str, name: str, inverse: str | None = None
 ) -> None:
-    """Title, the axis of x and, where it is one of inverse lengths, that of y."""
-    first, last = reach_of(curve)
-    axes.set_title(title)
-    if spans_decades(curve):
-        first = float(curve.x[curve.x > 0.0].min())
-        axes.set_xscale("log")
-    axes.set_xlim(first, last)
-    name_lengths(axes.xaxis, name, curve.in_metres)
-    if inverse is not None:
-        axes.set_ylabel(f"{inverse} (1/m)" if curve.in_metres else inverse)
-
-
-def reach_of(curve: ThresholdCurve) -> tuple[float, float]:
-    """A little beyond all but a thousandth of the thresholds, from 0 unless they all lie far from it."""
+    """Title, the axis of x, a little beyond all but a thousandth of the thresholds, from 0 unless they all lie far from
+    it; and, where it is one of inverse lengths, that of y."""
     first = float(curve.x[curve.survival < 1.0 - 1e-3].min())
     last = float(curve.x[curve.survival > 1e-3].max(initial=first))
     # one exact value has no width of its own
     margin = 0.15 * (last - first) if last - first > 1e-9 * last else 0.5 * last
-    return (first - margin if first > 0.5 * last else 0.0), last + margin
+    first = first - margin if first > 0.5 * last else 0.0
+    axes.set_title(title)
+    if spans_decades(curve):
+        first = float(curve.x[curve.x > 0.0].min())
+        axes.set_xscale("log")
+    axes.set_xlim(first, last + margin)
+    name_lengths(axes.xaxis, name, curve.in_metres)
+    if inverse is not None:
+        axes.set_ylabel(f"{inverse} (1/m)" if curve.in_metres else inverse)
 
 
 def save_thresholds_picture(
@@ -100,13 +97,24 @@ def save_thresholds_picture(
 ) -> None:
     """P_c, survival, that of the samples if there are any over it, and hazard side by side as a PNG."""
     from matplotlib.figure import Figure
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    # room between the panels: the first has a second axis where there are exact values
-    figure = Figure(figsize=(11.5, 3.6), layout=ConstrainedLayoutEngine(wspace=0.1))
+    figure = Figure(figsize=(11.5, 3.6), layout="constrained")
     axes = figure.subplots(1, 3)
     plot_density(axes[0], curve)
     plot_samples(plot_survival(axes[1], curve), thresholds)
     plot_hazard(axes[2], curve)
     figure.suptitle(plain(title))
+    figure.savefig(path, dpi=150, format="png")
+
+
+def save_barriers(domains: DomainSamples, path: Path) -> None:
+    """Barrier of each island that was drawn, against its angle in degrees, as a PNG; larger islands darker."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    axes, some = figure.subplots(), slice(_ISLANDS)
+    place = np.degrees(domains.angles[some]), domains.barriers[some]
+    shown = axes.scatter(*place, c=domains.n_atoms[some], cmap="viridis_r", s=3.0, lw=0.0)
+    figure.colorbar(shown, label="atoms")
+    axes.set(xlabel="angle (degrees)", ylabel=r"barrier $\epsilon_a$ (energy)", ylim=(0.0, None))
     figure.savefig(path, dpi=150, format="png")

@@ -7,14 +7,15 @@ import os
 import tomllib
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import MISSING, fields, is_dataclass, replace
+from dataclasses import MISSING, asdict, fields, is_dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from origins.errors import InputError, refuse
-from toolkit.results.folders import write_folder
+from toolkit.results.beside import slips_beside
+from toolkit.results.folders import opened, write_folder, write_sealed
 from toolkit.results.records import (
     AgeingRecord,
     Result,
@@ -22,9 +23,8 @@ from toolkit.results.records import (
     SoftRecord,
     SolvedRecord,
     ThresholdCurve,
+    is_coupled,
 )
-from toolkit.results.sealed import opened, write_sealed
-from toolkit.results.summary import summary
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import read_table
@@ -32,16 +32,11 @@ from toolkit.scene.tables import read_table
 if TYPE_CHECKING:
     import h5py
 
-RESULT, SUMMARY, PICTURE, TABLE = "result.h5", "summary.json", "picture.png", "sweep.csv"
-_THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
-BARRIERS = "barriers.png"  # of islands
+RESULT = "result.h5"
+_OF_THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
-_LENGTHS = (
-    *("path", "position", "force", "force_standard_error", "step_error"),
-    *("position_standard_error", "positions", "forces", "x", "atoms"),
-    *("stretch_edges", "threshold_edges", "slip_drive", "slip_before", "slip_after"),
-    *("slip_force_before", "slip_force_after"),
-)
+_LENGTHS = """path position force force_standard_error step_error position_standard_error positions forces x atoms
+stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_before slip_force_after"""
 
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
@@ -59,21 +54,20 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
 
     writers: dict[str, Callable[[Path], None]] = {
         RESULT: lambda path: _write_result(result, path),
-        SUMMARY: lambda path: write_json(summary(result), path),
-        PICTURE: lambda path: save_picture(result, path),
+        "summary.json": lambda path: write_json(summary(result), path),
+        "picture.png": lambda path: save_picture(result, path),
     }
     if (islands := result.domains) is not None:
-        from toolkit.pictures.islands import save_barriers
+        from toolkit.pictures.thresholds import save_barriers
 
-        writers[BARRIERS] = lambda path: save_barriers(islands, path)
+        writers["barriers.png"] = lambda path: save_barriers(islands, path)
     if (sweep := result.sweep) is not None:
         units = _units(result, short=True) | {"force_error": "<x_s>"}
-        writers[TABLE] = lambda path: _write_csv(sweep, units, path)
-    before = _earlier(folder)
-    gone = [TABLE] if before is not None and before.swept and result.sweep is None else []
+        writers["sweep.csv"] = lambda path: _write_csv(sweep, units, path)
+    gone = ["sweep.csv"] if _earlier(folder).get("swept") else []
     if another(folder, result.name, result.text) is not None:
-        gone += [name for name in (*_THRESHOLDS, BARRIERS) if name not in writers]
-    write_folder(folder, writers, gone)
+        gone += [*_OF_THRESHOLDS, "barriers.png"]
+    write_folder(folder, writers, [name for name in gone if name not in writers])
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -91,9 +85,10 @@ def load(folder: str | os.PathLike[str]) -> Result:
         rule = f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one"
         refuse("folder", str(folder), rule)
     with opened(file) as store:
-        told: dict[str, Any] = {name: str(store.attrs[name]) for name in ("name", "title", "version")}
         return Result(
-            **told,
+            name=str(store.attrs["name"]),
+            title=str(store.attrs["title"]),
+            version=str(store.attrs["version"]),
             text=str(store.attrs["scene"]),
             mean_threshold=float(store.attrs["mean_threshold"]),
             thresholds=_read(store["thresholds"], ThresholdCurve),
@@ -105,38 +100,72 @@ def load(folder: str | os.PathLike[str]) -> Result:
         )
 
 
-class Earlier(NamedTuple):
-    """Of which scene a result is, by its name and TOML text, and whether it has a sweep."""
-
-    name: str
-    text: str
-    swept: bool
-
-
-def _earlier(folder: str | os.PathLike[str]) -> Earlier | None:
-    """What a folder holds; None where that is no result, or none that can be read."""
-    file = Path(folder) / RESULT
-    with suppress(InputError):
-        if file.is_file():
-            with opened(file) as store:
-                return Earlier(
-                    str(store.attrs["name"]), str(store.attrs["scene"]), "sweep" in store
-                )
-    return None
+def _earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """Name and text of the scene whose result `folder` holds, and whether it is `swept`; {} where none can be read."""
+    with suppress(InputError, OSError), opened(Path(folder) / RESULT) as store:
+        told = {name: str(store.attrs[name]) for name in ("name", "scene")}
+        return told | {"swept": "sweep" in store}
+    return {}
 
 
 def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
     """In words, whose result `folder` holds; None where that is of this scene, by name and contacts, or none is."""
     before = _earlier(folder)
-    if before is None:
-        return None
-    if before.name != name:
-        return f"another scene, {before.name}"
+    if before.get("name", name) != name:
+        return f"another scene, {before['name']}"
     with suppress(ValueError):  # the scene of an older package
-        one, other = (read_table(tomllib.loads(own)).contacts for own in (before.text, text))
+        texts = (before.get("scene", text), text)
+        one, other = (read_table(tomllib.loads(own)).contacts for own in texts)
         if one == other:
             return None
     return "this scene with other contacts"
+
+
+def summary(result: Result) -> dict[str, Any]:
+    """The numbers of a run that one looks at first; lengths in the unit of the thresholds, times in seconds."""
+    asked, solved, eq, sweep = result.asked, result.master, result.eq, result.sweep
+    content = _of(result, "name title version mean_threshold success")
+    content["unit"] = result.thresholds.unit
+    if solved is not None and asked.master is not None:
+        own = _of(solved, "force_error run_time success message")
+        own |= {"tolerance": asked.master.tolerance, "last_force": float(solved.force[-1])}
+        if isinstance(solved, SoftRecord):
+            own |= _of(solved.regime, "verdict reason critical_spring critical_spring_error slips")
+            error = float(solved.slips.drive_error)
+            own |= {"slip_drive_error": error, "period": float(solved.period)}
+            own["period_error"] = 2.0 * error
+        if isinstance(solved, AgeingRecord):
+            own["largest_mass_defect"] = float(np.abs(solved.mass_defect).max())
+            own["largest_positivity_defect"] = float(solved.positivity_defect.max())
+            own["outrun"] = float(solved.outrun)
+        content["master"] = own
+    if eq is not None and asked.eq is not None:
+        own = _of(asked.eq, "contacts replicas seed tolerance")
+        own |= _of(eq, "success message run_time compile_time breaks")
+        own |= {"followed": int(eq.contacts), "last_force": float(eq.force[-1])}
+        own["largest_standard_error"] = float(np.max(eq.force_standard_error))
+        own["largest_step_error"] = float(np.max(eq.step_error))
+        own["breaks_per_rank"] = [int(breaks) for breaks in eq.breaks_per_rank]
+        if is_coupled(eq):
+            own |= {"slip_fraction": float(eq.slip_fraction), "slips": eq.slips.number.size}
+            own["slips_beside"] = [slip._asdict() for slip in slips_beside(result)]
+        content["eq"] = own
+    if sweep is not None:
+        own = _of(sweep, "run_time success message")
+        own |= {"along": list(sweep.along), "points": sweep.force.size}
+        own["largest_force_error"] = float(sweep.force_error.max())
+        if sweep.critical_spring_error is not None:
+            own["largest_critical_spring_error"] = float(sweep.critical_spring_error.max())
+        content["sweep"] = own
+    if result.interface is not None:
+        content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
+    return content | {"notes": list(result.notes)}
+
+
+def _of(answer: object, names: str) -> dict[str, Any]:
+    """Some fields, as JSON knows numbers."""
+    values = {name: getattr(answer, name) for name in names.split()}
+    return {k: one.item() if isinstance(one, np.generic) else one for k, one in values.items()}
 
 
 def write_json(content: dict[str, Any], path: Path) -> None:
@@ -153,10 +182,6 @@ def write_json(content: dict[str, Any], path: Path) -> None:
     path.write_text(text + "\n", encoding="utf-8")
 
 
-def write_lines(lines: list[str], path: Path) -> None:
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
 def _write_csv(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
     """A line for each point, a column for each array that the sweep has, its unit in brackets, with all digits."""
     arrays = {field.name: getattr(sweep, field.name) for field in fields(sweep)}
@@ -171,9 +196,9 @@ def _units(result: Result, short: bool = False) -> dict[str, str]:
     """Of all arrays that have one, by name; an own unit of length is named in full unless it shall be `short`."""
     unit = "length" if short and not result.in_metres else result.thresholds.unit
     clock = "s" if result.in_metres else "time"
-    units = {**dict.fromkeys(_LENGTHS, unit), "density": f"1 / {unit}", "notes": "text"}
-    units |= dict.fromkeys(("thresholds", "stretches"), f"1 / {unit}")
-    units |= dict.fromkeys(("threshold_error", "stretch_error"), f"1 / {unit}")
+    units = dict.fromkeys(_LENGTHS.split(), unit) | {"notes": "text"}
+    inverse = "density thresholds stretches threshold_error stretch_error"
+    units |= dict.fromkeys(inverse.split(), f"1 / {unit}")
     units |= {"delay": clock, "time": clock, "kelvin": "K", "velocity": f"{unit} / {clock}"}
     return units | {"temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
 
@@ -191,15 +216,13 @@ def _write_result(result: Result, path: Path) -> None:
 
 def _fill(result: Result, store: "h5py.File") -> None:
     units = _units(result)
+    store.attrs["scene"] = result.text
     for name in ("name", "title", "version", "mean_threshold"):
         store.attrs[name] = getattr(result, name)
-    store.attrs["scene"] = result.text
-    if result.asked.drive is not None:
-        store["time"] = result.time
-    if result.notes:
-        store["notes"] = list(result.notes)
-    for name in set(store):
-        store[name].attrs["units"] = units[name]
+    for name, values in (("time", result.time), ("notes", list(result.notes))):
+        if len(values):
+            store[name] = values
+            store[name].attrs["units"] = units[name]
     for name, number in (result.interface or {}).items():
         own = store.create_dataset(f"interface/{name}", data=number.value)
         own.attrs["units"] = number.unit or "1"

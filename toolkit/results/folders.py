@@ -1,17 +1,25 @@
-"""Output folders: written whole or not at all."""
+"""Output folders, written whole or not at all, and files with a checksum: a header of 512 bytes, then the contents.
+
+HDF5 skips such a header, so that any HDF5 program reads a sealed result file.
+"""
 
 import fcntl
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from origins.errors import InputError, refuse, shown
-from toolkit.results.sealed import flush_folder
 
-_TRIED = bytes(512)
+if TYPE_CHECKING:
+    import h5py
+
+_HEADER = 512  # bytes: the least that HDF5 skips
+_MAGIC = b"mesofriction, sha256 of the rest: "
+_HDF5 = b"\x89HDF"  # begins the files of older versions, which have no checksum
 
 
 def check_folder(folder: str | os.PathLike[str]) -> None:
@@ -19,7 +27,7 @@ def check_folder(folder: str | os.PathLike[str]) -> None:
     with _draft(folder) as draft:
         place = draft / (Path(folder).absolute().name or "root")  # a name may be too long
         place.mkdir()
-        (place / "try").write_bytes(_TRIED)
+        (place / "try").write_bytes(bytes(_HEADER))
 
 
 @contextmanager
@@ -29,7 +37,7 @@ def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
     Raises InputError where another run holds it. The lock is a file in the system's folder for temporary files, since
     the output folder need not exist yet; it ends with the process, however that ends.
     """
-    name = sha256(str(Path(folder).resolve()).encode("utf-8", "surrogateescape")).hexdigest()[:24]
+    name = sha256(os.fsencode(Path(folder).resolve())).hexdigest()[:24]
     try:
         file = Path(tempfile.gettempdir()) / f"mesofriction-{name}.lock"
         lock = os.open(file, os.O_RDWR | os.O_CREAT, 0o666)
@@ -37,11 +45,12 @@ def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
         yield
         return
     try:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            rule = "another run is writing there; choose another folder, or wait until it has ended"
-            raise InputError(f"out = {str(folder)!r}: {rule}") from error
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        os.close(lock)
+        rule = "another run is writing there; choose another folder, or wait until it has ended"
+        raise InputError(f"out = {str(folder)!r}: {rule}") from error
+    try:
         yield
     finally:
         os.close(lock)
@@ -62,23 +71,30 @@ def write_folder(
     with _draft(folder) as draft:
         for name, write in writers.items():
             write(draft / name)
-            with (draft / name).open("rb") as stream:
-                os.fsync(stream.fileno())
+            _flush(draft / name)
         path.mkdir(parents=True, exist_ok=True)
         for name in writers:
             os.replace(draft / name, path / name)
-        flush_folder(path)
-        flush_folder(path.parent)
+        with suppress(OSError):  # names of new files, where the file system can
+            _flush(path)
+            _flush(path.parent)
         for name in gone:
             (path / name).unlink(missing_ok=True)
+
+
+def _flush(path: Path) -> None:
+    """Bring a file, or the names in a folder, to the disk."""
+    place = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(place)
+    finally:
+        os.close(place)
 
 
 @contextmanager
 def _draft(folder: str | os.PathLike[str]) -> Iterator[Path]:
     """A folder for drafts on the disk of `folder`, taken away in the end. Raises InputError where the disk refuses."""
     path = Path(folder).absolute()
-    if "\0" in str(folder):
-        refuse("out", str(folder), "holds a letter that no name may have; choose another")
     try:
         for place in (path, *path.parents):
             if place.is_dir():
@@ -87,6 +103,70 @@ def _draft(folder: str | os.PathLike[str]) -> Iterator[Path]:
                 refuse("out", str(folder), f"{place} is a file, not a folder; choose another")
         with tempfile.TemporaryDirectory(prefix=".draft-", dir=place) as draft:
             yield Path(draft)
-    except OSError as error:
-        why = error.strerror or error
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # of no name a path may have, ValueError
+        why = getattr(error, "strerror", None) or error
         raise InputError(f"out = {shown(str(folder))}: cannot be written: {why}") from error
+
+
+def write_sealed(path: Path, contents: bytes) -> None:
+    """Replace the file by header and contents, whole or not at all; on the disk when this returns. Raises OSError."""
+    draft = path.with_name(f".{path.name}.part")
+    try:
+        draft.write_bytes(_header(contents) + contents)
+        _flush(draft)
+        os.replace(draft, path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def read_sealed(path: Path) -> bytes | None:
+    """The contents; None where they are not what was written. Raises OSError."""
+    data = path.read_bytes()
+    contents = data[_HEADER:]
+    return contents if data[:_HEADER] == _header(contents) else None
+
+
+def _header(contents: bytes) -> bytes:
+    return (_MAGIC + sha256(contents).hexdigest().encode() + b"\n").ljust(_HEADER, b"\0")
+
+
+@contextmanager
+def opened(file: Path) -> Iterator["h5py.File"]:
+    """A sealed HDF5 file, open for reading.
+
+    What is damaged is refused before HDF5 sees it, which would crash on some bytes; so are data that are elsewhere.
+    Raises InputError.
+    """
+    import h5py
+
+    try:
+        with file.open("rb") as stream:
+            old = stream.read(len(_HDF5)) == _HDF5
+        if not old and read_sealed(file) is None:
+            raise OSError("its checksum is wrong")
+        with h5py.File(file, "r") as store:
+            _check_links(store)
+            yield store
+    except InputError:
+        raise
+    except Exception as error:  # whatever h5py and numpy make of bytes that nobody wrote so
+        why = " ".join(str(error).split())
+        raise InputError(
+            f"folder = {str(file.parent)!r}: its {file.name} is not one of mesofriction: {why}"
+        ) from error
+
+
+def _check_links(group: "h5py.Group") -> None:
+    """Raise OSError for data that are elsewhere: in another file, or under another name."""
+    import h5py
+
+    for name in group:
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise OSError(f"{name} is a link")
+        item = group[name]
+        if isinstance(item, h5py.Group):
+            _check_links(item)
+        elif item.external or item.is_virtual:
+            raise OSError(f"the data of {name} are in another file")

@@ -96,14 +96,14 @@ class ThresholdCurve:
     `unit` is that of every length of the run: "m" where the law comes from a surface, else the scene's own.
     """
 
-    __repr__ = brief
-
     x: Array
     density: Array
     survival: Array
     atoms: Array
     atom_weights: Array
     unit: str
+
+    __repr__ = brief
 
     @property
     def in_metres(self) -> bool:
@@ -123,12 +123,9 @@ class Result:
     thresholds : ThresholdCurve
         P_c as drawn.
     master, eq, sweep : SolvedRecord, eq_model.EnsembleResult, SweepRecord or None
-        Each solver's answer, None where it was not asked for. `master` is a SoftRecord where a spring pulls, an
-        AgeingRecord in the paper's closure of ageing; `eq` is an eq_model.CoupledResult where a spring pulls. A run
-        that went on from a checkpoint counts the `run_time` of all launches, each its slowest rank's, and the breaks of
-        the earlier ones on rank 0: a note says so.
-    time : array of shape (n,)
-        When each point of the path is reached, s for a surface, else in the scene's own unit; empty without a path.
+        Each solver's answer, None where it was not asked for. Where a spring pulls they are a SoftRecord and an
+        eq_model.CoupledResult; in the paper's closure of ageing `master` is an AgeingRecord. A run that went on from a
+        checkpoint counts the `run_time` of all launches, and the breaks of the earlier ones on rank 0.
     notes : tuple of str
         What to keep in mind: where samples, surface or load strain the thresholds, what makes a run hopeless, that it
         went on from a checkpoint.
@@ -163,6 +160,12 @@ class Result:
         return read_table(tomllib.loads(self.text))
 
     @property
+    def timed(self) -> bool:
+        """Whether the scene says when each point of the path is reached."""
+        drive = self.asked.drive
+        return drive is not None and drive.times is not None
+
+    @property
     def papers_closure(self) -> bool:
         """Whether the master equation is solved in a closure of the paper that single contacts do not follow."""
         laws = self.asked.contacts.thermal, self.asked.contacts.ageing
@@ -170,6 +173,7 @@ class Result:
 
     @property
     def time(self) -> Array:
+        """When each point of the path is reached, s for a surface, else in the scene's own unit; empty without one."""
         if self.asked.drive is None:
             return np.empty(0)
         drive = make_drive(self.asked.drive)
@@ -182,9 +186,7 @@ class Result:
     @property
     def success(self) -> bool:
         """Whether every solver reached what was asked of it."""
-        return all(
-            answer is None or answer.success for answer in (self.master, self.eq, self.sweep)
-        )
+        return all(one is None or one.success for one in (self.master, self.eq, self.sweep))
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:

@@ -24,7 +24,7 @@ import numpy as np
 
 from origins.errors import InputError, positive
 from origins.thresholds.law import Thresholds
-from toolkit.results.sealed import flush_folder, read_sealed, write_sealed
+from toolkit.results.folders import read_sealed, write_sealed
 from toolkit.running.ranks import on_root
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import read_table
@@ -33,11 +33,9 @@ from toolkit.version import __version__
 if TYPE_CHECKING:
     from eq_model.state import State
 
-NAME = "checkpoint"
 EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
 BLOCKS = "eq.blocks"  # how contacts are divided
-
-_BESIDE = {"title", "eq.wall_time", "wall_time"}  # what the ensemble's numbers do not depend on
+_BESIDE = ("title", "master", "eq.wall_time", "wall_time")  # no matter for the ensemble's numbers
 _LONG = 60  # letters: longer values are told by their beginning and a digest
 _QUANTILES = np.linspace(0.0, 1.0, 66)[1:-1]
 
@@ -58,8 +56,9 @@ class Checkpoint:
     ) -> None:
         self.every = positive("checkpoint", every)
         self.folder = Path(folder)
-        self._home, self._comm = self.folder / NAME, comm
+        self._home, self._comm = self.folder / "checkpoint", comm
         self._rank = 0 if comm is None else comm.Get_rank()
+        self._file = self._home / f"000-rank-{self._rank:05d}.npz"
         self._identity = identity(scene)
         self._last, self._refused = time.monotonic(), ""
         self._written: list[range] | None = None
@@ -85,9 +84,8 @@ class Checkpoint:
             whole = self._joined(files)
             if whole is None:
                 return None
-            say(
-                f"going on from the checkpoint in {self._home}: {whole.contacts:,} contacts are done"
-            )
+            contacts = f"{whole.contacts:,} contacts are done"
+            say(f"going on from the checkpoint in {self._home}: {contacts}")
             if not only_look and len(files) > 1 and self.write(whole):
                 for file in set(files) - {self._file}:
                     file.unlink()
@@ -123,10 +121,6 @@ class Checkpoint:
                     file.unlink(missing_ok=True)
             self._home.rmdir()
 
-    @property
-    def _file(self) -> Path:
-        return self._home / f"000-rank-{self._rank:05d}.npz"
-
     def _joined(self, files: list[Path]) -> State | None:
         """All that these files hold, of this run; what is damaged is left out."""
         states = []
@@ -135,40 +129,31 @@ class Checkpoint:
             if read is None:
                 say(f"{file}: is damaged; what it held is done again")
                 continue
-            self._check(read[1])
+            own, other = self._identity, read[1]
+            for key in {**own, **other}:
+                if own.get(key) != other.get(key):
+                    there, here = other.get(key, "left out"), own.get(key, "left out")
+                    raise InputError(
+                        f"out = {str(self.folder)!r}: holds the checkpoint of another run, {key} = {there} there and "
+                        f"{here} here; choose another folder, or remove {self._home}"
+                    )
             states.append(read[0])
         found: State | None = None
         # rank 0's may hold what others, which were not yet taken away, hold too
         for state in sorted(states, key=lambda state: -state.contacts):
-            if found is None:
-                found = state
-            elif not _overlap(found.done, state.done):
-                found = found.joined(state)
-        return found
-
-    def _check(self, other: dict[str, str]) -> None:
-        own = self._identity
-        apart = [key for key in {**own, **other} if own.get(key) != other.get(key)]
-        if apart:
-            key, more = apart[0], f" and {len(apart) - 1} more" if len(apart) > 1 else ""
-            raise InputError(
-                f"out = {str(self.folder)!r}: holds the checkpoint of another run, {key} = "
-                f"{other.get(key, 'left out')} there and {own.get(key, 'left out')} here{more}; choose another folder, "
-                f"or remove {self._home}"
+            blocks = sorted(
+                [*(found.done if found else ()), *state.done], key=lambda one: one.start
             )
+            if all(before.stop <= after.start for before, after in pairwise(blocks)):
+                found = state if found is None else found.joined(state)
+        return found
 
 
 def write_state(file: Path, state: State, told: dict[str, str]) -> None:
     """Write `state`, and `told`, of which run it is: whole or not at all, and on the disk when this returns."""
     stream = BytesIO()
     np.savez(stream, told_of=json.dumps(told), **state.arrays())
-    draft = file.with_name(f".{file.name}.part")
-    try:
-        write_sealed(draft, stream.getvalue())
-        os.replace(draft, file)
-    finally:
-        draft.unlink(missing_ok=True)
-    flush_folder(file.parent)
+    write_sealed(file, stream.getvalue())
 
 
 def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
@@ -190,20 +175,14 @@ def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
     except OSError:
         return None
     except (KeyError, TypeError, ValueError) as error:  # its checksum was right
-        rule = (
-            f"is a checkpoint of an older version; remove {file.parent}, or choose another folder"
-        )
-        raise InputError(f"{file}: {rule}") from error
+        rule = f"remove {file.parent}, or choose another folder"
+        raise InputError(f"{file}: is a checkpoint of an older version; {rule}") from error
 
 
 def identity(scene: Scene) -> dict[str, str]:
     """All that the ensemble's numbers depend on, by name: the scene's keys, the laws as drawn, the version."""
     table = msgspec.to_builtins(read_table(tomllib.loads(scene.text)))
-    told = {
-        name: text
-        for name, text in _flat(table, ())
-        if name not in _BESIDE and not name.startswith("master")
-    }
+    told = {key: text for key, text in _flat(table, "") if not key.startswith(_BESIDE)}
     told["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
     if scene.contacts.ageing is not None:
         told["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
@@ -215,14 +194,14 @@ def say(line: str) -> None:
     print(f"mesofriction: {line}", file=sys.stderr, flush=True)
 
 
-def _flat(value: Any, where: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+def _flat(value: Any, where: str) -> Iterator[tuple[str, str]]:
     """Keys of nested tables as one, such as eq.seed, with their values as short text."""
     if isinstance(value, dict):
         for key, item in value.items():
-            yield from _flat(item, (*where, key))
+            yield from _flat(item, f"{where}.{key}".lstrip("."))
     elif value is not None:
         text = json.dumps(value)
-        yield ".".join(where), text if len(text) <= _LONG else f"{text[:_LONG]}... {_digest(text)}"
+        yield where, text if len(text) <= _LONG else f"{text[:_LONG]}... {_digest(text)}"
 
 
 def _drawn(law: Thresholds) -> str:
@@ -233,9 +212,3 @@ def _drawn(law: Thresholds) -> str:
 
 def _digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()[:12]
-
-
-def _overlap(one: list[range], other: list[range]) -> bool:
-    """Whether two lists of blocks have a block in common."""
-    parts = sorted([*one, *other], key=lambda part: part.start)
-    return any(before.stop > after.start for before, after in pairwise(parts))

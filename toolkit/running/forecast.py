@@ -1,15 +1,15 @@
 """What a scene's solvers will take and give, told beforehand by one short pilot of each."""
 
 import math
+import resource
 import sys
 import time
 from dataclasses import dataclass
 from typing import Any
 
 from origins.errors import InputError
-from toolkit.running.blocks import follow
 from toolkit.running.checkpoint import Checkpoint
-from toolkit.running.runner import make_ensemble, solve_master
+from toolkit.running.runner import follow, make_ensemble, solve_master
 from toolkit.running.signals import TimeIsUp, no_longer_than
 from toolkit.scene.scene import Scene
 
@@ -24,12 +24,11 @@ class Forecast:
     """What the ensemble is expected to take and give, good to a factor of about two; contacts of a tolerance to four,
     as they are followed in rounds that double, and as few breaks tell little of the error.
 
-    contacts : to be followed, of `most`, `done` of them by an earlier run. breaks : of all of them.
-    run_time : s, of those that are left, on `ranks`. memory : MB of a rank. error : largest standard error of the force
-    in mean thresholds; nan on a soft slider, of which replicas tell it. pilot : contacts that tell all this.
+    contacts : to be followed, of `most`, `done` of them by an earlier run. breaks : of all of them. run_time : s, of
+    those that are left. memory : MB of a rank. error : largest standard error of the force in mean thresholds; nan on
+    a soft slider, of which replicas tell it. pilot : contacts that tell all this.
     """
 
-    ranks: int
     most: int
     done: int
     contacts: int
@@ -52,27 +51,27 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
     ranks, most = 1 if comm is None else comm.Get_size(), asked.contacts * asked.replicas
     size = min(_COUPLED_PILOT, asked.contacts) if soft else min(_PILOT * ranks, most)
     small: dict[str, Any] = {"n_contacts": size, "n_replicas": 1, "wall_time": _ENOUGH}
-    ensemble: Any = make_ensemble(
-        scene, asked, comm, **small, **({} if soft else {"tolerance": None})
-    )
+    small |= {} if soft else {"tolerance": None}
+    ensemble: Any = make_ensemble(scene, asked, comm, **small)
     ready = ensemble.state.run_time  # tables are made once
     found: Any = follow(ensemble)
     n, contacts = found.contacts, most
     error = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
     if asked.tolerance is not None:
-        # not as a power, which may overflow
-        ratio = error / asked.tolerance
-        contacts = min(math.ceil(min(n * ratio * ratio, most)), most)
+        contacts = min(
+            math.ceil(min(n * (error / asked.tolerance) * (error / asked.tolerance), most)), most
+        )
     shared = min(ranks, asked.replicas) if soft else 1  # a pilot on a soft slider is one rank's
-    left = max(contacts - done, 0)
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return Forecast(
-        ranks=ranks,
         most=most,
         done=done,
         contacts=contacts,
         breaks=found.breaks / n * contacts,
-        run_time=ready + (found.run_time - ready) / n * left / shared,
-        memory=_peak() + _AFTERWARDS + (_EACH * asked.contacts if soft else 0.0),
+        run_time=ready + (found.run_time - ready) / n * max(contacts - done, 0) / shared,
+        memory=held / (2**20 if sys.platform == "darwin" else 2**10)
+        + _AFTERWARDS
+        + (_EACH * asked.contacts if soft else 0.0),
         error=math.nan if soft else error * math.sqrt(n / contacts),
         pilot=n,
     )
@@ -94,20 +93,21 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
         return out
     told = forecast(scene, comm, sum(state.contacts for state in earlier))
     tolerance, wall_time = scene.eq.tolerance, scene.eq.wall_time or math.inf
-    met = "yes" if told.contacts < told.most else "perhaps not"
-    of_all = f", of {told.most:,} at most" if tolerance is not None else ""
+    of_all = "" if tolerance is None else f", of {told.most:,} at most"
     of_all += f" in {scene.eq.replicas:,} replicas" if scene.drive.spring is not None else ""
     of_all += f", {told.done:,} of them done before" if told.done else ""
     besides = "for what is left, " * bool(told.done) + "[master] and compilation not counted"
+    ranks = 1 if comm is None else comm.Get_size()
     out += [
         f"contacts        {told.contacts:,}{of_all}",
         f"breaks          {told.breaks:.2g}",
-        f"run time        {told.run_time:.2g} s on {told.ranks} rank(s), {besides}",
+        f"run time        {told.run_time:.2g} s on {ranks} rank(s), {besides}",
         f"memory          up to {told.memory:.0f} MB for each rank",
     ]
     if not math.isnan(told.error):
         out.append(f"standard error  {told.error:.2g} of <x_s>, the largest over the path")
     if tolerance is not None:
+        met = "yes" if told.contacts < told.most else "perhaps not"
         out.append(f"tolerance       {tolerance:.1e} reached: {met}")
     if told.run_time > wall_time:
         out.append(f"wall time       {wall_time:g} s stops it before")
@@ -116,26 +116,14 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
 
 def _master_line(scene: Scene, asked: float) -> str:
     """How far the master equation comes within a second."""
-    error, began = math.inf, time.perf_counter()
-
-    def hear(found: float) -> None:
-        nonlocal error
-        error = min(error, found)
-
+    errors, began = [math.inf], time.perf_counter()
     try:
         with no_longer_than(_ENOUGH):
-            solved = solve_master(scene, asked, hear)
-        error, ends = float(solved.force_error), f"; {asked:.0e} was asked, and no more is reached"
+            errors.append(float(solve_master(scene, asked, errors.append).force_error))
+        ends = f"{asked:.0e} was asked, and no more is reached"
     except TimeIsUp:
-        ends = f"; {asked:.0e}, as asked, takes longer, how much is not foreseen"
-    ends = f", within the {asked:.0e} asked for" if error <= asked else ends
+        ends = f"{asked:.0e}, as asked, takes longer, how much is not foreseen"
+    error = min(errors)
+    ends = f", within the {asked:.0e} asked for" if error <= asked else f"; {ends}"
     reached = f"error {error:.1e} of <x_s>" if math.isfinite(error) else "no error is known"
     return f"master          {reached} after {time.perf_counter() - began:.2g} s{ends}"
-
-
-def _peak() -> float:
-    """MB that this process has held at most."""
-    import resource
-
-    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return held / (2**20 if sys.platform == "darwin" else 2**10)

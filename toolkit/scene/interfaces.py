@@ -1,4 +1,4 @@
-"""What a rough surface's interface says beside its thresholds, in SI units, and what to keep in mind of a law."""
+"""What to know of a scene beside its solvers' answers: a rough surface in SI units, and what strains a law or a run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -6,14 +6,19 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from origins import Contacts
+from origins.contacts import too_hot
 from origins.roughness.interface import Interface
+from origins.samples.from_samples import Sampled
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
-from toolkit.scene.peaks import of_islands
 from toolkit.scene.sampling import misfit
+from toolkit.scene.scene import Scene
 
-HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as tests hold it
-
+_HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as tests hold it
+_FAR = 1e6  # mean thresholds: a longer drive is hardly meant
+_FEW = 1e-6  # of the thresholds
+_SPRINGS = (1.0, 10.0, 100.0)  # K/(N<k>) whose slips are told
+_NEAREST, _PLACES = 1e-14, 6000  # of a peak's place; places on either side of a peak
 _UNITS = {
     **dict.fromkeys(("pressure", "kinetic_stress"), "Pa"),
     **dict.fromkeys(("separation", "mean_radius", "mean_plane_separation"), "m"),
@@ -22,8 +27,6 @@ _UNITS = {
     "contact_density": "1/m2",
     "mean_stiffness": "N/m",
 }
-_GIVEN = ("pressure", "patch_area")
-_SAID_BEFORE = ("mean_threshold",)  # the mean of the law itself
 
 
 @dataclass(frozen=True)
@@ -41,26 +44,24 @@ def with_error(value: float, error: float, digits: int) -> str:
     if not np.isfinite(value) or not np.isfinite(error) or error == 0.0:
         return f"{value:.{digits}g}"
     told = f"{error:.1g}"
-    known = _decade(value) - _decade(float(told)) + 1
+    decades = (int(f"{number:e}".partition("e")[2]) for number in (value, float(told)))
+    known = next(decades) - next(decades) + 1
     if value == 0.0 or known >= digits:
         return f"{value:.{digits}g} ± {told}"
     # with its last zeros
     return f"{value:#.{max(known, 1)}g}".removesuffix(".").replace(".e", "e") + f" ± {told}"
 
 
-def _decade(value: float) -> int:
-    return int(f"{value:e}".partition("e")[2])
-
-
 def of_interface(interface: Interface) -> dict[str, Number]:
-    """What the interface knows in SI units, its own and derived."""
+    """What the interface knows in SI units, its own and derived, but for the law's own mean."""
     names = [field.name for field in fields(interface)]
     names += [name for name, value in vars(type(interface)).items() if isinstance(value, property)]
     numbers = {}
     for name in names:
         value = getattr(interface, name)
-        if isinstance(value, float) and name not in _SAID_BEFORE:
-            error = None if name in _GIVEN else abs(value) * HEIGHT_INTEGRALS
+        if isinstance(value, float) and name != "mean_threshold":
+            given = name in ("pressure", "patch_area")
+            error = None if given else abs(value) * _HEIGHT_INTEGRALS
             numbers[name] = Number(value, error, _UNITS.get(name, ""))
     return numbers
 
@@ -88,7 +89,7 @@ def remarks(law: Thresholds) -> list[str]:
         said += law.interface.cautions
         if law.interface.moments.size is not None:
             said.append(
-                "errors are numerical only, not those of the scan: what another scan would give is not in them"
+                "errors are numerical only, not those of the surface: what another patch would give is not in them"
             )
         if gaps := law.interface.moments.missing_fraction:
             said.append(
@@ -96,6 +97,47 @@ def remarks(law: Thresholds) -> list[str]:
                 "along x and along y are all there, a curvature where both neighbours on each axis are; other rules, "
                 "such as filling gaps, give other slopes, up to several times as large where gaps are many"
             )
+    return said
+
+
+def foreseen(scene: Scene) -> list[str]:
+    """What to tell before a run: drives as far as in another unit, temperatures at which contacts hold nothing,
+    stretches beyond nearly all thresholds, other numbers of contacts than the nominal area has, and what the numbers of
+    the surface leave out of the contacts."""
+    contacts, law, said = scene.contacts, scene.contacts.thresholds, list[str]()
+    surface, mean = contacts.interface, contacts.mean_threshold
+    if scene.given_drive is not None:
+        reach = float(np.abs(scene.path).max()) / mean
+        if reach > _FAR:
+            unit = "" if surface is None else " m"
+            said.append(
+                f"the drive goes as far as {reach:.1g} mean thresholds of {mean:.3g}{unit}; is it meant in that unit?"
+            )
+    if contacts.thermal is not None:
+        said += filter(None, [too_hot(contacts.thermal.temperature, law)])
+    again = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
+    for own, they in [(contacts.start, "start"), *again]:
+        middle = own.mean() if own.is_single else float(own.ppf(0.5))
+        exceed = float(law.sf(abs(middle)))
+        if exceed < _FEW:
+            said.append(
+                f"contacts {they} about x = {middle:.3g}, and only {exceed:.0e} of all thresholds are beyond that: "
+                "they have the thresholds of that tail, and break at once"
+            )
+    if surface is not None and scene.eq is not None and scene.area is not None:
+        held = surface.contact_density * scene.area
+        if not 0.5 < scene.eq.contacts / held < 2.0:
+            said.append(
+                f"drive.area holds {held:.3g} contacts, and [eq] follows {scene.eq.contacts:,} in each replica: the "
+                "spring is that of the area, but slips scatter and come late as those of so many contacts"
+            )
+    named = {"temperature": contacts.thermal, "ageing": contacts.ageing, "delay": contacts.delay}
+    named["re-forming"] = contacts.reforming
+    there = ", ".join(name for name, own in named.items() if own is not None)
+    if surface is not None and there:
+        said.append(
+            f"F_k/load and the stress of the surface are those of its thresholds alone, without {there}"
+        )
     return said
 
 
@@ -109,7 +151,51 @@ def why_infinite(contacts: Contacts) -> str:
     _, weight, x = max(values)
     share = weight / float(law.sf(furthest)) if furthest > 0.0 else weight
     drop = share * x / (law.moment(2) / (2.0 * law.mean()))
-    many = f"{share:.2g}" if share < 1e-3 else f"{100.0 * share:.3g} %"
-    many = "all" if share > 1.0 - 1e-12 else f"{many} of the"
+    many = "all" if share > 1.0 - 1e-12 else f"{100.0 * share:.3g} % of the"
     unit = " m" if contacts.interface is not None else ""
     return f"K* is infinite: {many} contacts break at one value, x = {x:.4g}{unit}, where F drops by {drop:.2g} F_k"
+
+
+def of_islands(law: Thresholds) -> list[str]:
+    """What to tell of thresholds from islands: that K* is infinite and what springs do, or hangs on smoothing."""
+    if law.domains is None or law.atoms[0].size:
+        return []
+    if isinstance(law, Sampled):
+        if np.unique(law.domains.angles).size < law.domains.angles.size / 2:
+            return []  # few angles, in turn
+        return [
+            "P_c of islands at all angles peaks where a barrier stands still in the angle, and samples smooth "
+            "that away: K* hangs on the smoothing, and is no number of the islands"
+        ]
+    with np.errstate(divide="ignore"):
+        peaks = law.breakpoints[np.isinf(law.pdf(law.breakpoints))]
+    if not peaks.size:
+        return []
+    slips = {spring: longest_slip(law, peaks, spring) / law.mean() for spring in _SPRINGS}
+    told = ", ".join(
+        f"{spring * slip:.2g} <x_s> in a slip of {slip:.2g} <x_s> at K = {spring:g} N<k>"
+        for spring, slip in slips.items()
+    )
+    return [
+        "K* is infinite: P_c peaks as an inverse square root where a barrier stands still in the angle; as relaxed "
+        f"contacts break for the first time, F/(N<k>) drops at most by about {told}"
+    ]
+
+
+def longest_slip(law: Thresholds, peaks: np.ndarray, spring: float) -> float:
+    """The longest slip (a length) of relaxed contacts under a spring of K/(N<k>), at T = 0.
+
+    F(X) = X - int_0^X x P_c dx until contacts break for the second time; a slip leads from where F + K X stops
+    rising to where it is as high again.
+    """
+    lower, upper = law.support()
+    away = np.geomspace(_NEAREST, 1.0, _PLACES)
+    x = np.concatenate([peaks, *(peak * (1.0 + s * away) for peak in peaks for s in (-1, 1))])
+    x = np.unique(np.append(x[(x > lower) & (x < 2.0 * upper)], [lower, upper]))
+    below, above = law.cdf(x), law.sf(x)
+    share = np.where(below[1:] < 0.5, np.diff(below), -np.diff(above))
+    rise = np.diff(x) * (1.0 + spring) - 0.5 * (x[1:] + x[:-1]) * share
+    height = np.concatenate([[0.0], np.cumsum(rise)])
+    top = np.maximum.accumulate(height)
+    last = np.maximum.accumulate(np.where(height >= top, np.arange(x.size), 0))
+    return float((x - x[last]).max())

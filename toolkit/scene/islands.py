@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 import origins
 from origins.errors import InputError, finite_array, refuse
-from toolkit.scene.given_files import read_file
 from toolkit.scene.laws import ISLANDS
+from toolkit.scene.measured import read_file
 
 if TYPE_CHECKING:
     import ase

@@ -5,7 +5,7 @@ A kind is one entry here. Its keys are the function's own parameters, so a scene
 
 import inspect
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import Any
 
 import origins
 from origins.errors import InputError, finite, refuse
+from origins.roughness.interface import BOLTZMANN
 
 _PLAIN = "identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussian persson lubricated grains"
 THRESHOLDS = {kind: f"origins:{kind.replace('-', '_')}" for kind in _PLAIN.split()}
@@ -66,6 +67,7 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
     "substrate": SUBSTRATES,
 }
 
+_COLD, _HOT = 1.0, 1e4  # K: between them lie temperatures of contacts
 # how Python's values in a message are written in TOML
 _TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
 _TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
@@ -96,34 +98,9 @@ def build(
             refuse(f"{where}.kind", title, f"must be one of {', '.join(kinds)}")
         place = kinds[title]
     module, name = str(place).split(":")
-    with inside(where, {key: key for key in arguments}):
-        for key, value in arguments.items():
-            if key in _TABLES:
-                arguments[key] = build(_TABLES[key], value, key, folder, comm)
-            elif key == "components":
-                tables = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
-                if not (tables and value):
-                    rule = (
-                        'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
-                    )
-                    refuse(key, value, rule)
-                parts = enumerate(value)
-                arguments[key] = [
-                    build(THRESHOLDS, part, f"{key}[{k}]", folder, comm) for k, part in parts
-                ]
-    return call(
-        getattr(import_module(module), name), arguments, where, title, folder=folder, comm=comm
-    )
-
-
-def call(
-    function: Callable[..., Any], arguments: Mapping[str, Any], where: str, title: str, **given: Any
-) -> Any:
-    """function(**arguments), whose keys come from the table `where` of a scene.
-
-    Of `given`, which is not for a scene to say, the function gets what it has a parameter for.
-    """
+    function = getattr(import_module(module), name)
     parameters = dict(inspect.signature(function).parameters)
+    given = {"folder": folder, "comm": comm}  # not for a scene to say
     given = {key: value for key, value in given.items() if parameters.pop(key, None) is not None}
     takes = f"{title} takes {', '.join(parameters)}"
     for key, value in arguments.items():
@@ -132,7 +109,20 @@ def call(
     for key, parameter in parameters.items():
         if parameter.default is parameter.empty and key not in arguments:
             raise InputError(f"{where}.{key}: is missing; {takes}")
-    with inside(where, {name: name for name in parameters}):
+    with inside(where, {key: key for key in parameters}):
+        for key, value in arguments.items():
+            if key in _TABLES:
+                arguments[key] = build(_TABLES[key], value, key, folder, comm)
+            elif key == "components":
+                if not isinstance(value, list) or not value or not isinstance(value[0], Mapping):
+                    rule = (
+                        'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
+                    )
+                    refuse(key, value, rule)
+                arguments[key] = [
+                    build(THRESHOLDS, part, f"{key}[{k}]", folder, comm)
+                    for k, part in enumerate(value)
+                ]
         try:
             return function(**arguments, **given)
         except ArithmeticError as error:
@@ -144,18 +134,26 @@ def without_kelvin(
     table: Mapping[str, Any], where: str, thresholds: origins.Thresholds
 ) -> Mapping[str, Any]:
     """The table with its `temperature` as k_BT/<k>, a length squared, where it is given as { kelvin = 300.0 }: for
-    thresholds from a rough surface, whose contacts have a stiffness in N/m. Raises InputError for others."""
-    given = table.get("temperature")
+    thresholds from a rough surface, whose contacts have a stiffness in N/m. Raises InputError for others, and for a
+    number that can only be meant in joules."""
+    given, surface, where = table.get("temperature"), thresholds.interface, f"{where}.temperature"
     if not isinstance(given, Mapping):
+        if surface is not None and isinstance(given, float):
+            joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
+            if _COLD < joules < _HOT < kelvin:
+                rule = (
+                    f"is k_BT/<k> in m², and would be {kelvin:.2g} K; are joules meant, of {joules:.3g} K? Write "
+                    f"temperature = {{ kelvin = {joules:.4g} }}"
+                )
+                refuse(where, given, rule)
         return table
-    where = f"{where}.temperature"
     if set(given) != {"kelvin"}:
         refuse(where, dict(given), "must be a number, k_BT/<k>, or { kelvin = 300.0 }")
-    if thresholds.interface is None:
+    if surface is None:
         rule = "needs <k> in N/m, which thresholds from a rough surface know; give k_BT/<k>, the square of a length"
         refuse(f"{where}.kelvin", given["kelvin"], rule)
     with inside(where, {"kelvin": "kelvin"}):
-        return {**table, "temperature": thresholds.interface.temperature(kelvin=given["kelvin"])}
+        return {**table, "temperature": surface.temperature(kelvin=given["kelvin"])}
 
 
 @contextmanager

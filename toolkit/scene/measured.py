@@ -1,17 +1,60 @@
-"""Your own thresholds in scenes: as a list, or from a text file with one sample a line."""
+"""Files that a scene names, read by rank 0 for all ranks; and your own thresholds, as a list or from a text file."""
 
 import re
-from collections.abc import Sequence
+import stat
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 import origins
 from origins.errors import one_of, refuse, whole
-from toolkit.scene.given_files import read_text
+from toolkit.running.ranks import on_root
 
+T = TypeVar("T")
+
+_MOST = 1 << 30  # bytes of a file
 _DECIMAL = re.compile(r"\d,\d")
+
+
+def read_file(
+    key: str, file: str, folder: Path, comm: Any, read: Callable[[Path], T], what: str = "file"
+) -> T:
+    """What `read` makes of the file in this folder, the same on all ranks, which must all call and else might see
+    different ones.
+
+    `key` is the scene's key that names it. Raises InputError for what is no plain file: a pipe or a device might never
+    end.
+    """
+    if not isinstance(file, str):
+        refuse(key, file, f'must be a name of a {what}, such as "own.txt"')
+
+    def checked() -> T:
+        path = folder / file
+        try:
+            status = path.stat()
+        except FileNotFoundError:
+            refuse(key, file, f"no such file in {path.parent.resolve()}")
+        except (OSError, ValueError) as error:  # a name too long for the disk, or with a NUL
+            refuse(key, file, f"cannot be read: {getattr(error, 'strerror', None) or error}")
+        if not stat.S_ISREG(status.st_mode) or status.st_size > _MOST:
+            refuse(key, file, f"must be a plain {what} of at most {_MOST:.0e} bytes")
+        return read(path)
+
+    return on_root(comm, checked)
+
+
+def read_text(key: str, file: str, folder: Path, comm: Any, bad: str = "is no text") -> str:
+    """The text of such a file; `bad` is what a message says of one that holds none."""
+
+    def read(path: Path) -> str:
+        try:
+            return path.read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            refuse(key, file, f"{bad}: {getattr(error, 'strerror', None) or error}")
+
+    return read_file(key, file, folder, comm, read)
 
 
 def from_samples(
@@ -35,32 +78,28 @@ def from_samples(
     separators "1,5" is 1.5, a decimal comma. # begins a comment, and the first line may be a header of text.
     Raises InputError.
     """
-    given = {"x_s": x_s, "f_s": f_s}
-    for name, value in (("column", column), ("weight_column", weight_column)):
-        if value is not None:
-            whole(name, value, 1)
-            if file is None:
-                rule = "says where in a file the samples are; leave it out without one"
-                refuse(name, value, rule)
-    if file is None and quantity != "x_s":
-        refuse("quantity", quantity, "says what a file holds; leave it out without one")
+    given: dict[str, Any] = {"x_s": x_s, "f_s": f_s, "weights": weights}
+    for name, value, unsaid in (
+        ("column", column, None),
+        ("weight_column", weight_column, None),
+        ("quantity", quantity, "x_s"),
+    ):
+        if file is None and value != unsaid:
+            refuse(name, value, "says what a file holds; leave it out without one")
     if file is not None:
         if x_s is not None or f_s is not None or weights is not None:
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
-        one_of("quantity", quantity, tuple(given))
+        one_of("quantity", quantity, ("x_s", "f_s"))
         lines = read_text("file", file, folder, comm).splitlines()
-        columns = {quantity: column}
+        places = {quantity: column}
         if weight_column is not None:
-            columns["the weight"] = weight_column
-        found = _read(file, lines, columns).T.tolist()
-        given[quantity], weights = found[0], found[1] if len(found) > 1 else None
-    return origins.from_samples(
-        **given, coefficient=coefficient, stiffness=stiffness, weights=weights
-    )
+            places["weights"] = whole("weight_column", weight_column, 1)
+        given |= _read(file, lines, places)
+    return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
 
 
-def _read(file: str, lines: list[str], columns: dict[str, int | None]) -> np.ndarray:
-    """The values of these columns, counted from 1 (None: of the only one), a row for each line."""
+def _read(file: str, lines: list[str], places: dict[str, int | None]) -> dict[str, np.ndarray]:
+    """The values of these columns by name, counted from 1 (None: of the only one)."""
     words = {number: _words(line.partition("#")[0]) for number, line in enumerate(lines, start=1)}
     rows = {number: [_number(word) for word in line] for number, line in words.items() if line}
     first = next(iter(rows), 0)
@@ -69,22 +108,22 @@ def _read(file: str, lines: list[str], columns: dict[str, int | None]) -> np.nda
     width = len(next(iter(rows.values()), []))
     if not width:
         refuse("file", file, "holds no numbers; write one value a line")
-    table = np.empty((len(rows), len(columns)))
-    for column, (name, place) in enumerate(columns.items()):
+    found = {}
+    for name, place in places.items():
         if place is None and width > 1:
             rule = f"say which of the {width} columns holds {name}, such as column = {width}"
             refuse("file", file, f"holds several columns; {rule}")
-        if (place or 1) > width:
+        if whole("column", 1 if place is None else place, 1) > width:
             refuse("file", file, f"there is no column {place}")
-        for k, (number, row) in enumerate(rows.items()):
-            value = row[(place or 1) - 1] if len(row) == width else None
+        values = [row[(place or 1) - 1] if len(row) == width else None for row in rows.values()]
+        for number, value in zip(rows, values, strict=True):
             if value is None or not 0.0 < value < np.inf:
                 # not the line itself: what is no table may not be meant to be shown
                 many = f"{width} columns, as many as the first" if width > 1 else "one number"
                 rule = f"line {number} must hold {many}, {name} finite and above zero"
                 refuse("file", file, rule)
-            table[k, column] = value
-    return table
+        found[name] = np.array(values, dtype=float)
+    return found
 
 
 def _words(line: str) -> list[str]:

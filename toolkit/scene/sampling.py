@@ -11,7 +11,6 @@ from origins.thresholds.law import Array, Thresholds
 
 FEW = 30  # samples, in effect
 RESAMPLES = 20  # an error known to a sixth of itself
-_CONFIDENCE = 0.95
 _TOLERANCE = 1e-4  # far below any sampling error
 NAMES = (
     *("mean", "standard_deviation", "second_moment", "third_moment"),
@@ -67,22 +66,11 @@ def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
     """A note where no resampled law shows an instability, so that the error of K* = 0 is not known; else nothing."""
     if critical_spring > 0.0 or np.isfinite(errors.get("critical_spring", 0.0)):
         return []
-    chance = 1.0 - (1.0 - _CONFIDENCE) ** (1.0 / RESAMPLES)
+    chance = 1.0 - 0.05 ** (1.0 / RESAMPLES)
     return [
         f"K* = 0 in all {RESAMPLES} resampled laws too: other samples would give K* > 0 in less than {chance:.0%} of "
-        f"cases ({_CONFIDENCE:.0%} confidence), and how large it would be is not known"
+        "cases (95% confidence), and how large it would be is not known"
     ]
-
-
-def misfit(law: Thresholds) -> list[str]:
-    """A note for each law of few samples, or that lies further from its samples than these can be from their own law,
-    and one where sampling errors are missing; else nothing."""
-    notes = [note for part in sampled_parts(law) for note in _of_one(part)]
-    if sampled_parts(law) and isinstance(law, ContinuousMixture):
-        notes.append(
-            "sampling errors are missing: the laws of this continuous mixture may all be of the same samples"
-        )
-    return notes
 
 
 def numerical_only(law: Thresholds) -> list[str]:
@@ -93,6 +81,18 @@ def numerical_only(law: Thresholds) -> list[str]:
         "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
         "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"
     ]
+
+
+def misfit(law: Thresholds) -> list[str]:
+    """A note for each law of few samples, or that lies further from its samples than these can be from their own law,
+    and one where sampling errors are missing; else nothing."""
+    parts = sampled_parts(law)
+    notes = [note for part in parts for note in _of_one(part)]
+    if parts and isinstance(law, ContinuousMixture):
+        notes.append(
+            "sampling errors are missing: the laws of this continuous mixture may all be of the same samples"
+        )
+    return notes
 
 
 def _of_one(part: Sampled) -> list[str]:

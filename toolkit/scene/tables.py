@@ -81,12 +81,13 @@ class SceneTable(Table, frozen=True):
 
 _TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq": EqTable}
 _TABLES |= {"master": MasterTable, "sweep": SweepTable}
+_COUNTS = ("points", "contacts", "replicas", "seed")
 
 
 def read_table(tables: Mapping[str, Any]) -> SceneTable:
     """The tables with their types checked and defaults filled in. Raises InputError with the path of the bad key."""
     try:
-        return msgspec.convert(tables, SceneTable)
+        return msgspec.convert(_counted(tables), SceneTable)
     except msgspec.ValidationError as error:
         # such as: Expected `float | null`, got `str` - at `$.drive.to`
         rule, _, place = str(error).partition(" - at ")
@@ -99,3 +100,11 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
             raise InputError(f"{key}: unknown key; known here: {known}") from error
         said = rule.replace(" | null", "").replace("`", "").replace("object", "table")
         raise InputError(f"{where}: {said[0].lower()}{said[1:]}") from error
+
+
+def _counted(value: Any, key: str = "") -> Any:
+    """The same tables, with counts written as 1e5 as whole numbers."""
+    if isinstance(value, Mapping):
+        return {name: _counted(item, name) for name, item in value.items()}
+    whole = key in _COUNTS and isinstance(value, float) and value.is_integer()
+    return int(value) if whole else value

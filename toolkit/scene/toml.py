@@ -19,12 +19,11 @@ def to_toml(tables: Mapping[str, Any]) -> str:
 
 def _pairs(table: Mapping[str, Any], where: str) -> list[str]:
     there = {str(key): value for key, value in table.items() if value is not None}
-    return [f"{_string(key)} = {_value(there[key], f'{where}{key}')}" for key in there]
+    bare = {key: key if key.isascii() and key.isidentifier() else _text(key) for key in there}
+    return [f"{bare[key]} = {_value(there[key], f'{where}{key}')}" for key in there]
 
 
-def _string(text: str) -> str:
-    if text.isascii() and text.replace("-", "").replace("_", "").isalnum():
-        return text
+def _text(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
@@ -36,7 +35,7 @@ def _value(value: object, where: str) -> str:
     if isinstance(value, int | float):
         return (int if isinstance(value, int) else float).__repr__(value)  # not a subclass's own
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return _text(value)
     if isinstance(value, list | tuple):
         return f"[{', '.join(_value(item, f'{where}[{k}]') for k, item in enumerate(value))}]"
     if isinstance(value, Mapping):
