@@ -12,7 +12,7 @@ import toolkit
 from origins import InputError
 from origins.roughness.interface import BOLTZMANN
 from toolkit.command import main
-from toolkit.pictures.sweep import plot_sweep, sweep_panels
+from toolkit.pictures.run import plot_sweep, sweep_panels
 
 THRESHOLDS = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
 WARM = {"thresholds": THRESHOLDS, "thermal": {"law": "soft", "temperature": 0.3}}

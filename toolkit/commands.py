@@ -237,13 +237,13 @@ def precision(arguments: argparse.Namespace, comm: Any) -> int:
 
     def show(point: "Point") -> None:
         lines.append(table_line(point))
-        print("\n".join(lines if len(lines) == 4 else lines[-1:]), flush=True)  # head and all at first
+        print(
+            "\n".join(lines if len(lines) == 4 else lines[-1:]), flush=True
+        )  # head and all at first
 
     with until(scene.deadline(), scene, "[precision]"):
         measured = precision(scene, report=show)
-    against = {"reference": measured.reference.source, "reference_error": measured.reference.error}
-    numbers = {"name": measured.name, "title": measured.title, **against}
-    numbers |= {"points": [asdict(one) for one in measured.points], "notes": measured.notes}
+    numbers = {"reference": "the closed form for Gaussian thresholds", **asdict(measured)}
     lines += measured.notes
     _write(folder, "precision", partial(save_precision, measured), lines, numbers)
     print("\n".join([*measured.notes, f"written to {folder}"]))

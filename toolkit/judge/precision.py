@@ -3,12 +3,14 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr
 
 from origins.contacts import Contacts
+from origins.errors import InputError
 from origins.start import GaussianStart
 from origins.thresholds.gaussian import CutGaussian
 from toolkit.scene import laws
@@ -18,9 +20,7 @@ Array = npt.NDArray[np.float64]
 Work = Callable[[float], tuple[Array, float | None]]
 """Force, and the error that the method claims (both lengths), at a rung of its ladder."""
 
-TELLING = 10.0  # times the reference's own error: smaller differences are partly that
 _RUNS, _LONG = 5, 1.0  # runs of which the best counts; s of a run that is not repeated
-_FINEST = tuple(10.0**-n for n in range(9, 13))  # tolerances of a reference that is solved for
 _ROUND_OFF = 2.0**-53
 _NEGLIGIBLE = 1e-16  # of the mean threshold: what a cut at 0 may change of a closed form
 _ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
@@ -42,22 +42,19 @@ class Ladders:
     longest: float = 3.0
 
 
-@dataclass(frozen=True)
-class Reference:
-    """F/(N_c<k>) on a path (a length), its largest error in mean thresholds, and where it comes from, in words."""
+class Reference(NamedTuple):
+    """F/(N_c<k>) on a path (a length), and a bound on its largest error in mean thresholds."""
 
     force: Array
     error: float
-    source: str
 
 
 @dataclass(frozen=True)
 class Point:
     """One `method` ("master", "explicit", "ensemble", "closest") at one rung, its `setting`; errors in mean thresholds.
 
-    error : largest difference from the reference over the path; claimed_error : what the method says of itself, None
-    where it says nothing; run_time : s, the best of `runs` warm runs; at_reference : whether the error is below ten
-    times the reference's own, which then is part of it.
+    error : largest difference from the closed form over the path; claimed_error : what the method says of itself, None
+    where it says nothing; run_time : s, the best of `runs` warm runs.
     """
 
     method: str
@@ -66,7 +63,6 @@ class Point:
     claimed_error: float | None
     run_time: float
     runs: int
-    at_reference: bool
 
 
 @dataclass(frozen=True)
@@ -75,7 +71,7 @@ class Precision:
 
     name: str
     title: str
-    reference: Reference
+    reference_error: float
     points: list[Point]
     notes: list[str]
 
@@ -87,19 +83,25 @@ def precision(
     closest-contact algorithm (scenes with [eq]), at the rungs of `ladders` (None: the command's).
 
     `report` is called with each point as soon as it is measured. Of the scene its seed is used, its tolerance and its
-    number of contacts are not. Raises InputError for a scene that a method refuses, before anything is reported.
+    number of contacts are not. Raises InputError, before anything is reported, for a scene that a method refuses, and
+    where F is not known in closed form.
     """
     scene.only_forward("precision")
     ladders = ladders or Ladders()
     unit = scene.contacts.mean_threshold
-    against = reference(scene.contacts, scene.path)
+    against = closed_form(scene.contacts, scene.path)
+    if against is None:
+        rule = (
+            "needs F in closed form: Gaussian thresholds far from 0, from one stretch or a Gaussian"
+        )
+        raise InputError(f"precision: {rule} of them")
     methods = list(_methods(scene, ladders))
     for _, rungs, work in methods:
         work(rungs[0])  # so that nothing is imported or compiled while timed
     points: list[Point] = []
     notes = [
-        f"true error: largest over {scene.path.size} positions, in units of <x_s>, from {against.source}, "
-        f"good to {against.error:.0e}; * below {TELLING:g} times that: the reference's own error is part of it",
+        f"true error: largest over {scene.path.size} positions, in units of <x_s>, from the closed form for Gaussian "
+        f"thresholds, good to {against.error:.0e}",
         "run time: wall time, best of the warm runs; compilation is not in it",
     ]
     if scene.master is not None:
@@ -117,14 +119,13 @@ def precision(
             run_time, runs, (force, claimed) = _time(work, setting)
             error = float(np.abs(force - against.force).max()) / unit
             claimed = None if claimed is None else float(claimed) / unit
-            at_reference = error < TELLING * against.error
-            points.append(Point(method, setting, error, claimed, run_time, runs, at_reference))
+            points.append(Point(method, setting, error, claimed, run_time, runs))
             if report is not None:
                 report(points[-1])
             if run_time > ladders.longest and setting != rungs[-1]:
                 notes.append(f"{method}: no further, as a run took more than {ladders.longest:g} s")
                 break
-    return Precision(scene.name, scene.title or scene.name, against, points, notes)
+    return Precision(scene.name, scene.title or scene.name, against.error, points, notes)
 
 
 def _methods(scene: Scene, ladders: Ladders) -> Iterator[tuple[str, Sequence[float], Work]]:
@@ -170,24 +171,6 @@ def _time(work: Work, setting: float) -> tuple[float, int, tuple[Array, float | 
             return min(times), len(times), answer
 
 
-def reference(contacts: Contacts, path: Array) -> Reference:
-    """The best force there is at positions `path` (lengths, shape (n,)): in closed form, else the master equation's
-    at the finest tolerance that it reaches. Raises InputError where there is none."""
-    best = closed_form(contacts, path)
-    if best is not None:
-        return best
-    import master
-
-    for tolerance in _FINEST:
-        solved = master.solve(contacts, path, tolerance=tolerance)
-        if best is None or solved.force_error < best.error:
-            source = f"the master equation itself at tolerance {tolerance:.0e}"
-            best = Reference(solved.force, float(solved.force_error), source)
-        if not solved.success:
-            break  # beyond what round-off allows, asking for more gives less
-    return best  # type: ignore[return-value]  # the first is always taken
-
-
 def closed_form(contacts: Contacts, path: Array) -> Reference | None:
     """Gaussian thresholds from one stretch or a Gaussian of them; None for others, and where weight is cut at 0.
 
@@ -217,7 +200,7 @@ def closed_form(contacts: Contacts, path: Array) -> Reference | None:
         force -= mean * ndtr(z) - width**2 / scatter * np.exp(-0.5 * z * z) / _ROOT_TWO_PI
     # each term is rounded, and its argument is, which tells more the narrower the laws
     error = float(_ROUND_OFF * (count + 4.0 + mean / narrowest) * reach / mean)
-    return Reference(force, error, "the closed form for Gaussian thresholds")
+    return Reference(force, error)
 
 
 def table_head() -> list[str]:
@@ -233,7 +216,6 @@ def table_line(point: Point) -> str:
         setting = f"tolerance {point.setting:.0e}"
     elif point.method == "explicit":
         setting = f"<x_s>/{point.setting:g}"
-    mark = "*" if point.at_reference else " "
     claimed = "" if point.claimed_error is None else f"{point.claimed_error:.1e}"
     run_time = f"{1e3 * point.run_time:.2f} ms"
-    return f"{point.method:9} {setting:>19}  {point.error:9.1e}{mark}  {claimed:>8}  {run_time:>10}  {point.runs:4d}"
+    return f"{point.method:9} {setting:>19}  {point.error:10.1e}  {claimed:>8}  {run_time:>10}  {point.runs:4d}"

@@ -1,4 +1,7 @@
-"""Pictures: functions that take matplotlib axes and return them. Data are in the unit of the thresholds."""
+"""Pictures of a run and of a sweep: functions that take matplotlib axes and return them.
+
+Data are in the unit of the thresholds.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -8,6 +11,7 @@ import numpy as np
 
 from toolkit.pictures.axes import (
     INK,
+    Array,
     along,
     curves,
     grows,
@@ -17,7 +21,6 @@ from toolkit.pictures.axes import (
     with_slips,
     write_along,
 )
-from toolkit.pictures.sweep import HELD, plot_sweep, sweep_panels
 from toolkit.pictures.thresholds import plot_density
 from toolkit.results.beside import deviation, why_not_compared
 from toolkit.results.records import AgeingRecord, Result, SoftRecord, is_coupled
@@ -29,6 +32,16 @@ _NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
 _LEGEND = 0.13  # of the height, room for each of its rows above the curve
 _BARS = 61  # as many error bars as leave the line in sight
 _REPLICAS = 5  # as many curves as can be told from one another
+_SWEPT = {
+    "velocity": ("speed", "v", "m/s"),
+    "temperature": ("temperature", r"k_BT/\langle k\rangle", "m²"),
+    "kelvin": ("temperature", "T", "K"),
+    "rate": ("rate of ageing", "D", "m²/s"),
+    "delay": ("delay", r"\tau_m", "s"),
+}
+_DECADES = 30.0  # a quantity that spans more is drawn on a logarithmic axis
+_LINES = 8  # as many as are told apart; of more some are drawn
+_HELD = 1.0 - 1e-9  # of the contacts: fewer that hold are worth a picture
 
 
 def plot(result: Result, axes: Any = None) -> Any:
@@ -154,6 +167,69 @@ def plot_defects(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
+def plot_sweep(axes: "Axes", result: Result) -> "Axes":
+    """F_k/(N_c<k>) along the sweep, a line for each value of its second quantity."""
+    sweep: Any = result.sweep
+    _along_sweep(axes, result, sweep.force)
+    name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.in_metres)
+    if not curves(result):
+        axes.set_title(headline(result))
+    if len(sweep.along) > 1:
+        axes.legend(fontsize="small")
+    return axes
+
+
+def plot_swept_holding(axes: "Axes", result: Result) -> "Axes":
+    """The fraction of the contacts that hold along the sweep."""
+    _along_sweep(axes, result, result.sweep.holding)  # type: ignore[union-attr]
+    axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
+    return axes
+
+
+def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
+    """K*/(N_c<k>) along the sweep, from 0: below it stick-slip. What is infinite is not drawn."""
+    spring: Any = result.sweep.critical_spring  # type: ignore[union-attr]
+    _along_sweep(axes, result, np.where(np.isfinite(spring), spring, np.nan))
+    axes.set_ylabel(r"$K^*/(N_c\langle k\rangle)$")
+    axes.set_ylim(bottom=0.0)
+    return axes
+
+
+def sweep_panels(result: Result) -> list[tuple[Callable[["Axes", Result], "Axes"], bool]]:
+    """What a picture may show of a sweep, and whether there is anything to show."""
+    sweep = result.sweep
+    return [
+        (plot_sweep, sweep is not None),
+        (plot_swept_holding, sweep is not None and bool((sweep.holding < _HELD).any())),
+        (plot_critical_spring, sweep is not None and sweep.critical_spring is not None),
+    ]
+
+
+def _along_sweep(axes: "Axes", result: Result, values: Array) -> None:
+    """Lines against the sweep's first quantity, named by its second; with SI units where lengths are metres."""
+    from matplotlib import colormaps
+
+    sweep: Any = result.sweep
+    first, *second = sweep.along
+    x = getattr(sweep, first)
+    rows = x.reshape(x.shape[0], -1)[:, 0]
+    table = values.reshape(rows.size, -1)
+    some = some_of(table.shape[1], _LINES)
+    units = {name: unit for name, (*_, unit) in _SWEPT.items() if result.in_metres or unit == "K"}
+    style: dict[str, Any] = {"lw": 1.4, "marker": "." if rows.size < 2 * _LINES else ""}
+    for k, column in enumerate(some):
+        style["color"] = "#1f4e79"
+        for name in second:
+            here = float(getattr(sweep, name)[0, column])
+            style["label"] = f"${_SWEPT[name][1]}$ = {here:.3g} {units.get(name, '')}".rstrip()
+            style["color"] = colormaps["viridis"](0.85 * k / max(some.size - 1, 1))
+        axes.plot(rows, table[:, column], **style)
+    name, symbol, _ = _SWEPT[first]
+    axes.set_xlabel(f"{name} ${symbol}$ ({units.get(first, '')})".removesuffix(" ()"))
+    if rows.min() > 0.0 and rows.max() > _DECADES * rows.min():
+        axes.set_xscale("log")
+
+
 def _style(ink: str, **more: Any) -> dict[str, Any]:
     return {"color": INK[ink], **more}
 
@@ -165,7 +241,7 @@ def save_picture(result: Result, path: Path) -> None:
     below: list[Callable[[Any, Result], Any]] = []
     if curves(result) and result.timed:
         below.append(plot_position)
-    if any((curve.holding < HELD).any() for curve in curves(result)):
+    if any((curve.holding < _HELD).any() for curve in curves(result)):
         below.append(plot_holding)
     if result.master is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)

@@ -122,7 +122,7 @@ def resets_apart(result: Result) -> list[str]:
     if not told or (drive.slip or "reset") != "reset":
         return []
     return [
-        'slip = "reset": the master equation resets where F(X) first falls faster than the spring takes up, however few '
-        f"contacts break there, [eq] at avalanches of at least eq.slip_fraction = {eq.slip_fraction:g} of them: these "
+        'slip = "reset": the master equation resets where F(X) first falls faster than the spring takes up, however '
+        f"few contacts break there, [eq] at avalanches of at least eq.slip_fraction = {eq.slip_fraction:g} of them: these "
         "come later here, or not at all"
     ]

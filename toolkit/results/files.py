@@ -124,48 +124,52 @@ def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
 def summary(result: Result) -> dict[str, Any]:
     """The numbers of a run that one looks at first; lengths in the unit of the thresholds, times in seconds."""
     asked, solved, eq, sweep = result.asked, result.master, result.eq, result.sweep
-    content = _of(result, "name title version mean_threshold success")
-    content["unit"] = result.thresholds.unit
+    content: dict[str, Any] = {"name": result.name, "title": result.title}
+    content |= {"version": result.version, "mean_threshold": result.mean_threshold}
+    content |= {"success": result.success, "unit": result.thresholds.unit}
     if solved is not None and asked.master is not None:
-        own = _of(solved, "force_error run_time success message")
-        own |= {"tolerance": asked.master.tolerance, "last_force": float(solved.force[-1])}
+        content["master"] = {"tolerance": asked.master.tolerance, **_numbers(solved)}
         if isinstance(solved, SoftRecord):
-            own |= _of(solved.regime, "verdict reason critical_spring critical_spring_error slips")
-            error = float(solved.slips.drive_error)
-            own |= {"slip_drive_error": error, "period": float(solved.period)}
-            own["period_error"] = 2.0 * error
-        if isinstance(solved, AgeingRecord):
-            own["largest_mass_defect"] = float(np.abs(solved.mass_defect).max())
-            own["largest_positivity_defect"] = float(solved.positivity_defect.max())
-            own["outrun"] = float(solved.outrun)
-        content["master"] = own
+            content["master"]["period_error"] = 2.0 * float(solved.slips.drive_error)
     if eq is not None and asked.eq is not None:
-        own = _of(asked.eq, "contacts replicas seed tolerance")
-        own |= _of(eq, "success message run_time compile_time breaks")
-        own |= {"followed": int(eq.contacts), "last_force": float(eq.force[-1])}
-        own["largest_standard_error"] = float(np.max(eq.force_standard_error))
-        own["largest_step_error"] = float(np.max(eq.step_error))
-        own["breaks_per_rank"] = [int(breaks) for breaks in eq.breaks_per_rank]
+        own = _numbers(eq) | {"followed": int(eq.contacts)}
+        own |= {"largest_standard_error": own.pop("largest_force_standard_error")}
+        for name in ("contacts", "replicas", "seed", "tolerance"):
+            own[name] = getattr(asked.eq, name)
         if is_coupled(eq):
-            own |= {"slip_fraction": float(eq.slip_fraction), "slips": eq.slips.number.size}
+            own["slips"] = eq.slips.number.size
             own["slips_beside"] = [slip._asdict() for slip in slips_beside(result)]
         content["eq"] = own
     if sweep is not None:
-        own = _of(sweep, "run_time success message")
-        own |= {"along": list(sweep.along), "points": sweep.force.size}
-        own["largest_force_error"] = float(sweep.force_error.max())
-        if sweep.critical_spring_error is not None:
-            own["largest_critical_spring_error"] = float(sweep.critical_spring_error.max())
-        content["sweep"] = own
+        content["sweep"] = _numbers(sweep) | {"points": sweep.force.size}
     if result.interface is not None:
         content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
     return content | {"notes": list(result.notes)}
 
 
-def _of(answer: object, names: str) -> dict[str, Any]:
-    """Some fields, as JSON knows numbers."""
-    values = {name: getattr(answer, name) for name in names.split()}
-    return {k: one.item() if isinstance(one, np.generic) else one for k, one in values.items()}
+def _flat(answer: Any) -> dict[str, Any]:
+    """The fields of a record, those of slips and regimes too."""
+    values = {field.name: getattr(answer, field.name) for field in fields(answer)}
+    for name, prefix in (("slips", "slip_"), ("regime", "")):
+        if is_dataclass(part := values.pop(name, None)):
+            values |= {f"{prefix}{field.name}": getattr(part, field.name) for field in fields(part)}
+    return values
+
+
+def _numbers(answer: Any) -> dict[str, Any]:
+    """The fields of a record that are no arrays, as JSON knows them; of arrays of errors and defects the largest, and
+    of a path's force the last."""
+    told: dict[str, Any] = {}
+    for name, value in _flat(answer).items():
+        if not isinstance(value, np.ndarray):
+            value = list(value) if isinstance(value, tuple) else value
+            told[name] = value.item() if isinstance(value, np.generic) else value
+        elif name.endswith(("error", "defect")):
+            told[f"largest_{name}"] = float(np.abs(value).max(initial=0.0))
+        elif name == "force" and hasattr(answer, "path"):
+            told["last_force"] = float(value[-1])
+    told.pop(_HISTOGRAMS, None)
+    return told
 
 
 def write_json(content: dict[str, Any], path: Path) -> None:
@@ -230,26 +234,17 @@ def _fill(result: Result, store: "h5py.File") -> None:
             own.attrs["error"] = number.error
     for name in ("thresholds", "sweep", "master", "eq"):
         if (answer := getattr(result, name)) is not None:
-            own = name != "master" or isinstance(answer, SolvedRecord)  # else it has more fields
-            kind = type(answer) if own else SolvedRecord
-            _write(store.create_group(name), answer, kind, units)
+            _write(store.create_group(name), answer, units)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
         for index, histogram in enumerate(result.eq.histograms):
             own = store.create_group(f"eq/{_HISTOGRAMS}/{index}")
-            _write(own, histogram, type(histogram), units, compression="gzip", shuffle=True)
+            _write(own, histogram, units, compression="gzip", shuffle=True)
 
 
-def _write(
-    group: "h5py.Group", answer: Any, kind: type[Any], units: dict[str, str], **how: Any
-) -> None:
-    """The fields of `kind`, as found on `answer`: arrays as data sets, the rest as attributes, those of slips and
-    regimes too."""
-    values = {field.name: getattr(answer, field.name) for field in fields(kind)}
-    for name, prefix in (("slips", "slip_"), ("regime", "")):
-        if is_dataclass(part := values.pop(name, None)):
-            values |= {f"{prefix}{field.name}": getattr(part, field.name) for field in fields(part)}
-    for name, value in values.items():
+def _write(group: "h5py.Group", answer: Any, units: dict[str, str], **how: Any) -> None:
+    """A record: arrays as data sets, the rest as attributes."""
+    for name, value in _flat(answer).items():
         if isinstance(value, np.ndarray) or name == _PER_RANK:
             group.create_dataset(name, data=value, **how)
             group[name].attrs["units"] = units.get(name, "1")

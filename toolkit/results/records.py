@@ -30,8 +30,7 @@ _PER_PANEL = 24
 @dataclass(frozen=True)
 class SolvedRecord:
     """A master equation's answer: F = `force` over `path` (lengths, shape (n,)), `holding`, the fraction of contacts
-    that hold, `force_error` in mean thresholds, `run_time` in s. The solvers' own answers have these fields, and
-    more."""
+    that hold, `force_error` in mean thresholds, `run_time` in s."""
 
     path: Array
     force: Array
@@ -75,11 +74,9 @@ Curve: TypeAlias = "SolvedRecord | Simulated"
 
 
 def record_of(answer: Any) -> Any:
-    """What is kept of the master equation's answer: a record where it has parts of its own, else itself."""
-    marks = {"regime": SoftRecord, "mass_defect": AgeingRecord}
-    kind: Any = next((kind for mark, kind in marks.items() if hasattr(answer, mark)), None)
-    if kind is None:
-        return answer
+    """What is kept of the master equation's answer."""
+    kind: Any = SoftRecord if hasattr(answer, "regime") else SolvedRecord
+    kind = AgeingRecord if hasattr(answer, "mass_defect") else kind
     values = {field.name: getattr(answer, field.name) for field in fields(kind)}
     return kind(**{name: np.nan if value is None else value for name, value in values.items()})
 
@@ -114,25 +111,16 @@ class ThresholdCurve:
 class Result:
     """A run of a scene; lengths are in the unit `thresholds.unit`, run times in s.
 
-    Attributes
-    ----------
-    name, title, text, version : str
-        Of the scene, its TOML text, and this package's version.
-    mean_threshold : float
-        <x_s>, a length.
-    thresholds : ThresholdCurve
-        P_c as drawn.
-    master, eq, sweep : SolvedRecord, eq_model.EnsembleResult, SweepRecord or None
-        Each solver's answer, None where it was not asked for. Where a spring pulls they are a SoftRecord and an
-        eq_model.CoupledResult; in the paper's closure of ageing `master` is an AgeingRecord. A run that went on from a
-        checkpoint counts the `run_time` of all launches, and the breaks of the earlier ones on rank 0.
-    notes : tuple of str
-        What to keep in mind: where samples, surface or load strain the thresholds, what makes a run hopeless, that it
-        went on from a checkpoint.
-    interface : dict or None
-        For a rough surface, its contacts in SI units: a Number (`value`, `error`, `unit`) by name.
-    domains : origins.DomainSamples or None
-        For islands, their barriers and angles; not kept in the folder, but drawn there.
+    `text` is the scene's TOML text, `version` this package's, `mean_threshold` <x_s>, `thresholds` P_c as drawn.
+
+    `master`, `eq` and `sweep` are each solver's answer, None where it was not asked for. Where a spring pulls they are
+    a SoftRecord and an eq_model.CoupledResult; in the paper's closure of ageing `master` is an AgeingRecord. A run that
+    went on from a checkpoint counts the `run_time` of all launches, and the breaks of the earlier ones on rank 0.
+
+    `notes` tell what to keep in mind: where samples, surface or load strain the thresholds, what makes a run hopeless,
+    that it went on from a checkpoint. `interface` has, for a rough surface, its contacts in SI units: a Number
+    (`value`, `error`, `unit`) by name. `domains` are the barriers and angles of islands, which the folder's picture
+    shows and its files do not keep.
     """
 
     name: str
