@@ -13,7 +13,7 @@ import toolkit
 from toolkit.command import main
 from toolkit.judge.compare import compare, table
 from toolkit.pictures.compare import save_comparison
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 NARROW: dict[str, Any] = {"kind": "gaussian", "mean": 2.0, "std": 0.1}
 WIDE: dict[str, Any] = {"kind": "gw-plastic", "B": 1.251}

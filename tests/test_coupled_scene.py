@@ -14,7 +14,7 @@ import toolkit
 from origins.errors import InputError
 from toolkit.commands import report
 from toolkit.results.beside import slips_beside
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 SCENE = {
     "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}},

@@ -68,7 +68,6 @@ def test_points_of_a_hold_may_be_even_in_its_logarithm() -> None:
 
 def test_a_picture_shows_the_decades_of_a_hold() -> None:
     from matplotlib.figure import Figure
-
     from toolkit.pictures.abscissa import write_along
 
     drive = {"turns": [1.0, 1.0, 2.0], "times": [1.0, 1.0 + 1e6, 2.0 + 1e6], "points": 91, "hold_scale": 1e-2}

@@ -22,13 +22,12 @@ from toolkit.command import main
 from toolkit.pictures.axes import plain
 from toolkit.pictures.run import plot_force
 from toolkit.results.folders import only_writer
-from toolkit.running.launch import Launch
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import communicator
-from toolkit.running.signals import Terminated, terminable
+from toolkit.running.signals import Launch, Terminated, terminable
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.measured import from_samples
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 GAUSSIAN = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
 SCENE: dict[str, Any] = {

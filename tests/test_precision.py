@@ -13,10 +13,9 @@ import pytest
 
 import origins
 from toolkit.command import main
-from toolkit.judge.precision import Ladders, Point, Precision, precision
-from toolkit.judge.precision import closed_form
+from toolkit.judge.precision import Ladders, Point, Precision, closed_form, precision
 from toolkit.scene.scene import load_scene
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 SCENE: dict[str, Any] = {
     "title": "Gaussian, short",

@@ -15,7 +15,7 @@ import origins
 import toolkit
 from origins.errors import InputError
 from toolkit.scene import laws
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 SCENE: dict[str, Any] = {
     "title": "test",
@@ -158,7 +158,7 @@ UNKNOWN = "cannot be read as a scan: it is in no format that SurfaceTopography k
     [
         ({"file": "none.di"}, "surface.file = 'none.di': no such file in "),
         ({"file": "text.di"}, f"surface.file = 'text.di': {UNKNOWN}"),
-        ({"file": "own.txt", "unit": "nm"}, "surface.file = 'own.txt': cannot be read as a scan: Value for keyword 'unit' is already fixed"),
+        ({"file": "own.txt", "unit": "nm"}, "surface.file = 'own.txt': cannot be read as a scan: Value for keyword "),
         ({"file": "bare.txt"}, "surface.file = 'bare.txt': cannot be read as a scan: `physical_sizes` could not be"),
         ({"file": "bare.txt", "channel": 1}, "surface.channel = 1: the file has 1 channel"),
         ({"file": "bare.txt", "physical_sizes": [1e-6, 1e-6]}, "surface.unit: is missing; lengths need one unit"),

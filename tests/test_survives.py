@@ -16,7 +16,7 @@ import toolkit
 from origins.errors import InputError
 from toolkit.running.checkpoint import Checkpoint, identity, write_state
 from toolkit.running.runner import make_ensemble
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 SCENE: dict[str, Any] = {
     "title": "survivor",
@@ -34,7 +34,7 @@ PROGRAM = """
 import json, os, signal, sys
 import eq_model, toolkit.pictures.run
 from toolkit.command import main
-from toolkit.running.launch import read_environment
+from toolkit.running.signals import read_environment
 
 toolkit.pictures.run.save_picture = lambda result, path: path.touch()
 

@@ -7,7 +7,7 @@ if TYPE_CHECKING:  # else imported within, so that an interrupt of any import is
     import argparse
     from collections.abc import Sequence
 
-    from toolkit.running.launch import Launch
+    from toolkit.running.signals import Launch
 
 COMMANDS = {
     "run": "solve a scene: F(X) with its error and run time, result files and a picture",
@@ -40,7 +40,7 @@ def _run(words: list[str]) -> int:
     import os
     from contextlib import redirect_stderr, redirect_stdout
 
-    from toolkit.running.launch import read_environment
+    from toolkit.running.signals import read_environment
 
     launched = read_environment()
     if launched.rank == 0:

@@ -169,7 +169,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     law, title = scene.contacts.thresholds, scene.title or scene.name
     record = {"name": scene.name, "title": scene.title, "scene": scene.text, **asdict(found)}
     writers: dict[str, Any] = {
-        "thresholds.png": lambda path: save_thresholds_picture(sample_curve(law), law, title, path),
+        "thresholds.png": partial(save_thresholds_picture, law, sample_curve(law), title),
         "thresholds.json": lambda path: write_json(record, path),
     }
     on_root(comm, lambda: write_folder(folder, writers))

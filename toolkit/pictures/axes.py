@@ -1,15 +1,14 @@
-"""Axes that can be read: what the curves of a run are drawn against, lengths in metres with a prefix, densities that
-peak or span decades; and the title above them."""
+"""Axes that can be read: what curves are drawn against, lengths in metres with a prefix, densities that peak or span
+decades; and the title above them."""
 
 import textwrap
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from toolkit.results.records import Curve, Result, SoftRecord, ThresholdCurve
+from toolkit.results.records import Curve, Result, ThresholdCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
-_WIDE = 90  # letters of a title's line
 _DECADES = 1e3  # a quantity that spans more is drawn on a logarithmic axis
 _SPIKE = 10.0  # times what 95 % of the contacts see: a higher end of a density is cut off
 _SHARE = 0.05  # of the contacts, above and below what the limits are made for
@@ -44,8 +42,7 @@ def name_lengths(axis: "Axis", name: str, metres: bool) -> None:
         axis.set_major_formatter(EngFormatter(unit="m"))
 
 
-@dataclass(frozen=True)
-class Heights:
+class Heights(NamedTuple):
     """Limits for a density: bottom and top, and whether the axis is logarithmic between them."""
 
     bottom: float
@@ -61,15 +58,14 @@ def heights(curve: ThresholdCurve, values: Any) -> Heights:
     values = np.asarray(values, dtype=float)
     shown = np.isfinite(values) & (values > 0.0)
     weight, seen = -np.diff(curve.survival, append=0.0)[shown], values[shown]
-    if not seen.size or not weight.sum() > 0.0:
+    if not weight.sum() > 0.0:
         return Heights(0.0, float(seen.max(initial=1.0)), False)
     order = np.argsort(seen)
     sums = np.cumsum(weight[order]) / weight.sum()
     low, high = seen[order][np.searchsorted(sums, [_SHARE, 1.0 - _SHARE])].tolist()
-    top = float(seen.max())
     if high > _DECADES * low:
         return Heights(low / 10.0, high * 10.0, True)
-    at_end = int(np.argmax(seen)) in (0, seen.size - 1)
+    top, at_end = float(seen.max()), int(np.argmax(seen)) in (0, seen.size - 1)
     return Heights(0.0, 1.5 * high if top > _SPIKE * high and at_end else 1.05 * top, False)
 
 
@@ -94,24 +90,10 @@ def along(result: Result, curve: Curve) -> Array:
     return result.time[: curve.path.size] if result.timed else curve.path
 
 
-def with_slips(places: Array, force: Array, solved: SoftRecord) -> tuple[Array, Array]:
-    """The curve with the ends of each slip put in where it happens, between points of the path.
-
-    `places` are what the curve is drawn against. A drive that turns or rests is left as it is.
-    """
-    if not (np.diff(solved.path) > 0.0).all():
-        return places, force
-    slips = solved.slips
-    at = np.searchsorted(solved.path, slips.drive)
-    there = np.interp(slips.drive, solved.path, places)
-    ends = np.column_stack([slips.force_before, slips.force_after]).ravel()
-    return np.insert(places, at.repeat(2), there.repeat(2)), np.insert(force, at.repeat(2), ends)
-
-
 def write_along(axes: "Axes", result: Result) -> None:
     """The axis of that. Where holds have a scale, points are even on it, so that each decade of a hold can be told."""
     drive = result.asked.drive
-    if not result.timed or drive is None:
+    if drive is None or drive.times is None:
         pulled = drive is not None and drive.spring is not None
         place = "drive position $X_T$" if pulled else "slider position $X$"
         name_lengths(axes.xaxis, place, result.in_metres)
@@ -121,15 +103,10 @@ def write_along(axes: "Axes", result: Result) -> None:
         times, number = result.time, np.arange(result.time.size, dtype=float)
         both = (lambda t: np.interp(t, times, number), lambda n: np.interp(n, number, times))
         axes.set_xscale("function", functions=both)
-        turns = np.unique([times[0], *(drive.times or ())])
+        turns = np.unique([times[0], *drive.times])
         axes.set(xlim=(times[0], times[-1]), xticks=turns[some_of(turns.size, 8)])
         how = f"logarithmic in holds, even in ln(1 + t/{drive.hold_scale:.3g}) since each began"
         axes.set_xlabel(f"{axes.get_xlabel()}, {how}")
-
-
-def grows(result: Result) -> bool:
-    """Whether thresholds grow with the age of each contact."""
-    return result.asked.contacts.thresholds.get("kind") == "growing-grains"
 
 
 def headline(result: Result) -> str:
@@ -142,5 +119,4 @@ def headline(result: Result) -> str:
         table = (getattr(contacts, law) or {}).items()
         told = [f"{key} {value}" for key, value in table if key not in varied | {"final"}]
         said += [f"{law}: {', '.join(told)}"] if told else []
-    title = plain(result.title or result.name)
-    return "\n".join([title, *textwrap.wrap("; ".join(said), _WIDE)])
+    return "\n".join([plain(result.title or result.name), *textwrap.wrap("; ".join(said), 90)])

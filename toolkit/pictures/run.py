@@ -14,11 +14,9 @@ from toolkit.pictures.axes import (
     Array,
     along,
     curves,
-    grows,
     headline,
     name_lengths,
     some_of,
-    with_slips,
     write_along,
 )
 from toolkit.pictures.thresholds import plot_density
@@ -28,10 +26,10 @@ from toolkit.results.records import AgeingRecord, Result, SoftRecord, is_coupled
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
+_HELD = 1.0 - 1e-9  # of the contacts: fewer that hold are worth a picture
 _LEGEND = 0.13  # of the height, room for each of its rows above the curve
 _BARS = 61  # as many error bars as leave the line in sight
-_REPLICAS = 5  # as many curves as can be told from one another
+_REPLICAS, _LINES = 5, 8  # as many curves as can be told from one another
 _SWEPT = {
     "velocity": ("speed", "v", "m/s"),
     "temperature": ("temperature", r"k_BT/\langle k\rangle", "m²"),
@@ -39,9 +37,6 @@ _SWEPT = {
     "rate": ("rate of ageing", "D", "m²/s"),
     "delay": ("delay", r"\tau_m", "s"),
 }
-_DECADES = 30.0  # a quantity that spans more is drawn on a logarithmic axis
-_LINES = 8  # as many as are told apart; of more some are drawn
-_HELD = 1.0 - 1e-9  # of the contacts: fewer that hold are worth a picture
 
 
 def plot(result: Result, axes: Any = None) -> Any:
@@ -68,9 +63,9 @@ def plot(result: Result, axes: Any = None) -> Any:
         _, axes = pyplot.subplots(1, 2, layout="constrained", **size)
     (plot_force if curves(result) else plot_sweep)(axes[0], result)
     plot_density(axes[1], result.thresholds)
-    if grows(result):
-        age = result.asked.contacts.thresholds["age"]
-        axes[1].set_title(f"thresholds at $X$ = 0, age {age:.3g}")
+    thresholds = result.asked.contacts.thresholds
+    if thresholds["kind"] == "growing-grains":
+        axes[1].set_title(f"thresholds at $X$ = 0, age {thresholds['age']:.3g}")
     return axes
 
 
@@ -82,10 +77,15 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
         path, force, label = along(result, solved), solved.force, "master equation"
         if not solved.success:
             label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
-        if isinstance(solved, SoftRecord):
-            path, force = with_slips(path, force, solved)
-        dashes = "-" if solved.success else "--"
-        axes.plot(path, force, color=INK["master"], lw=1.4, ls=dashes, zorder=3, label=label)
+        if isinstance(solved, SoftRecord) and (np.diff(solved.path) > 0.0).all():
+            # the ends of each slip where it happens, between points of the path
+            slips = solved.slips
+            at = np.searchsorted(solved.path, slips.drive).repeat(2)
+            ends = np.column_stack([slips.force_before, slips.force_after]).ravel()
+            there = np.interp(slips.drive, solved.path, path).repeat(2)
+            path, force = np.insert(path, at, there), np.insert(force, at, ends)
+        style = _style("master", ls="-" if solved.success else "--", lw=1.4, zorder=3, label=label)
+        axes.plot(path, force, **style)
         if isinstance(solved, AgeingRecord) and solved.outrun < path[-1]:
             label = "contacts outrun $P_c$ (Q15)"
             axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
@@ -112,28 +112,29 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
+def _style(ink: str, **more: Any) -> dict[str, Any]:
+    return {"color": INK[ink], **more}
+
+
 def plot_position(axes: "Axes", result: Result) -> "Axes":
     """Where the drive, or the rigid slider, and a soft slider are at each time."""
-    curve, name = curves(result)[0], "slider\nposition $X$"
+    curve = curves(result)[0]
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
     if isinstance(curve, SoftRecord) or is_coupled(curve):
         axes.plot(along(result, curve), curve.position, **_style("master", lw=1.2, label="slider"))
         axes.legend(fontsize="small")
-        name = "position"
     write_along(axes, result)
-    name_lengths(axes.yaxis, name, result.in_metres)
+    name_lengths(axes.yaxis, "position", result.in_metres)
     return axes
 
 
 def plot_holding(axes: "Axes", result: Result) -> "Axes":
     """The fraction of the contacts that hold; the others wait to form again."""
-    solved, eq = result.master, result.eq
-    if solved is not None:
-        axes.plot(along(result, solved), solved.holding, **_style("master", lw=1.2, label="ME"))
-    if eq is not None:
-        some = some_of(eq.path.size, _BARS)
-        axes.plot(along(result, eq)[some], eq.holding[some], ".", **_style("eq", ms=4, label="EQ"))
-    axes.legend(fontsize="small", ncols=2, loc="lower right", borderpad=0.2)
+    for curve, ink, mark in ((result.master, "master", "-"), (result.eq, "eq", ".")):
+        if curve is not None:
+            some = slice(None) if ink == "master" else some_of(curve.path.size, _BARS)
+            place = along(result, curve)[some]
+            axes.plot(place, curve.holding[some], mark, **_style(ink, ms=4, lw=1.2))
     axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
     write_along(axes, result)
     return axes
@@ -156,14 +157,13 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
 
 def plot_defects(axes: "Axes", result: Result) -> "Axes":
     """What the paper's closure of ageing does not keep: mass of P_c less 1, and weight below 0."""
-    if isinstance(solved := result.master, AgeingRecord):
-        path, mass, below = along(result, solved), solved.mass_defect, solved.positivity_defect
-        axes.plot(path, mass, **_style("master", label="mass of $P_c$ less 1"))
-        axes.plot(path, below, "--", **_style("eq", label="weight below 0"))
-        most = max(float(np.abs(mass).max()), float(below.max()), _NO_DEFECT)
-        axes.set(ylabel="defects\nof (Q15)", ylim=(-0.15 * most, 1.3 * most))
-        axes.legend(fontsize="small")
-        write_along(axes, result)
+    solved: Any = result.master
+    path = along(result, solved)
+    axes.plot(path, solved.mass_defect, **_style("master", label="mass of $P_c$ less 1"))
+    axes.plot(path, solved.positivity_defect, "--", **_style("eq", label="weight below 0"))
+    axes.set_ylabel("defects\nof (Q15)")
+    axes.legend(fontsize="small")
+    write_along(axes, result)
     return axes
 
 
@@ -216,9 +216,8 @@ def _along_sweep(axes: "Axes", result: Result, values: Array) -> None:
     table = values.reshape(rows.size, -1)
     some = some_of(table.shape[1], _LINES)
     units = {name: unit for name, (*_, unit) in _SWEPT.items() if result.in_metres or unit == "K"}
-    style: dict[str, Any] = {"lw": 1.4, "marker": "." if rows.size < 2 * _LINES else ""}
+    style = _style("master", lw=1.4, marker="." if rows.size < 2 * _LINES else "")
     for k, column in enumerate(some):
-        style["color"] = "#1f4e79"
         for name in second:
             here = float(getattr(sweep, name)[0, column])
             style["label"] = f"${_SWEPT[name][1]}$ = {here:.3g} {units.get(name, '')}".rstrip()
@@ -226,26 +225,22 @@ def _along_sweep(axes: "Axes", result: Result, values: Array) -> None:
         axes.plot(rows, table[:, column], **style)
     name, symbol, _ = _SWEPT[first]
     axes.set_xlabel(f"{name} ${symbol}$ ({units.get(first, '')})".removesuffix(" ()"))
-    if rows.min() > 0.0 and rows.max() > _DECADES * rows.min():
+    if rows.min() > 0.0 and rows.max() > 30.0 * rows.min():
         axes.set_xscale("log")
-
-
-def _style(ink: str, **more: Any) -> dict[str, Any]:
-    return {"color": INK[ink], **more}
 
 
 def save_picture(result: Result, path: Path) -> None:
     """The picture of a run as a PNG, on a figure of its own: the session's backend is not touched."""
     from matplotlib.figure import Figure
 
-    below: list[Callable[[Any, Result], Any]] = []
+    solved, below = result.master, list[Callable[[Any, Result], Any]]()
     if curves(result) and result.timed:
         below.append(plot_position)
     if any((curve.holding < _HELD).any() for curve in curves(result)):
         below.append(plot_holding)
-    if result.master is not None and result.eq is not None and not is_coupled(result.eq):
+    if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
-    elif isinstance(result.master, AgeingRecord):
+    elif isinstance(solved, AgeingRecord):
         below.append(plot_defects)
     swept = [draw for draw, there in sweep_panels(result) if there]
     if not curves(result):

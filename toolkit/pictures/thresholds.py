@@ -8,7 +8,7 @@ import numpy as np
 from origins.domains.domain_samples import DomainSamples
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
-from toolkit.pictures.axes import INK, heights, name_lengths, plain, some_of, spans_decades
+from toolkit.pictures.axes import INK, Array, heights, name_lengths, plain, some_of, spans_decades
 from toolkit.results.records import ThresholdCurve
 
 if TYPE_CHECKING:
@@ -23,11 +23,11 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     finite = np.isfinite(curve.density)
     smooth = curve.density[finite].any()
     if smooth:
-        _upright(axes, curve, curve.density)
-        x, density = curve.x[finite], curve.density[finite]
-        axes.fill_between(x, density, color=INK["thresholds"], alpha=0.25, lw=0)
-        axes.plot(x, density, **_STYLE)
-    _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
+        axes.fill_between(
+            curve.x[finite], curve.density[finite], alpha=0.25, lw=0, color=INK["thresholds"]
+        )
+        _draw(axes, curve, np.where(finite, curve.density, np.nan), "$P_c(x)$")
+    _label(axes, curve, "thresholds", "threshold $x$")
     if curve.atoms.size:
         # a weight is no density: beside one it has an axis of its own
         own = axes.twinx() if smooth else axes
@@ -36,47 +36,28 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     return axes
 
 
-def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
-    """S(x), the probability that a threshold exceeds x."""
-    axes.plot(curve.x, curve.survival, **_STYLE)
-    axes.set(ylabel="$S(x)$", ylim=(0, 1.05))
-    _label(axes, curve, "survival", "threshold $x$")
-    return axes
-
-
 def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
     """Over S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
     if isinstance(thresholds, Sampled):
-        x, above = thresholds.samples, 1.0 - np.cumsum(thresholds.shares)
-        some = some_of(x.size, _STEPS)
+        some = some_of(thresholds.samples.size, _STEPS)
+        above = 1.0 - np.cumsum(thresholds.shares)[some]
         label = f"{thresholds.n_samples} samples"
-        axes.step(x[some], above[some], where="post", color="0.25", lw=0.6, label=label)
+        axes.step(thresholds.samples[some], above, where="post", color="0.25", lw=0.6, label=label)
         axes.legend()
     return axes
 
 
-def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
-    """P_c(x)/S(x), the rate of breaking per length at stretch x, up to where one contact in a thousand holds."""
-    shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
-    hazard = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
-    if shown.any():
-        _upright(axes, curve, hazard)
-    axes.plot(curve.x[shown], hazard[shown], **_STYLE)
-    _label(axes, curve, "hazard", "stretch $x$", "$P_c(x)/S(x)$")
-    return axes
-
-
-def _upright(axes: "Axes", curve: ThresholdCurve, values: Any) -> None:
-    """The limits of y."""
+def _draw(axes: "Axes", curve: ThresholdCurve, values: Array, name: str) -> None:
+    """A quantity per length, within limits that show it."""
     found = heights(curve, values)
+    axes.plot(curve.x, values, **_STYLE)
     axes.set(yscale="log" if found.logarithmic else "linear", ylim=(found.bottom, found.top))
+    axes.set_ylabel(f"{name} (1/m)" if curve.in_metres else name)
 
 
-def _label(
-    axes: "Axes", curve: ThresholdCurve, title: str, name: str, inverse: str | None = None
-) -> None:
-    """Title, the axis of x, a little beyond all but a thousandth of the thresholds, from 0 unless they all lie far from
-    it; and, where it is one of inverse lengths, that of y."""
+def _label(axes: "Axes", curve: ThresholdCurve, title: str, name: str) -> None:
+    """Title, and the axis of x: a little beyond all but a thousandth of the thresholds, from 0 unless they all lie far
+    from it."""
     first = float(curve.x[curve.survival < 1.0 - 1e-3].min())
     last = float(curve.x[curve.survival > 1e-3].max(initial=first))
     # one exact value has no width of its own
@@ -88,21 +69,25 @@ def _label(
         axes.set_xscale("log")
     axes.set_xlim(first, last + margin)
     name_lengths(axes.xaxis, name, curve.in_metres)
-    if inverse is not None:
-        axes.set_ylabel(f"{inverse} (1/m)" if curve.in_metres else inverse)
 
 
 def save_thresholds_picture(
-    curve: ThresholdCurve, thresholds: Thresholds, title: str, path: Path
+    thresholds: Thresholds, curve: ThresholdCurve, title: str, path: Path
 ) -> None:
-    """P_c, survival, that of the samples if there are any over it, and hazard side by side as a PNG."""
+    """P_c, survival S, with that of the samples if there are any over it, and hazard P_c/S, the rate of breaking per
+    length up to where one contact in a thousand holds, side by side as a PNG."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.5, 3.6), layout="constrained")
-    axes = figure.subplots(1, 3)
-    plot_density(axes[0], curve)
-    plot_samples(plot_survival(axes[1], curve), thresholds)
-    plot_hazard(axes[2], curve)
+    density, survival, hazard = figure.subplots(1, 3)
+    plot_density(density, curve)
+    survival.plot(curve.x, curve.survival, **_STYLE)
+    survival.set(ylabel="$S(x)$", ylim=(0, 1.05))
+    _label(plot_samples(survival, thresholds), curve, "survival", "threshold $x$")
+    shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
+    values = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
+    _draw(hazard, curve, values, "$P_c(x)/S(x)$")
+    _label(hazard, curve, "hazard", "stretch $x$")
     figure.suptitle(plain(title))
     figure.savefig(path, dpi=150, format="png")
 

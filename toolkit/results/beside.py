@@ -90,23 +90,24 @@ def slip_lines(result: Result) -> list[str]:
     solved, eq = result.master, result.eq
     if not is_coupled(eq):
         return []
-    replicas, beside, lines = len(eq.forces), slips_beside(result), list[str]()
+    replicas, lines = len(eq.forces), list[str]()
     sizes = f"in {replicas} replicas: avalanches of at least {eq.slip_fraction:g} of the contacts"
     if not isinstance(solved, SoftRecord):
         return [f"slips   {eq.slips.number.size} {sizes}"]
-    for slip in beside[:_SHOWN]:
+    for slip in slips_beside(result)[:_SHOWN]:
         late = (slip.mean_drive - slip.drive) / result.mean_threshold
+        drive = with_error(slip.mean_drive, slip.drive_error, 7)
+        drop = with_error(slip.mean_drop, slip.drop_error, 7)
         lines.append(
-            f"slip {slip.number + 1:<3}X_T {slip.drive:.9g}, eq {with_error(slip.mean_drive, slip.drive_error, 7)} in "
-            f"{slip.have} of {replicas} replicas, {'late' if late >= 0.0 else 'early'} by {abs(late):.1e} of <x_s>; "
-            f"falls by {slip.drop:.6g}, eq {with_error(slip.mean_drop, slip.drop_error, 7)}"
+            f"slip {slip.number + 1:<3}X_T {slip.drive:.9g}, eq {drive} in {slip.have} of {replicas} replicas, late by "
+            f"{late:.1e} of <x_s>; falls by {slip.drop:.6g}, eq {drop}"
         )
-    if len(beside) > _SHOWN:
-        lines.append(f"slips   and {len(beside) - _SHOWN} more, in result.h5")
+    number = (
+        f"{solved.slips.drive.size} of the master equation, {eq.slips.number.size} of eq {sizes}"
+    )
     return [
         *lines,
-        f"slips   {solved.slips.drive.size} of the master equation, {eq.slips.number.size} of eq {sizes}; N contacts "
-        "slip late by some N^(-2/3)/K of <x_s>, more at each slip",
+        f"slips   {number}; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each",
     ]
 
 
@@ -122,7 +123,6 @@ def resets_apart(result: Result) -> list[str]:
     if not told or (drive.slip or "reset") != "reset":
         return []
     return [
-        'slip = "reset": the master equation resets where F(X) first falls faster than the spring takes up, however '
-        f"few contacts break there, [eq] at avalanches of at least eq.slip_fraction = {eq.slip_fraction:g} of them: these "
-        "come later here, or not at all"
+        'slip = "reset": the master equation resets at the first onset, however few contacts break there, [eq] at '
+        f"avalanches of at least eq.slip_fraction = {eq.slip_fraction:g} of them, which come later, or not at all"
     ]

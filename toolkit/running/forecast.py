@@ -7,7 +7,8 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from origins.errors import InputError
+import numpy as np
+
 from toolkit.running.checkpoint import Checkpoint
 from toolkit.running.runner import follow, make_ensemble, solve_master
 from toolkit.running.signals import TimeIsUp, no_longer_than
@@ -24,12 +25,11 @@ class Forecast:
     """What the ensemble is expected to take and give, good to a factor of about two; contacts of a tolerance to four,
     as they are followed in rounds that double, and as few breaks tell little of the error.
 
-    contacts : to be followed, of `most`, `done` of them by an earlier run. breaks : of all of them. run_time : s, of
-    those that are left. memory : MB of a rank. error : largest standard error of the force in mean thresholds; nan on
-    a soft slider, of which replicas tell it. pilot : contacts that tell all this.
+    contacts : to be followed, `done` of them by an earlier run. breaks : of all of them. run_time : s, of those that
+    are left. memory : MB of a rank. error : largest standard error of the force in mean thresholds; nan on a soft
+    slider, of which replicas tell it. pilot : contacts that tell all this.
     """
 
-    most: int
     done: int
     contacts: int
     breaks: float
@@ -42,38 +42,32 @@ class Forecast:
 def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
     """Follow some contacts of the scene's ensemble, and scale what they take to the whole.
 
-    `done` contacts need not be followed again. All ranks of the communicator must call. Raises InputError for a scene
-    without [eq], and as a run does.
+    `done` contacts need not be followed again. All ranks must call. Raises InputError as a run does.
     """
-    asked, soft = scene.eq, scene.drive.spring is not None
-    if asked is None:
-        raise InputError("dry run: the scene has no [eq]; only an ensemble's work is foreseen so")
-    ranks, most = 1 if comm is None else comm.Get_size(), asked.contacts * asked.replicas
-    size = min(_COUPLED_PILOT, asked.contacts) if soft else min(_PILOT * ranks, most)
+    asked: Any = scene.eq
+    soft, ranks = scene.drive.spring is not None, 1 if comm is None else comm.Get_size()
+    contacts = asked.contacts * asked.replicas
+    size = min(_COUPLED_PILOT, asked.contacts) if soft else min(_PILOT * ranks, contacts)
     small: dict[str, Any] = {"n_contacts": size, "n_replicas": 1, "wall_time": _ENOUGH}
-    small |= {} if soft else {"tolerance": None}
-    ensemble: Any = make_ensemble(scene, asked, comm, **small)
+    ensemble: Any = make_ensemble(scene, asked, comm, **small, tolerance=None)
     ready = ensemble.state.run_time  # tables are made once
     found: Any = follow(ensemble)
-    n, contacts = found.contacts, most
     error = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
     if asked.tolerance is not None:
-        contacts = min(
-            math.ceil(min(n * (error / asked.tolerance) * (error / asked.tolerance), most)), most
-        )
+        wanted = found.contacts * np.square(error / np.float64(asked.tolerance))
+        contacts = math.ceil(min(wanted, contacts))
     shared = min(ranks, asked.replicas) if soft else 1  # a pilot on a soft slider is one rank's
-    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    each = (found.run_time - ready) / found.contacts / shared
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10  # of kB, but for macOS
+    held = held / 2**10 if sys.platform == "darwin" else held
     return Forecast(
-        most=most,
         done=done,
         contacts=contacts,
-        breaks=found.breaks / n * contacts,
-        run_time=ready + (found.run_time - ready) / n * max(contacts - done, 0) / shared,
-        memory=held / (2**20 if sys.platform == "darwin" else 2**10)
-        + _AFTERWARDS
-        + (_EACH * asked.contacts if soft else 0.0),
-        error=math.nan if soft else error * math.sqrt(n / contacts),
-        pilot=n,
+        breaks=found.breaks / found.contacts * contacts,
+        run_time=ready + each * max(contacts - done, 0),
+        memory=held + _AFTERWARDS + (_EACH * asked.contacts if soft else 0.0),
+        error=math.nan if soft else error * math.sqrt(found.contacts / contacts),
+        pilot=found.contacts,
     )
 
 
@@ -92,8 +86,8 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
     if scene.eq is None:
         return out
     told = forecast(scene, comm, sum(state.contacts for state in earlier))
-    tolerance, wall_time = scene.eq.tolerance, scene.eq.wall_time or math.inf
-    of_all = "" if tolerance is None else f", of {told.most:,} at most"
+    tolerance, most = scene.eq.tolerance, scene.eq.contacts * scene.eq.replicas
+    of_all = "" if tolerance is None else f", of {most:,} at most"
     of_all += f" in {scene.eq.replicas:,} replicas" if scene.drive.spring is not None else ""
     of_all += f", {told.done:,} of them done before" if told.done else ""
     besides = "for what is left, " * bool(told.done) + "[master] and compilation not counted"
@@ -106,11 +100,8 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
     ]
     if not math.isnan(told.error):
         out.append(f"standard error  {told.error:.2g} of <x_s>, the largest over the path")
-    if tolerance is not None:
-        met = "yes" if told.contacts < told.most else "perhaps not"
-        out.append(f"tolerance       {tolerance:.1e} reached: {met}")
-    if told.run_time > wall_time:
-        out.append(f"wall time       {wall_time:g} s stops it before")
+    if told.run_time > (scene.eq.wall_time or math.inf):
+        out.append(f"wall time       {scene.eq.wall_time:g} s stops it before")
     return [*out, f"good to a factor of two, as {told.pilot:,} contacts tell; nothing was written"]
 
 

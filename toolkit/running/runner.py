@@ -15,7 +15,7 @@ from toolkit.results.records import Result, SolvedRecord, record_of, sample_curv
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
-from toolkit.running.signals import Deferred, TimeIsUp, no_longer_than
+from toolkit.running.signals import Deferred, TimeIsUp, deferred, no_longer_than
 from toolkit.scene import laws
 from toolkit.scene.interfaces import foreseen, of_interface, remarks
 from toolkit.scene.sampling import numerical_only
@@ -176,7 +176,7 @@ def follow(
     """
     comm, shown = ensemble.comm, (-1, -1)
     ranks = 1 if comm is None else comm.Get_size()
-    with Deferred() as asked:
+    with deferred() as asked:
         for done, _ in ensemble:
             now = min(done_before + done * ranks, ensemble.expected), ensemble.expected
             if progress is not None and now != shown:

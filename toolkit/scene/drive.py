@@ -28,23 +28,22 @@ def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
     Text tells the unit: "0.5 N_c<k>", or "50 N/m", which for thresholds from a surface takes drive.area, the nominal
     area in m². For these a bare number is refused, as it may be meant in either unit.
     """
-    interface, given = contacts.interface, table.spring
-    number, unit = 0.0, ""
+    interface, given, unit = contacts.interface, table.spring, ""
     if isinstance(given, str):
         if (read := _SPRING.fullmatch(given)) is None:
             refuse("drive.spring", given, 'must be a number and a unit, "50 N/m" or "0.5 N_c<k>"')
-        number, unit = positive("drive.spring", float(read[1]), "such as 0.5"), read[2]
+        value, unit = positive("drive.spring", float(read[1]), "such as 0.5"), read[2]
     if table.area is not None and unit != "N/m":
         rule = 'is for a spring in N/m, such as spring = "50 N/m"; leave it out'
         refuse("drive.area", table.area, rule)
-    if interface is None:
-        if unit == "N/m":
+    if unit == "N_c<k>":
+        return value
+    if interface is None or given is None:
+        if unit:
             rule = "needs <k> in N/m, which thresholds from a rough surface know; give a number"
             refuse("drive.spring", given, rule)
-        return number if unit else given  # type: ignore[return-value]  # no text
+        return given  # type: ignore[return-value]  # no text
     each = interface.contact_density * interface.mean_stiffness
-    if given is None or unit == "N_c<k>":
-        return number or None
     if not unit:
         refuse(
             "drive.spring",
@@ -52,14 +51,10 @@ def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
             f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m², of '
             f'which each has N_c<k> = {each:.3g} N/m, or spring = "{given:g} N_c<k>" for so many times that',
         )
-    if table.area is None:
-        rule = "needs drive.area, the nominal area in m², such as area = 1e-4"
+    if table.area is None or interface.contact_density * positive("drive.area", table.area) < 1.0:
+        rule = f"needs drive.area, the nominal area in m² of a whole slider, with some contacts; it is {table.area}"
         refuse("drive.spring", given, rule)
-    held = interface.contact_density * positive("drive.area", table.area)
-    if held < 1.0:
-        rule = f"holds {held:.2g} contacts; give the nominal area of a whole slider in m²"
-        refuse("drive.area", table.area, rule)
-    return number / (each * table.area)
+    return value / (each * table.area)
 
 
 def make_drive(table: DriveTable, spring: float | None = None) -> Drive:
@@ -70,12 +65,10 @@ def make_drive(table: DriveTable, spring: float | None = None) -> Drive:
     if spring is None:
         spring = 1.0 if isinstance(table.spring, str) else table.spring
     points = whole("drive.points", table.points, least=2)
-    if points > _MOST_POINTS:
-        refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
     places, clock = _corners(table)
-    if points < places.size:
-        rule = f"must hold positions fewer than drive.points = {points}"
-        refuse("drive.turns", table.turns, rule)
+    if not places.size <= points <= _MOST_POINTS:
+        rule = f"must be at most {_MOST_POINTS:,}, and at least as many as the path has ends, {places.size}"
+        refuse("drive.points", points, rule)
     path, time = _path(places, clock, points, table.hold_scale)
     with laws.inside("drive", _KEYS):
         return Drive(path, table.velocity, time, spring, table.slip or "reset")  # type: ignore[arg-type]
@@ -130,7 +123,7 @@ def _corners(table: DriveTable) -> tuple[Array, Array | None]:
     clock = np.array([finite(f"drive.times[{k}]", at) for k, at in enumerate(table.times)])
     back = np.flatnonzero(np.diff(clock, prepend=[] if given else 0.0) <= 0.0) + given
     if back.size:
-        rule = "must be later than the time before" + ("" if given else ", 0 the first of them")
+        rule = "must be later than the time before, 0 the first of them without drive.from"
         refuse(f"drive.times[{back[0]}]", clock[back[0]], rule)
     return places, clock if given else np.append(0.0, clock)
 

@@ -19,14 +19,11 @@ _FAR = 1e6  # mean thresholds: a longer drive is hardly meant
 _FEW = 1e-6  # of the thresholds
 _SPRINGS = (1.0, 10.0, 100.0)  # K/(N<k>) whose slips are told
 _NEAREST, _PLACES = 1e-14, 6000  # of a peak's place; places on either side of a peak
-_UNITS = {
-    **dict.fromkeys(("pressure", "kinetic_stress"), "Pa"),
-    **dict.fromkeys(("separation", "mean_radius", "mean_plane_separation"), "m"),
-    **dict.fromkeys(("patch_area", "mean_area"), "m2"),
-    **dict.fromkeys(("mean_load", "mean_force_threshold"), "N"),
-    "contact_density": "1/m2",
-    "mean_stiffness": "N/m",
-}
+_UNITS = dict.fromkeys(("pressure", "kinetic_stress"), "Pa")
+_UNITS |= dict.fromkeys(("separation", "mean_radius", "mean_plane_separation"), "m")
+_UNITS |= dict.fromkeys(("patch_area", "mean_area"), "m2")
+_UNITS |= dict.fromkeys(("mean_load", "mean_force_threshold"), "N")
+_UNITS |= {"contact_density": "1/m2", "mean_stiffness": "N/m"}
 
 
 @dataclass(frozen=True)
@@ -106,13 +103,11 @@ def foreseen(scene: Scene) -> list[str]:
     the surface leave out of the contacts."""
     contacts, law, said = scene.contacts, scene.contacts.thresholds, list[str]()
     surface, mean = contacts.interface, contacts.mean_threshold
-    if scene.given_drive is not None:
-        reach = float(np.abs(scene.path).max()) / mean
-        if reach > _FAR:
-            unit = "" if surface is None else " m"
-            said.append(
-                f"the drive goes as far as {reach:.1g} mean thresholds of {mean:.3g}{unit}; is it meant in that unit?"
-            )
+    reach = 0.0 if scene.given_drive is None else float(np.abs(scene.path).max()) / mean
+    if reach > _FAR:
+        unit = "" if surface is None else " m"
+        far = f"the drive goes as far as {reach:.1g} mean thresholds of {mean:.3g}{unit}"
+        said.append(f"{far}; is it meant in that unit?")
     if contacts.thermal is not None:
         said += filter(None, [too_hot(contacts.thermal.temperature, law)])
     again = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
@@ -131,13 +126,11 @@ def foreseen(scene: Scene) -> list[str]:
                 f"drive.area holds {held:.3g} contacts, and [eq] follows {scene.eq.contacts:,} in each replica: the "
                 "spring is that of the area, but slips scatter and come late as those of so many contacts"
             )
-    named = {"temperature": contacts.thermal, "ageing": contacts.ageing, "delay": contacts.delay}
-    named["re-forming"] = contacts.reforming
-    there = ", ".join(name for name, own in named.items() if own is not None)
+    named = {"grains": "growth", "thermal": "temperature", "reforming": "re-forming"}
+    there = ", ".join(named.get(name, name) for name in contacts.laws if name != "stiffness")
     if surface is not None and there:
-        said.append(
-            f"F_k/load and the stress of the surface are those of its thresholds alone, without {there}"
-        )
+        load = "F_k/load and the stress of the surface are those of its thresholds alone"
+        said.append(f"{load}, without {there}")
     return said
 
 

@@ -19,9 +19,9 @@ _PLAIN = "identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussi
 THRESHOLDS = {kind: f"origins:{kind.replace('-', '_')}" for kind in _PLAIN.split()}
 THRESHOLDS |= {
     "growing-grains": "origins:growing_grains",
-    "domains": "toolkit.scene.islands:domains",
+    "domains": "toolkit.scene.kinds:domains",
     "from-samples": "toolkit.scene.measured:from_samples",
-    "from-topography": "toolkit.scene.surfaces:from_topography",
+    "from-topography": "toolkit.scene.kinds:from_topography",
 }
 
 START = {
@@ -30,8 +30,8 @@ START = {
 }
 REFORMING = {**START, "boltzmann": "origins:boltzmann_reforming"}
 SURFACES = {
-    "scan": "toolkit.scene.surfaces:open_scan",
-    "self-affine": "toolkit.scene.surfaces:generate",
+    "scan": "toolkit.scene.kinds:open_scan",
+    "self-affine": "toolkit.scene.kinds:generate",
     "spectrum": "origins:moments_of_spectrum",
     "summits": "origins:moments_of_summits",
 }
@@ -43,11 +43,11 @@ STIFFNESSES = {
 }
 _SHAPES = "triangular square rectangular hexagonal circular irregular"
 ISLANDS = {kind: f"origins:{kind}_island" for kind in _SHAPES.split()}
-ISLANDS |= {"file": "toolkit.scene.islands:island_of_file"}
+ISLANDS |= {"file": "toolkit.scene.kinds:island_of_file"}
 SUBSTRATES = {
     "square": "origins:square_substrate",
     "hexagonal": "origins:hexagonal_substrate",
-    "fourier": "toolkit.scene.islands:fourier_substrate",
+    "fourier": "toolkit.scene.kinds:fourier_substrate",
 }
 
 # keys whose value is a table: its kinds, or the one function it calls
@@ -137,15 +137,12 @@ def without_kelvin(
     thresholds from a rough surface, whose contacts have a stiffness in N/m. Raises InputError for others, and for a
     number that can only be meant in joules."""
     given, surface, where = table.get("temperature"), thresholds.interface, f"{where}.temperature"
+    if isinstance(given, float) and surface is not None:
+        joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
+        if _COLD < joules < _HOT < kelvin:
+            rule = f"is k_BT/<k> in m², and would be {kelvin:.2g} K; if joules are meant, write temperature ="
+            refuse(where, given, f"{rule} {{ kelvin = {joules:.4g} }}")
     if not isinstance(given, Mapping):
-        if surface is not None and isinstance(given, float):
-            joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
-            if _COLD < joules < _HOT < kelvin:
-                rule = (
-                    f"is k_BT/<k> in m², and would be {kelvin:.2g} K; are joules meant, of {joules:.3g} K? Write "
-                    f"temperature = {{ kelvin = {joules:.4g} }}"
-                )
-                refuse(where, given, rule)
         return table
     if set(given) != {"kelvin"}:
         refuse(where, dict(given), "must be a number, k_BT/<k>, or { kelvin = 300.0 }")

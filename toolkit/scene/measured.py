@@ -15,14 +15,12 @@ from toolkit.running.ranks import on_root
 T = TypeVar("T")
 
 _MOST = 1 << 30  # bytes of a file
-_DECIMAL = re.compile(r"\d,\d")
 
 
 def read_file(
     key: str, file: str, folder: Path, comm: Any, read: Callable[[Path], T], what: str = "file"
 ) -> T:
-    """What `read` makes of the file in this folder, the same on all ranks, which must all call and else might see
-    different ones.
+    """What `read` makes of the file in this folder, the same on all ranks, which must all call.
 
     `key` is the scene's key that names it. Raises InputError for what is no plain file: a pipe or a device might never
     end.
@@ -72,57 +70,51 @@ def from_samples(
 ) -> origins.Thresholds:
     """Thresholds through samples; see origins.from_samples.
 
-    `file` counts from the scene's folder and is read by rank 0 of `comm`; its columns, parted by semicolons, or by
-    blanks or commas, count from 1: `column` holds the values, x_s or f_s as `quantity` says, `weight_column` how much
-    each counts, left out, all alike. `column` may be left out where there is one. Beside semicolons or blanks as
-    separators "1,5" is 1.5, a decimal comma. # begins a comment, and the first line may be a header of text.
-    Raises InputError.
+    `file` counts from the scene's folder; its columns, parted by semicolons, or by blanks or commas, count from 1:
+    `column` holds the values, x_s or f_s as `quantity` says, and may be left out where there is one, `weight_column`
+    how much each counts. Beside semicolons or blanks as separators "1,5" is 1.5, a decimal comma. # begins a comment,
+    and the first line may be a header of text. Raises InputError.
     """
     given: dict[str, Any] = {"x_s": x_s, "f_s": f_s, "weights": weights}
-    for name, value, unsaid in (
-        ("column", column, None),
-        ("weight_column", weight_column, None),
-        ("quantity", quantity, "x_s"),
-    ):
-        if file is None and value != unsaid:
-            refuse(name, value, "says what a file holds; leave it out without one")
-    if file is not None:
-        if x_s is not None or f_s is not None or weights is not None:
+    of_file = {"column": column, "weight_column": weight_column, "quantity": quantity}
+    if file is None:
+        for name, value in of_file.items():
+            if value not in (None, "x_s"):
+                refuse(name, value, "says what a file holds; leave it out without one")
+    else:
+        if any(values is not None for values in given.values()):
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
         one_of("quantity", quantity, ("x_s", "f_s"))
         lines = read_text("file", file, folder, comm).splitlines()
-        places = {quantity: column}
-        if weight_column is not None:
-            places["weights"] = whole("weight_column", weight_column, 1)
+        places = {quantity: column} | ({} if weight_column is None else {"weights": weight_column})
         given |= _read(file, lines, places)
     return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
 
 
-def _read(file: str, lines: list[str], places: dict[str, int | None]) -> dict[str, np.ndarray]:
+def _read(file: str, lines: list[str], places: dict[str, int | None]) -> dict[str, list[float]]:
     """The values of these columns by name, counted from 1 (None: of the only one)."""
     words = {number: _words(line.partition("#")[0]) for number, line in enumerate(lines, start=1)}
     rows = {number: [_number(word) for word in line] for number, line in words.items() if line}
     first = next(iter(rows), 0)
-    if rows and all(value is None for value in rows[first]):
+    if rows and np.isnan(rows[first]).all():
         del rows[first]  # a header
     width = len(next(iter(rows.values()), []))
     if not width:
         refuse("file", file, "holds no numbers; write one value a line")
-    found = {}
+    found: dict[str, list[float]] = {}
     for name, place in places.items():
         if place is None and width > 1:
             rule = f"say which of the {width} columns holds {name}, such as column = {width}"
             refuse("file", file, f"holds several columns; {rule}")
-        if whole("column", 1 if place is None else place, 1) > width:
+        if (column := whole("column", 1 if place is None else place, 1)) > width:
             refuse("file", file, f"there is no column {place}")
-        values = [row[(place or 1) - 1] if len(row) == width else None for row in rows.values()]
-        for number, value in zip(rows, values, strict=True):
-            if value is None or not 0.0 < value < np.inf:
+        found[name] = [row[column - 1] if len(row) == width else np.nan for row in rows.values()]
+        for number, value in zip(rows, found[name], strict=True):
+            if not 0.0 < value < np.inf:
                 # not the line itself: what is no table may not be meant to be shown
                 many = f"{width} columns, as many as the first" if width > 1 else "one number"
                 rule = f"line {number} must hold {many}, {name} finite and above zero"
                 refuse("file", file, rule)
-        found[name] = np.array(values, dtype=float)
     return found
 
 
@@ -131,7 +123,7 @@ def _words(line: str) -> list[str]:
 
     A comma between two digits is a decimal one where something else parts the columns.
     """
-    decimal = _DECIMAL.search(line) is not None
+    decimal = re.search(r"\d,\d", line) is not None
     if ";" in line:
         return line.replace(",", "." if decimal else ",").replace(";", " ").split()
     if decimal and len(line.split()) > 1 and ", " not in line:
@@ -139,8 +131,9 @@ def _words(line: str) -> list[str]:
     return line.replace(",", " ").split()
 
 
-def _number(word: str) -> float | None:
+def _number(word: str) -> float:
+    """nan for what is no number."""
     try:
         return float(word)
     except ValueError:
-        return None
+        return np.nan

@@ -4,7 +4,6 @@ import numpy as np
 
 from origins import Contacts, bootstrap
 from origins.samples.bootstrap import sampled_parts
-from origins.samples.from_samples import Sampled
 from origins.samples.repeats import OFTEN
 from origins.thresholds.continuous_mixture import ContinuousMixture
 from origins.thresholds.law import Array, Thresholds
@@ -17,7 +16,6 @@ NAMES = (
     *("one_in_a_hundred_below", "median", "one_in_a_hundred_above"),
     *("kinetic_force", "critical_spring", "static_to_kinetic", "decoherence_length"),
 )
-_LEAST_IS_ONE = ("critical_spring", "static_to_kinetic")  # as 1/(1 + K*), and F_s/F_k
 
 
 def sampling_errors(contacts: Contacts) -> dict[str, float]:
@@ -40,26 +38,14 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
         return np.array([*numbers, found.static_to_kinetic, 1.0 / found.decoherence_length])
 
     spread = bootstrap(contacts.thresholds, statistic, resamples=RESAMPLES)
-    errors = dict(zip(NAMES, np.array(spread.error).tolist(), strict=True))
-    values = dict(zip(NAMES, spread.value.tolist(), strict=True))
-    resampled = dict(zip(NAMES, spread.resampled.T, strict=True))
-    errors["critical_spring"] = _of_spring(values["critical_spring"], resampled["critical_spring"])
-    rate, error = values["decoherence_length"], errors["decoherence_length"]
-    if error > 0.0:
-        errors["decoherence_length"] = error / rate**2 if rate > 0.0 else np.inf
-    for name in _LEAST_IS_ONE:
-        if values[name] == 1.0 and (resampled[name] == 1.0).all():
-            errors[name] = np.inf
+    errors = {}
+    for name, value, error in zip(NAMES, spread.value, np.array(spread.error), strict=True):
+        if name in ("critical_spring", "decoherence_length") and error > 0.0:
+            error = error / value**2 if value > 0.0 else np.inf
+        if name in ("critical_spring", "static_to_kinetic") and value == 1.0 and error == 0.0:
+            error = np.inf
+        errors[name] = float(error)
     return errors
-
-
-def _of_spring(inverse: float, resampled: Array) -> float:
-    """Error of K* from 1/(1 + K*), of the law and of the resampled ones: 0 where K* is infinite for all of them."""
-    inverses = np.append(inverse, resampled)
-    if not inverses.all():
-        return np.inf if inverses.any() else 0.0
-    springs = 1.0 / resampled
-    return float(np.hypot(springs.std(ddof=1), springs.mean() - 1.0 / inverse))
 
 
 def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
@@ -75,44 +61,30 @@ def unseen(errors: dict[str, float], critical_spring: float) -> list[str]:
 
 def numerical_only(law: Thresholds) -> list[str]:
     """A note that errors of a run know nothing of the sampling, where there is any."""
-    if not sampled_parts(law):
-        return []
-    return [
+    told = (
         "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
         "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"
-    ]
+    )
+    return [told] if sampled_parts(law) else []
 
 
 def misfit(law: Thresholds) -> list[str]:
     """A note for each law of few samples, or that lies further from its samples than these can be from their own law,
     and one where sampling errors are missing; else nothing."""
-    parts = sampled_parts(law)
-    notes = [note for part in parts for note in _of_one(part)]
-    if parts and isinstance(law, ContinuousMixture):
-        notes.append(
-            "sampling errors are missing: the laws of this continuous mixture may all be of the same samples"
-        )
-    return notes
-
-
-def _of_one(part: Sampled) -> list[str]:
-    few, misses = round(part.effective_samples) < FEW, part.cdf_misfit > part.cdf_error
-    if not few and not misses:
-        return []
-    alike = part.effective_samples > 0.99 * part.n_samples
-    said = [
-        f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows "
-        f"{min(part.cdf_error, 1.0):.2g}"
-    ]
-    if few:
+    notes = []
+    for part in sampled_parts(law):
+        few, misses = round(part.effective_samples) < FEW, part.cdf_misfit > part.cdf_error
+        alike = part.effective_samples > 0.99 * part.n_samples
         count = "" if alike else f", which their weights make {part.effective_samples:.2g}"
-        said = [f"few thresholds, {part.n_samples} samples{count}: {said[0]}", "take more samples"]
-    if misses:
-        said.append(
-            "they are rounded coarsely, or hold structure that it misses; give that apart, in a mixture"
-        )
-    if alike and part.smooth_part is not None and part.samples.size < part.n_samples:
-        said.append(
-            f"values that repeat are exact from {OFTEN} times on; those you know to be exact are `identical`"
-        )
-    return ["; ".join(said)]
+        told = f"few thresholds, {part.n_samples} samples{count}: " if few else ""
+        told += f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows "
+        told += f"{min(part.cdf_error, 1.0):.2g}{'; take more samples' if few else ''}"
+        if misses:
+            told += "; they are rounded coarsely, or hold structure that it misses; give that apart, in a mixture"
+        if alike and part.smooth_part is not None and part.samples.size < part.n_samples:
+            told += f"; values that repeat are exact from {OFTEN} times on; those you know to be exact are `identical`"
+        notes += [told] if few or misses else []
+    if sampled_parts(law) and isinstance(law, ContinuousMixture):
+        missing = "the laws of this continuous mixture may all be of the same samples"
+        notes.append(f"sampling errors are missing: {missing}")
+    return notes

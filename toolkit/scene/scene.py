@@ -21,7 +21,7 @@ from toolkit.scene import laws, tables
 from toolkit.scene.drive import Speed, histogram_points, make_drive, sliding_speed, spring_number
 from toolkit.scene.measured import read_text
 from toolkit.scene.sweep import Sweep, make_sweep
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
 _FURTHEST = 1e6  # mean thresholds: beyond, the ensemble's contacts would break for hours
@@ -154,9 +154,13 @@ def _checked(
         tolerance_given="tolerance" in given.get("master", {}),
         area=None if table.drive is None else table.drive.area,
     )
-    if solved and (table.master is not None or table.eq is not None):
-        _check_reach(scene)
+    if solved and table.master is not None:
+        _ = scene.drive  # which it needs
     if table.eq is not None:
+        far = float(np.abs(scene.path).max()) / contacts.mean_threshold
+        if solved and far > _FURTHEST:
+            rule = f"goes as far as {far:.1g} mean thresholds of {contacts.mean_threshold:.3g}; is that its unit?"
+            raise InputError(f"drive: {rule} 1e6 mean thresholds at most, or leave [eq] out")
         if scene.drive.spring is not None and (np.diff(scene.path) < 0.0).any():
             rule = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
             raise InputError(f"drive.turns: {rule}")
@@ -166,35 +170,22 @@ def _checked(
 
 def _check_numbers(name: str, table: tables.SceneTable, solved: bool) -> None:
     """Raise InputError for a name or a title that no result file could hold, and for numbers that mean nothing."""
-    bad = [letter for letter in table.title if not letter.isprintable() and letter not in "\t\n"]
-    if bad:
-        refuse("title", table.title, f"holds {bad[0]!r}, which no picture can show; leave it out")
-    if not name.isprintable():  # bytes that are no UTF-8 are surrogates, which no file can hold
-        refuse("scene", name, "its name is no text; rename the file")
+    if not name.isprintable() or not table.title.replace("\n", "").replace("\t", "").isprintable():
+        key, value = ("title", table.title) if name.isprintable() else ("scene", name)
+        refuse(key, value, "holds a letter that no picture can show; leave it out")
     if solved and table.master is None and table.eq is None and table.sweep is None:
         rule = "so nothing would be computed; add one"
         raise InputError(f"scene: has neither [master] nor [eq] nor [sweep], {rule}")
     if table.master is not None:
         check_tolerance("master.tolerance", table.master.tolerance)
-    for key in ("wall_time", "eq.wall_time", "eq.tolerance"):
-        part = table if "." not in key else table.eq
-        if (value := getattr(part, key.removeprefix("eq."), None)) is not None:
-            positive(key, value, "such as 3600.0" if "time" in key else "such as 1e-4")
-    for key, least in (("contacts", 1), ("replicas", 1), ("seed", 0)):
-        if table.eq is not None:
+    times = {"wall_time": table.wall_time}
+    if table.eq is not None:
+        times |= {"eq.wall_time": table.eq.wall_time, "eq.tolerance": table.eq.tolerance}
+        for key, least in (("contacts", 1), ("replicas", 1), ("seed", 0)):
             whole(f"eq.{key}", getattr(table.eq, key), least=least)
-
-
-def _check_reach(scene: Scene) -> None:
-    """Raise InputError where the ensemble's contacts would break millions of times each, which takes too long, and
-    where a solver has no drive."""
-    reach, mean = float(np.abs(scene.path).max()), scene.contacts.mean_threshold
-    if scene.eq is not None and reach > _FURTHEST * mean:
-        unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
-        raise InputError(
-            f"drive: goes as far as {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}, 1e6 mean "
-            "thresholds at most, or leave [eq] out"
-        )
+    for key, value in times.items():
+        if value is not None:
+            positive(key, value, "such as 1e-4" if "tolerance" in key else "such as 3600.0")
 
 
 def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:

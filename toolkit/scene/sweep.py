@@ -17,6 +17,7 @@ from toolkit.scene.tables import RangeTable, SweepTable
 Array = npt.NDArray[np.float64]
 
 QUANTITIES = ("velocity", "temperature", "rate", "delay")
+_SPRINGS = ("critical_spring", "critical_spring_error")
 _MOST_POINTS = 100_000
 _GOOD_ENOUGH = 1e-3  # relative error: less than a picture shows
 _TINY = 1e-300
@@ -138,7 +139,7 @@ def solve_sweep(
     with laws.inside("sweep", {name: name for name in QUANTITIES}):
         curve = master.kinetic_curve(contacts, asked.velocity, **laws_at)
         success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
-        springs: dict[str, Any] = {"success": success, "message": curve.message}
+        message, springs = curve.message, dict[str, Array]()
         if asked.critical_spring:
             if expect is not None:
                 one = {name: own.flat[:1] for name, own in laws_at.items() if own is not None}
@@ -146,14 +147,19 @@ def solve_sweep(
                 master.phase_line(contacts, asked.velocity.flat[:1], **one)
                 expect((time.perf_counter() - alone) * asked.velocity.size)
             line = master.phase_line(contacts, asked.velocity, **laws_at)
-            spring, error = line.critical_spring, line.critical_spring_error
-            springs = {"critical_spring": spring, "critical_spring_error": error}
-            springs["success"] = success and _good(line.success, error, spring)
-            springs["message"] = f"{curve.message}; {line.message}"
+            springs = {name: getattr(line, name) for name in _SPRINGS}
+            success = success and _good(line.success, *reversed(springs.values()))
+            message += f"; {line.message}"
     same = "velocity force force_error holding holding_error temperature rate delay"
-    found = {name: getattr(curve, name) for name in same.split()}
-    run_time = time.perf_counter() - began
-    return SweepRecord(asked.along, **found, run_time=run_time, kelvin=asked.kelvin, **springs)
+    return SweepRecord(
+        along=asked.along,
+        run_time=time.perf_counter() - began,
+        kelvin=asked.kelvin,
+        success=success,
+        message=message,
+        **springs,
+        **{name: getattr(curve, name) for name in same.split()},
+    )
 
 
 def _good(success: npt.NDArray[np.bool_], error: Array, value: Array) -> bool:

@@ -1,0 +1,178 @@
+"""Kinds of thresholds that scenes word otherwise than the functions of origins: rotated domains and rough surfaces."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+import origins
+from origins.errors import InputError, finite_array, refuse, whole
+from origins.roughness.topography import METRES, Topography, as_topography
+from toolkit.scene.measured import read_file
+
+if TYPE_CHECKING:
+    import ase
+
+
+def domains(
+    lattice_constant: float | None = None,
+    sizes: Sequence[Sequence[int]] | None = None,
+    mean_atoms: float | None = None,
+    island: "ase.Atoms | None" = None,
+    weights: Sequence[float] | None = None,
+    bonds: float | None = None,
+    angles: Sequence[float] | None = None,
+    temperature: float | None = None,
+    substrate: origins.Substrate | None = None,
+    law: str = "area",
+    stiffness: float | None = None,
+    coefficient: float | None = None,
+    samples: int = 20_000,
+    seed: int = 0,
+    comm: Any = None,
+) -> origins.Thresholds:
+    """Thresholds of rotated domains, drawn by all ranks of `comm`; see origins.domains, whose keywords these are but
+    for `island`, the one of its `islands`. Raises InputError."""
+    options = dict(locals())
+    del options["island"]
+    if sum(given is not None for given in (sizes, mean_atoms, island)) != 1:
+        rule = "such as [[10, 9]], mean_atoms, such as 100, and the table island"
+        raise InputError(f"domains: give exactly one of sizes, {rule}")
+    if island is not None and lattice_constant is not None:
+        refuse("lattice_constant", lattice_constant, "the table island has its own; leave it out")
+    return origins.domains(**options, islands=None if island is None else [island])
+
+
+def island_of_file(folder: Path, file: str, comm: Any = None) -> "ase.Atoms":
+    """The atoms of a structure file, of any format that ASE reads; InputError where it reads none."""
+
+    def read(path: Path) -> "ase.Atoms":
+        from ase.io import read as read_atoms
+
+        try:
+            return read_atoms(path)  # type: ignore[return-value]  # the last of several
+        except Exception as error:  # each format has errors of its own
+            refuse("file", file, f"is no structure that ASE reads: {type(error).__name__}")
+
+    return read_file("file", file, folder, comm, read)
+
+
+def fourier_substrate(
+    wavevectors: npt.ArrayLike,
+    cosines: npt.ArrayLike | None = None,
+    sines: npt.ArrayLike | None = None,
+) -> origins.Substrate:
+    """sum of cosines cos(G·r) + sines sin(G·r), one of each for every wavevector, zero when left out."""
+    count = len(wavevectors) if isinstance(wavevectors, list) else 0
+    parts = []
+    for name, value in (("cosines", cosines), ("sines", sines)):
+        parts.append(np.zeros(count) if value is None else finite_array(name, value))
+        if parts[-1].size != count:
+            refuse(name, value, f"must be {count} numbers, one for each wavevector")
+    return origins.fourier_substrate(wavevectors, parts[0] - 1j * parts[1])
+
+
+class Heights(NamedTuple):
+    """A surface of which the heights are known, and whether it goes on periodically."""
+
+    topography: Topography
+    periodic: bool
+
+
+def from_topography(
+    surface: Heights | origins.SpectralMoments,
+    material: origins.Material,
+    model: str,
+    law: str,
+    pressure: float,
+    regime: str = "elastic",
+    patch_area: float | None = None,
+    height_law: str = "gaussian",
+    detrend: str | None = None,
+    step: int | None = None,
+) -> origins.Thresholds:
+    """Thresholds in metres of a surface; see origins.from_topography.
+
+    `detrend` is "curvature" for a scan and "centre" for a generated surface, which is periodic; what is not heights has
+    neither `detrend` nor `step`. Raises InputError.
+    """
+    options: dict[str, Any] = dict(locals())
+    del options["surface"], options["detrend"], options["step"]
+    if isinstance(surface, origins.SpectralMoments):
+        if detrend is not None or step is not None:
+            name, value = ("step", step) if detrend is None else ("detrend", detrend)
+            refuse(name, value, "belongs to heights, which this surface has not; leave it out")
+        return origins.from_moments(surface, **options)
+    own = "centre" if surface.periodic else "curvature"
+    options |= {"detrend": detrend or own, "step": 1 if step is None else step}
+    return origins.from_topography(surface.topography, periodic=surface.periodic, **options)
+
+
+def open_scan(
+    folder: Path,
+    file: str,
+    channel: int = 0,
+    physical_sizes: object = None,
+    unit: str | None = None,
+    height_scale_factor: float | None = None,
+    comm: Any = None,
+) -> Heights:
+    """A scan in any format that SurfaceTopography reads; `file` is relative to the scene's folder.
+
+    Rank 0 of `comm` reads it for all. `physical_sizes`, `unit` and `height_scale_factor` are for files that hold none.
+    Raises InputError where the file is missing, is no scan, or contradicts them.
+    """
+    channel, given = whole("channel", channel, least=0), dict[str, Any](unit=unit)
+    given |= {"height_scale_factor": height_scale_factor, "physical_sizes": None}
+    if physical_sizes is not None:
+        given["physical_sizes"] = tuple(finite_array("physical_sizes", physical_sizes).tolist())
+        if len(given["physical_sizes"]) != 2 or min(given["physical_sizes"]) <= 0.0:
+            rule = "must be a pair of lengths above zero, such as [1.0, 1.0]"
+            refuse("physical_sizes", physical_sizes, rule)
+
+    def read(path: Path) -> Topography:
+        try:
+            from SurfaceTopography import open_topography
+
+            with open_topography(str(path)) as reader:
+                if channel >= len(reader.channels):
+                    rule = f"the file has {len(reader.channels)} channels, counted from 0"
+                    refuse("channel", channel, rule)
+                said = {name: value for name, value in given.items() if value is not None}
+                scan = reader.topography(channel_index=channel, **said)
+            if getattr(scan, "unit", None) not in METRES:
+                rule = (
+                    'lengths need one unit, and the file holds none; write one, such as unit = "nm"'
+                )
+                refuse("unit", unit, rule)
+            return as_topography(scan)
+        except ImportError as error:
+            rule = "needs SurfaceTopography; install mesofriction[topography]"
+            raise InputError(f"file = {file!r}: {rule}") from error
+        except InputError:
+            raise
+        except Exception as error:  # readers raise whatever their parsing does
+            why = " ".join(str(error).split())[:200] or type(error).__name__
+            if (
+                type(error).__name__ == "CannotDetectFileFormat"
+            ):  # which repeats what all readers say
+                why = "it is in no format that SurfaceTopography knows, or cut short"
+            raise InputError(f"file = {file!r}: cannot be read as a scan: {why}") from error
+
+    return Heights(read_file("file", file, folder, comm, read, "scan"), periodic=False)
+
+
+def generate(
+    shape: Any,
+    pixel_size: Any,
+    hurst: float,
+    rms_slope: float,
+    seed: int,
+    long_cutoff: float | None = None,
+    short_cutoff: float | None = None,
+) -> Heights:
+    """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
+    law = dict(locals())
+    return Heights(as_topography(origins.self_affine_surface(**law), pixel_size), periodic=True)
