@@ -107,10 +107,10 @@ def test_ensemble_alone_and_master_alone() -> None:
     if witnessed.evidence is None:
         witnessed, without = without, witnessed
     assert without.evidence is None and witnessed.evidence is not None
-    assert witnessed.evidence.expected is None and witnessed.evidence.worst_deviation is None
+    assert witnessed.evidence["expected"] is None and witnessed.evidence["worst_deviation"] is None
     # the largest of its own forces lies near the exact ratio
-    off = witnessed.evidence.static_to_kinetic - witnessed.static_to_kinetic
-    assert abs(off) < 0.05 + 5.0 * witnessed.evidence.static_to_kinetic_error
+    off = witnessed.evidence["static_to_kinetic"] - witnessed.value("static_to_kinetic")
+    assert abs(off) < 0.05 + 5.0 * witnessed.evidence["static_to_kinetic_error"]
     lines = table([witnessed, without])
     assert lines[2].count("±") == 5 and lines[3].count("±") == 4
     assert "None" not in "\n".join(lines)
@@ -125,10 +125,10 @@ def test_rates_and_growth_feel_the_speed_of_the_scenes_own_legs() -> None:
     (verdict,) = compare([scene])
     steady = master.steady_state(scene.contacts, velocity=0.25)
     assert verdict.velocity == 0.25
-    assert verdict.kinetic_force * verdict.mean_threshold == pytest.approx(steady.force)
+    assert verdict.value("kinetic_force") * verdict.mean_threshold == pytest.approx(steady.force)
     known = master.propensity(scene.contacts, velocity=0.25)
-    assert verdict.critical_spring == known.critical_spring
-    assert verdict.static_to_kinetic == known.static_to_kinetic
+    assert verdict.value("critical_spring") == known.critical_spring
+    assert verdict.value("static_to_kinetic") == known.static_to_kinetic
     told = "v = 0.25 (the first leg's), thresholds that grow from the age 4 on; all else"
     assert f"scene: F_k, K*, F_s/F_k and X* at {told} is P_c alone" in table([verdict])
 
@@ -163,6 +163,6 @@ def test_a_comparison_of_surfaces_is_drawn(tmp_path: Path) -> None:
         for pressure in (1e6, 2e6)
     ]
     verdicts = compare(scenes)
-    assert all(0.0 < one.friction_coefficient < 0.4 and one.unit == "m" for one in verdicts)
+    assert all(0.0 < one.value("friction_coefficient") < 0.4 and one.unit == "m" for one in verdicts)
     save_comparison(verdicts, tmp_path / "compare.png")
     assert (tmp_path / "compare.png").read_bytes().startswith(b"\x89PNG")

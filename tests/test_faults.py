@@ -26,7 +26,7 @@ from toolkit.running.progress import Progress
 from toolkit.running.ranks import communicator
 from toolkit.running.signals import Launch, Terminated, terminable
 from toolkit.scene.interfaces import remarks
-from toolkit.scene.measured import from_samples
+from toolkit.scene.kinds import from_samples
 from toolkit.scene.tables import to_toml
 
 GAUSSIAN = {"kind": "gaussian", "mean": 1.0, "std": 0.05}

@@ -331,7 +331,7 @@ def test_scene_file_is_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("content", "message"),
-    [(b"a = = 1", "is not TOML: Invalid value (at line 1"), (b"\xff\xfe", "is not TOML: 'utf-8' codec")],
+    [(b"a = = 1", "is not TOML: Invalid value (at line 1"), (b"\xff\xfe", "cannot be read: 'utf-8' codec")],
 )
 def test_broken_file_is_refused(tmp_path: Path, content: bytes, message: str) -> None:
     file = tmp_path / "broken.toml"

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from toolkit.judge.precision import Point
 
 ON_ONE_RANK = ("precision", "scenes")  # the other ranks wait
-_FELT, _APART = 0.3, 6.0  # of a standard error, and so many of them
+_APART = 6.0  # standard errors
 _SYMBOLS = {
     "mean": "<x_s>",
     "onset_power": "m",
@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
         result, finished = solve(scene, comm, kept=kept, told=first)
         said_before = {f"note    {note}" for note in before}
         print("\n".join(line for line in report(result) if line not in said_before))
-        write(result, folder, comm, kept if finished else None)
+        write(result, comm, kept, finished)
     print(f"written to {folder}")
     for name in ("master", "eq", "sweep"):
         answer = getattr(result, name)
@@ -95,12 +95,11 @@ def report(result: Any) -> list[str]:
             slips += f", last pause {period}"
         lines.append(f"regime  {solved.regime.verdict}, {slips}: {solved.regime.reason}")
     if isinstance(solved, AgeingRecord):
-        outrun = "contacts never outrun it"
-        if solved.outrun < float("inf"):
-            outrun = f"contacts outrun it from X = {solved.outrun:.4g} on, and what follows is one of many answers"
+        outrun = f"contacts outrun it from X = {solved.outrun:.4g} on, where it has many answers"
         lines.append(
             f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
-            f"{solved.positivity_defect.max():.1e}; {outrun}"
+            f"{solved.positivity_defect.max():.1e}; "
+            f"{outrun if solved.outrun < float('inf') else 'contacts never outrun it'}"
         )
     if sweep is not None:
         error = f"error {sweep.force_error.max():.1e} of <x_s>"
@@ -119,26 +118,23 @@ def report(result: Any) -> list[str]:
     if is_coupled(eq):
         lines += slip_lines(result)
     elif solved is not None and eq is not None:
-        lines.append(_agreement(result))
+        lines.append(f"eq less master: {_agreement(result)}")
     return [*lines, *(f"note    {note}" for note in result.notes)]
 
 
 def _agreement(result: Any) -> str:
-    """A line on the difference of both solvers."""
+    """The difference of both solvers in words."""
     from toolkit.results.beside import deviation, why_not_compared
 
     apart = deviation(result).worst
     if apart is None:
-        return f"eq less master: not compared: {why_not_compared(result)}"
-    error = result.master.force_error * result.mean_threshold
-    own = error / float(result.eq.force_standard_error.max())
-    besides = f" (each with master's own error, {own:.1g} of one)" if own > _FELT else ""
+        return f"not compared: {why_not_compared(result)}"
     chance = "chance makes about 3"
     if result.papers_closure:
         chance += ", the rest is the paper's closure, which single contacts do not follow"
     elif apart >= _APART:
         chance += ": they do not agree, please report it"
-    return f"eq less master: at most {apart:.1f} standard errors{besides} over the path; {chance}"
+    return f"at most {apart:.1f} standard errors over the path; {chance}"
 
 
 def thresholds(arguments: argparse.Namespace, comm: Any) -> int:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,52 +13,26 @@ from toolkit.results.beside import deviation, why_not_compared
 from toolkit.results.records import Result
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, until
-from toolkit.scene.interfaces import with_error
+from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.sampling import RESAMPLES
 from toolkit.scene.scene import Scene
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What the ensemble measured of the same scene: its force over the exact F_k, with one standard error, at the point
-    where the master equation's force is largest (its own, where the scene has no [master]).
-
-    expected : that ratio from the master equation; worst_deviation : largest |z| between the two over the path;
-    not_compared : why there is none, in words. None where the scene has no [master]. run_time in s.
-    """
-
-    static_to_kinetic: float
-    static_to_kinetic_error: float
-    expected: float | None
-    worst_deviation: float | None
-    not_compared: str | None
-    run_time: float
-    contacts: int
 
 
 @dataclass(frozen=True)
 class Verdict:
     """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
 
-    `conditions` say at which speed, temperature and more K*, F_s, X* and F_k hold, where that tells; `cautions` why K*
-    is infinite, where samples, surface or load strain the law, and of errors that are not shown; `sampled`, whether
-    the thresholds come from samples; friction_coefficient is F_k/load of a surface, else None.
+    `numbers` are onset_power, critical_spring and more by name, friction_coefficient (F_k/load) of a surface only.
+    `conditions` say at which speed, temperature and more they hold, where that tells; `cautions` why K* is infinite,
+    where samples, surface or load strain the law, and of errors that are not shown; `sampled`, whether the thresholds
+    come from samples. `evidence` is what the ensemble measured: its force over the exact F_k, with one standard error,
+    where the master equation's force is largest (its own, without [master]), the master's there, and the largest
+    difference of both over the path in standard errors, or why there is none; None without [eq].
     """
 
     name: str
     title: str
-    onset_power: float
-    onset_power_error: float
-    critical_spring: float
-    critical_spring_error: float
-    static_to_kinetic: float
-    static_to_kinetic_error: float
-    decoherence_length: float
-    decoherence_length_error: float
-    kinetic_force: float
-    kinetic_force_error: float
-    friction_coefficient: float | None
-    friction_coefficient_error: float | None
+    numbers: dict[str, Number]
     mean_threshold: float
     unit: str
     sampled: bool
@@ -66,13 +40,20 @@ class Verdict:
     velocity: float
     conditions: tuple[str, ...]
     run_time: float
-    evidence: Evidence | None
+    evidence: dict[str, Any] | None
     result: Result
+
+    def value(self, name: str) -> float:
+        return self.numbers[name].value
 
     def plain(self) -> dict[str, Any]:
         """What a file keeps: all but the result."""
-        kept = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "result"}
-        return kept | {"evidence": None if self.evidence is None else asdict(self.evidence)}
+        kept = {key: value for key, value in vars(self).items() if key not in ("result", "numbers")}
+        for name in ("friction_coefficient", *self.numbers):
+            number = self.numbers.get(name)
+            kept[name] = None if number is None else number.value
+            kept[f"{name}_error"] = None if number is None else number.error
+        return kept
 
 
 def compare(scenes: Sequence[Scene], comm: Any = None, told: bool = False) -> list[Verdict]:
@@ -87,7 +68,7 @@ def compare(scenes: Sequence[Scene], comm: Any = None, told: bool = False) -> li
     for scene in scenes:
         with naming(scene.name):
             verdicts.append(_judge(scene, comm, told))
-    return sorted(verdicts, key=lambda one: (-one.critical_spring, -one.static_to_kinetic))
+    return sorted(verdicts, key=lambda one: [-one.value(name) for name in PROPENSITY[:2]])
 
 
 @contextmanager
@@ -111,23 +92,22 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
     found = on_root(comm, measure)
     if "critical_spring" not in found.numbers:
         raise InputError("; ".join(found.notes))
-    numbers: dict[str, Any] = {"friction_coefficient": None, "friction_coefficient_error": None}
+    numbers = {}
     for name in ("onset_power", "kinetic_force", *PROPENSITY, "friction_coefficient"):
-        if (number := found.numbers.get(name)) is not None:
-            scale = unit if number.unit else 1.0
-            numbers[name] = number.value / scale
-            numbers[f"{name}_error"] = (number.error or 0.0) / scale
-    held, drawn, apart = conditions(contacts, speed.value, speed.chosen), scene, list[str]()
+        if (own := found.numbers.get(name)) is not None:
+            scale = unit if own.unit else 1.0
+            numbers[name] = Number(own.value / scale, (own.error or 0.0) / scale, "")
+    held, apart = conditions(contacts, speed.value, speed.chosen), list[str]()
     try:
         if scene.given_drive is not None:
             scene.only_forward("the picture of forces")
     except InputError as error:
-        drawn, apart = replace(scene, master=None, eq=None), [f"F(X) is left out: {error}"]
-    result = solve(drawn, comm, told=told)[0]
+        scene, apart = replace(scene, master=None, eq=None), [f"F(X) is left out: {error}"]
+    result = solve(scene, comm, told=told)[0]
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
-        **numbers,
+        numbers=numbers,
         mean_threshold=unit,
         unit=result.thresholds.unit,
         sampled=found.sampled,
@@ -135,30 +115,30 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
         velocity=speed.value,
         conditions=tuple(held),
         run_time=found.run_time,
-        evidence=_evidence(result, numbers["kinetic_force"] * unit),
+        evidence=_evidence(result, numbers["kinetic_force"].value * unit),
         result=result,
     )
 
 
-def _evidence(result: Result, kinetic: float) -> Evidence | None:
+def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
     solved, eq = result.master, result.eq
     if eq is None:
         return None
     at = int(np.argmax((eq if solved is None else solved).force))
-    return Evidence(
-        static_to_kinetic=float(eq.force[at] / kinetic),
-        static_to_kinetic_error=float(eq.force_standard_error[at] / kinetic),
-        expected=None if solved is None else float(solved.force[at] / kinetic),
-        worst_deviation=deviation(result).worst,
-        not_compared=why_not_compared(result),
-        run_time=eq.run_time,
-        contacts=eq.contacts,
-    )
+    return {
+        "static_to_kinetic": float(eq.force[at] / kinetic),
+        "static_to_kinetic_error": float(eq.force_standard_error[at] / kinetic),
+        "expected": None if solved is None else float(solved.force[at] / kinetic),
+        "worst_deviation": deviation(result).worst,
+        "not_compared": why_not_compared(result),
+        "run_time": eq.run_time,
+        "contacts": eq.contacts,
+    }
 
 
 _HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
 _WIDTHS = (15, 17, 17, 17, 17, 17, 7, 16, 8, 7, 7)
-_SHOWN = "critical_spring static_to_kinetic decoherence_length kinetic_force friction_coefficient"
+_SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
 
 
 def table(verdicts: Sequence[Verdict]) -> list[str]:
@@ -172,26 +152,22 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
     head = line(f"   {'scene':{names}}", _HEADS.split(","))
     lines = [head, "-" * len(head)]
     for rank, verdict in enumerate(verdicts, start=1):
-        cells = [_with_error(verdict.onset_power, verdict.onset_power_error, 4)]
-        for name in _SHOWN.split():
-            cells.append(_with_error(getattr(verdict, name), getattr(verdict, f"{name}_error")))
+        cells = []
+        for name in _SHOWN:
+            own = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
+            told = with_error(own.value, own.error or 0.0, 4 if name == "onset_power" else 6)
+            cells.append({"inf": "infinite", "nan": ""}.get(told, told))
         cells.append(f"{verdict.run_time:.2g} s")
         if (seen := verdict.evidence) is not None:
-            apart = "" if seen.not_compared is None else "none"
+            apart = "" if seen["not_compared"] is None else "none"
             cells += [
-                with_error(seen.static_to_kinetic, seen.static_to_kinetic_error, 6),
-                "" if seen.expected is None else f"{seen.expected:.5f}",
-                apart if seen.worst_deviation is None else f"{seen.worst_deviation:.1f}",
-                f"{seen.run_time:.2g} s",
+                with_error(seen["static_to_kinetic"], seen["static_to_kinetic_error"], 6),
+                "" if seen["expected"] is None else f"{seen['expected']:.5f}",
+                apart if seen["worst_deviation"] is None else f"{seen['worst_deviation']:.1f}",
+                f"{seen['run_time']:.2g} s",
             ]
         lines.append(line(f"{rank:2d} {verdict.name:{names}}", cells))
     return lines + _notes(verdicts)
-
-
-def _with_error(value: float | None, error: float | None, digits: int = 6) -> str:
-    if value is None or error is None:
-        return ""
-    return with_error(value, error, digits) if np.isfinite(value) else "infinite"
 
 
 def _notes(verdicts: Sequence[Verdict]) -> list[str]:
@@ -202,15 +178,14 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
             "EQ at the peak, ME there: both solvers' F/F_k where the master's is largest on the path; max |z|: their "
             "largest difference over the path in standard errors, about 3 by chance"
         )
-    if any(verdict.friction_coefficient is not None for verdict in verdicts):
-        notes.append(
-            "F_k/load: k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest"
-        )
+    if any("friction_coefficient" in verdict.numbers for verdict in verdicts):
+        taken = "k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest"
+        notes.append(f"F_k/load: {taken}")
     named: dict[str, list[str]] = {}
     for verdict in verdicts:
         own = [*verdict.conditions, *verdict.cautions]
-        if verdict.evidence is not None and verdict.evidence.not_compared is not None:
-            own.append(f"EQ and ME not compared: {verdict.evidence.not_compared}")
+        if verdict.evidence is not None and verdict.evidence["not_compared"] is not None:
+            own.append(f"EQ and ME not compared: {verdict.evidence['not_compared']}")
         if verdict.sampled:
             own.append(f"errors are those of the samples, by {RESAMPLES} resampled laws")
         for note in own:

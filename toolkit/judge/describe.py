@@ -71,26 +71,22 @@ def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Des
 
 def _of_law(law: Thresholds) -> dict[str, Number]:
     """Moments, ends, quantiles and the onset of P_c."""
-    unit = "m" if law.interface is not None else "length"
-
-    def number(value: float, power: int = 1, more: float = 0.0) -> Number:
-        error = _NUMERICAL * value + more if np.isfinite(value) else None
-        return Number(value, error, unit if power == 1 else f"{unit}^{power}")
-
-    (lower, upper), spread = law.support(), law.std()
-    rounding = _ROUNDING * law.moment(2) / spread if 0.0 < spread < np.inf else 0.0
-    return {
-        "mean": number(law.mean()),
-        "standard_deviation": number(spread, more=rounding),
-        "second_moment": number(law.moment(2), 2),
-        "third_moment": number(law.moment(3), 3),
-        "lower_end": Number(lower, None, unit),
-        "upper_end": Number(upper, None, unit),
-        "one_in_a_hundred_below": number(float(law.ppf(0.01))),
-        "median": number(float(law.ppf(0.5))),
-        "one_in_a_hundred_above": number(float(law.isf(0.01))),
-        "onset_power": Number(law.onset_power, law.onset_power_error, ""),
+    unit, spread = "m" if law.interface is not None else "length", law.std()
+    values = {"mean": law.mean(), "standard_deviation": spread}
+    values |= {"second_moment": law.moment(2), "third_moment": law.moment(3)}
+    values |= {"one_in_a_hundred_below": float(law.ppf(0.01)), "median": float(law.ppf(0.5))}
+    values |= {"one_in_a_hundred_above": float(law.isf(0.01))}
+    units = {"second_moment": f"{unit}^2", "third_moment": f"{unit}^3"}
+    numbers = {
+        name: Number(value, _NUMERICAL * value if value < np.inf else None, units.get(name, unit))
+        for name, value in values.items()
     }
+    if 0.0 < spread < np.inf:
+        error = _NUMERICAL * spread + _ROUNDING * law.moment(2) / spread
+        numbers["standard_deviation"] = Number(spread, error, unit)
+    for name, end in zip(("lower_end", "upper_end"), law.support(), strict=True):
+        numbers[name] = Number(end, None, unit)
+    return numbers | {"onset_power": Number(law.onset_power, law.onset_power_error, "")}
 
 
 def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> list[str]:

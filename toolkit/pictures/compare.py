@@ -1,6 +1,6 @@
 """Pictures of judgements: scenes beside each other, and true error against run time."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,6 @@ from toolkit.pictures.axes import heights, plain, some_of
 from toolkit.results.beside import deviation
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 # Okabe and Ito's, which the colour-blind tell apart too; curves that coincide leave each other in sight by their dashes
@@ -35,25 +34,30 @@ def save_comparison(verdicts: Sequence[Verdict], path: Path) -> None:
 
 
 def draw_comparison(verdicts: Sequence[Verdict]) -> "Figure":
-    """P_c, springs that slip, forces, and the difference of both solvers."""
+    """P_c, springs that slip, forces, and the difference of both solvers, a colour and a dash for each scene."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(13, 9), layout="constrained")
     rows: list[Any] = [["P", "S"], ["F", "F"], ["z", "z"]]
     places = figure.subplot_mosaic(rows, height_ratios=[3, 3, 1.2])
     places["z"].sharex(places["F"])
-    plot_thresholds(places["P"], verdicts)
-    plot_springs(places["S"], verdicts)
-    plot_forces(places["F"], places["z"], verdicts)
+    styled: list[tuple[dict[str, Any], Verdict]] = []
+    for index, verdict in enumerate(verdicts):
+        ink, dash = _INK[index % len(_INK)], _DASHES[index % len(_DASHES)]
+        style = {"color": ink, "ls": dash, "lw": 1.3, "label": plain(verdict.name)}
+        styled.append((style, verdict))
+    _thresholds(places["P"], styled)
+    _springs(places["S"], styled)
+    _forces(places["F"], places["z"], styled)
     # below all axes: within them it would lie on curves
     figure.legend(*places["F"].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
 
 
-def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
+def _thresholds(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     """P_c of each scene in units of its own mean threshold; exact values as spikes, on an axis for their weight."""
     reach, tops, own = 0.0, list[float](), None
-    for style, verdict in _styles(verdicts):
+    for style, verdict in styled:
         curve, unit = verdict.result.thresholds, verdict.mean_threshold
         shown = np.isfinite(curve.density)
         axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, **style)
@@ -63,25 +67,24 @@ def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
             own = own or axes.twinx()
             own.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=style["color"])
             own.plot(curve.atoms / unit, curve.atom_weights, "D", ms=4, color=style["color"])
-            reach = max(reach, float(curve.atoms.max()) / unit)
-        reach = max(reach, float(curve.x[curve.survival > 2e-3].max(initial=unit)) / unit)
-    axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", xlim=(0.0, 1.05 * reach))
-    axes.set_ylabel(r"$\langle x_s\rangle\,P_c$")
-    if own is not None:
-        own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, None))
+            own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, None))
+        ends = [unit, *curve.atoms, *curve.x[curve.survival > 2e-3]]
+        reach = max(reach, 1.05 * max(ends) / unit)
+    axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", xlim=(0.0, reach))
+    axes.set(ylabel=r"$\langle x_s\rangle\,P_c$", ylim=(0.0, 1.05 * max(tops, default=1.0)))
     if tops and max(tops) > _APART * min(tops):
         axes.set(yscale="log", ylim=(min(tops) / 100.0, 2.0 * max(tops)))
-    else:
-        axes.set_ylim(0.0, 1.05 * max(tops, default=1.0))
-    return axes
 
 
-def plot_forces(axes: "Axes", below: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
+def _forces(axes: Any, below: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     """F/F_k against X/<x_s>: master equation as lines, ensemble as error bars of one standard error; and `below` their
     difference in standard errors, where enough contacts have broken to tell."""
     reaches = []
-    for style, verdict in _styles(verdicts):
-        unit, scale = verdict.mean_threshold, verdict.kinetic_force * verdict.mean_threshold
+    for style, verdict in styled:
+        unit, scale = (
+            verdict.mean_threshold,
+            verdict.value("kinetic_force") * verdict.mean_threshold,
+        )
         solved, eq, apart = verdict.result.master, verdict.result.eq, deviation(verdict.result)
         reaches += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
         if solved is not None:
@@ -89,10 +92,10 @@ def plot_forces(axes: "Axes", below: "Axes", verdicts: Sequence[Verdict]) -> "Ax
         if eq is not None:
             some, ink = some_of(eq.path.size, _BARS), style["color"]
             bars: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.8, "color": ink, "capsize": 1.5}
-            bars |= {"yerr": eq.force_standard_error[some] / scale}
-            bars |= {} if solved is not None else {"label": style["label"]}
-            axes.errorbar(eq.path[some] / unit, eq.force[some] / scale, **bars)
-            told = slice(None, None, max(1, apart.off.size // 60))
+            bars["label"] = style["label"] if solved is None else None
+            error = eq.force_standard_error[some] / scale
+            axes.errorbar(eq.path[some] / unit, eq.force[some] / scale, yerr=error, **bars)
+            told = some_of(apart.off.size, 60) if apart.off.size else apart.points
             below.plot(eq.path[apart.points][told] / unit, apart.off[told], ".", ms=3.5, color=ink)
     axes.axhline(1.0, color="0.6", lw=0.8, zorder=0)
     axes.set(ylabel="$F/F_k$", ylim=(0.0, None), xlim=(0.0, 1.02 * max(reaches, default=1.0)))
@@ -102,32 +105,23 @@ def plot_forces(axes: "Axes", below: "Axes", verdicts: Sequence[Verdict]) -> "Ax
     below.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     below.set(ylabel="EQ − ME\n(std. errors)", ylim=(-5.0, 5.0))
     below.set_xlabel(r"slider position $X/\langle x_s\rangle$")
-    return axes
 
 
-def plot_springs(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
+def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     """K*/(N<k>) of each scene: a softer driving spring is unstable. Infinite ones reach the edge."""
-    springs = [verdict.critical_spring for verdict in verdicts]
+    springs = [verdict.value("critical_spring") for _, verdict in styled]
     finite = [spring for spring in springs if 0.0 < spring < np.inf]
     low, high = min([*finite, 1e-3]) / 3.0, max([*finite, 1.0]) * 3.0
-    for row, (style, verdict) in enumerate(_styles(verdicts)):
-        value = min(max(verdict.critical_spring, low), high)
-        bars = axes.barh(row, value - low, left=low, color=style["color"], height=0.6)
-        text = "infinite" if np.isinf(verdict.critical_spring) else f"{verdict.critical_spring:.3g}"
+    for row, (spring, (style, _)) in enumerate(zip(springs, styled, strict=True)):
+        width = min(max(spring, low), high) - low
+        bars = axes.barh(row, width, left=low, color=style["color"], height=0.6)
+        text = "infinite" if np.isinf(spring) else f"{spring:.3g}"
         axes.bar_label(bars, [text], padding=3, fontsize="small")
-    axes.set_yticks(range(len(verdicts)), [plain(verdict.name) for verdict in verdicts])
+    axes.set_yticks(range(len(styled)), [style["label"] for style, _ in styled])
     axes.invert_yaxis()
     room = (high / low) ** 0.2  # for the numbers behind the bars
     axes.set(xscale="log", xlim=(low, high * room), xlabel=r"$K^*/(N_c\langle k\rangle)$")
     axes.set_title("stick-slip below this spring")
-    return axes
-
-
-def _styles(verdicts: Sequence[Verdict]) -> Iterator[tuple[dict[str, Any], Verdict]]:
-    """Each with a colour, a dash and a name."""
-    for index, verdict in enumerate(verdicts):
-        ink, dash = _INK[index % len(_INK)], _DASHES[index % len(_DASHES)]
-        yield {"color": ink, "ls": dash, "lw": 1.3, "label": plain(verdict.name)}, verdict
 
 
 def save_precision(measured: Precision, path: Path) -> None:

@@ -41,20 +41,10 @@ _SWEPT = {
 
 def plot(result: Result, axes: Any = None) -> Any:
     """F(X) from every solver, F(t) where the drive has a time for each point, F_k along a sweep where that alone was
-    asked for, and P_c(x) beside it.
+    asked for, and P_c(x) beside it, of a Result of toolkit.run or toolkit.load.
 
-    Parameters
-    ----------
-    result : Result
-        Of toolkit.run or toolkit.load.
-    axes : pair of matplotlib axes, optional
-        Where to draw F and P_c; left out, pyplot makes a figure for them.
-
-    Returns
-    -------
-    axes
-        The two of them, a numpy array where pyplot made them. Their figure saves the picture:
-        ``toolkit.plot(result)[0].figure.savefig("picture.png")``.
+    They are drawn on `axes`, a pair of matplotlib's; left out, pyplot makes a figure. Returns the two of them, whose
+    figure saves the picture: ``toolkit.plot(result)[0].figure.savefig("picture.png")``.
     """
     if axes is None:
         from matplotlib import pyplot

@@ -41,10 +41,7 @@ stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_befor
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
     """Write result.h5, summary.json and picture.png into `folder`, of a sweep sweep.csv and of islands barriers.png,
-    whole or not at all.
-
-    What this package wrote there earlier and would be taken for this run's is removed: sweep.csv where this result has
-    no sweep, and thresholds.json, its .png and barriers.png beside another scene's result.
+    whole or not at all. What this package wrote there for another scene, or an earlier sweep.csv, is removed.
 
     result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
     array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
@@ -71,13 +68,9 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
-    """The Result that `save`, or the command `run`, wrote into `folder`.
-
-    Its fields, where they were asked for: `master.path`, `.force`, `.force_error`, `.holding`, `.success`; `eq.path`,
-    `.force`, `.force_standard_error`, `.breaks`, `.histograms`; `thresholds.x`, `.density`, `.survival`, `.unit`;
-    `mean_threshold`; `notes`; `interface["contact_density"].value` and more; `text`,
-    the scene. Raises InputError where there is none.
-    """
+    """The Result that `save`, or the command `run`, wrote into `folder`: `.master.path`, `.force`, `.force_error`;
+    `.eq.force_standard_error`, `.breaks`, `.histograms`; `.thresholds.x`, `.density`; `.interface`, `.notes`, `.text`,
+    and more that Result tells. Raises InputError where there is none."""
     file = Path(folder) / RESULT
     if Path(folder).is_file():
         refuse("folder", str(folder), f"is a file; give the folder, {str(Path(folder).parent)!r}")

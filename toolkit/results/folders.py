@@ -32,28 +32,20 @@ def check_folder(folder: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
-    """Hold `folder` against other runs on this machine, which would replace one result by another.
+    """Hold `folder` against this user's other runs on this machine, which would replace one result by another.
 
     Raises InputError where another run holds it. The lock is a file in the system's folder for temporary files, since
     the output folder need not exist yet; it ends with the process, however that ends.
     """
     name = sha256(os.fsencode(Path(folder).resolve())).hexdigest()[:24]
-    try:
-        file = Path(tempfile.gettempdir()) / f"mesofriction-{name}.lock"
-        lock = os.open(file, os.O_RDWR | os.O_CREAT, 0o666)
-    except OSError:  # no room for locks, or another user's
+    file = Path(tempfile.gettempdir()) / f"mesofriction-{os.getuid()}-{name}.lock"
+    with file.open("a") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            rule = "another run is writing there; choose another folder, or wait until it has ended"
+            raise InputError(f"out = {str(folder)!r}: {rule}") from error
         yield
-        return
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        os.close(lock)
-        rule = "another run is writing there; choose another folder, or wait until it has ended"
-        raise InputError(f"out = {str(folder)!r}: {rule}") from error
-    try:
-        yield
-    finally:
-        os.close(lock)
 
 
 def write_folder(

@@ -41,14 +41,8 @@ _QUANTILES = np.linspace(0.0, 1.0, 66)[1:-1]
 
 
 class Checkpoint:
-    """The checkpoint of one scene's ensemble in `folder`/checkpoint; nothing is written before its first `every` s.
-
-    Parameters
-    ----------
-    folder : where the results will be written.
-    scene : whose checkpoint it is; another one's is refused.
-    comm : mpi4py communicator, or None for this process alone.
-    every : seconds from one checkpoint to the next, at most.
+    """The checkpoint of one scene's ensemble in `folder`/checkpoint; nothing is written before its first `every` s, nor
+    sooner after the last. Another scene's is refused. `comm` is the mpi4py communicator, None for this process alone.
     """
 
     def __init__(
@@ -76,24 +70,22 @@ class Checkpoint:
         All ranks must call. Unless it shall `only_look`, rank 0's file then holds all of it.
         Raises InputError where the checkpoint is that of another scene, seed or version.
         """
-        whole: State | None = None
+        whole: list[State] = []
 
-        def look() -> State | None:
-            nonlocal whole
+        def look() -> list[State]:
             files = sorted(self._home.glob("*-rank-*.npz"))
-            whole = self._joined(files)
-            if whole is None:
-                return None
-            contacts = f"{whole.contacts:,} contacts are done"
+            if (found := self._joined(files)) is None:
+                return []
+            whole.append(found)
+            contacts = f"{found.contacts:,} contacts are done"
             say(f"going on from the checkpoint in {self._home}: {contacts}")
-            if not only_look and len(files) > 1 and self.write(whole):
+            if not only_look and len(files) > 1 and self.write(found):
                 for file in set(files) - {self._file}:
                     file.unlink()
-            return whole.without_sums()
+            return [found.without_sums()]
 
         rest = on_root(self._comm, look)
-        found = rest if whole is None else whole
-        return [] if found is None else [found]
+        return whole or rest
 
     def keep(self, state: State) -> None:
         """Write this rank's `state` if it is new and the last was written long enough ago."""
@@ -116,9 +108,8 @@ class Checkpoint:
     def remove(self) -> None:
         """Forget it: the results are written. On rank 0 alone."""
         with suppress(OSError):
-            for pattern in ("*-rank-*.npz", ".*.part"):
-                for file in self._home.glob(pattern):
-                    file.unlink(missing_ok=True)
+            for file in (*self._home.glob("*-rank-*.npz"), *self._home.glob(".*.part")):
+                file.unlink(missing_ok=True)
             self._home.rmdir()
 
     def _joined(self, files: list[Path]) -> State | None:

@@ -15,7 +15,7 @@ from toolkit.results.records import Result, SolvedRecord, record_of, sample_curv
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
-from toolkit.running.signals import Deferred, TimeIsUp, deferred, no_longer_than
+from toolkit.running.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.scene import laws
 from toolkit.scene.interfaces import foreseen, of_interface, remarks
 from toolkit.scene.sampling import numerical_only
@@ -44,23 +44,16 @@ def run(
     folder: str | PathLike[str] | None = None,
     checkpoint: float = EVERY,
 ) -> Result:
-    """Solve what the scene asks for.
+    """Solve what the scene asks for: a dict, a scene file or the name of a shipped scene.
 
-    Parameters
-    ----------
-    scene : dict, path or name of a shipped scene
-    comm : mpi4py communicator, optional
-        Sampling of thresholds and the ensemble's work are shared among its ranks, all of which must call; None: this
-        process alone. Every rank gets the whole result.
-    progress : callable, optional
-        Called as progress(done, expected) after each block of the ensemble, with contacts of the whole run; the other
-        ranks are taken to be as far as this one. With a tolerance what is expected changes on the way.
-    folder : path, optional
-        Where the result is written, as by `save`, and until then every `checkpoint` seconds what the ensemble has
-        found; a run that finds that of the same scene there goes on from it, to the same bits. None: nothing is
-        written.
+    All ranks of the mpi4py communicator `comm` must call; they share the work, and each gets the whole result. None:
+    this process alone. `progress` is called as progress(done, expected) after each block of the ensemble, with contacts
+    of the whole run; with a tolerance what is expected changes on the way.
 
+    The result is written into `folder`, as by `save`, and until then every `checkpoint` seconds what the ensemble has
+    found; a run that finds that of the same scene there goes on from it, to the same bits. None: nothing is written.
     Interrupted (SIGINT, SIGTERM), it finishes its block and writes its checkpoint first.
+
     Raises InputError for a scene that cannot be run, and for a folder that cannot be written or that holds the
     checkpoint of another scene.
     """
@@ -69,7 +62,7 @@ def run(
         return solve(scene, comm, progress)[0]
     with open_checkpoint(folder, scene, comm, checkpoint) as kept:
         result, finished = solve(scene, comm, progress, kept)
-        write(result, folder, comm, kept if finished else None)
+        write(result, comm, kept, finished)
     return result
 
 
@@ -91,15 +84,13 @@ def open_checkpoint(
         yield Checkpoint(folder, scene, comm, every)
 
 
-def write(
-    result: Result, folder: str | PathLike[str], comm: Any, done_with: Checkpoint | None
-) -> None:
-    """Save the result, on rank 0, and only then remove the checkpoint that is done with."""
+def write(result: Result, comm: Any, kept: Checkpoint, finished: bool) -> None:
+    """Save the result where the checkpoint is, on rank 0, and only then remove that of a run that is finished."""
 
     def on_first() -> None:
-        save(result, folder)
-        if done_with is not None:
-            done_with.remove()
+        save(result, kept.folder)
+        if finished:
+            kept.remove()
 
     on_root(comm, on_first)
 
@@ -155,7 +146,10 @@ def solve(
         domains=law.domains,
     )
     result = replace(result, notes=(*notes, *resets_apart(result)))
-    return result, ensemble is None or eq is None or not _unfinished(ensemble, eq)
+    finished = ensemble is None or eq is None or eq.success or eq.contacts == ensemble.total
+    if kept is not None and not finished and (comm is None or comm.Get_rank() == 0):
+        say(f"stopped by the wall time; run it again with --out {kept.folder} to go on")
+    return result, finished
 
 
 def follow(
@@ -168,11 +162,9 @@ def follow(
     """Work through an ensemble that is not yet begun to its result; all ranks of its communicator must call.
 
     SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then do what they did
-    before: end the program as a rule. A rank that gets one tells the other ranks, which end likewise.
-
-    `progress` is called as progress(done, expected), contacts of the whole run, of which the ensemble was given
-    `done_before` as done; other ranks count as far as this one is. After the `deadline`, s of the monotonic clock, no
-    block begins.
+    before: end the program as a rule. A rank that gets one tells the other ranks, which end likewise. Contacts that
+    were `done_before` count in `progress`, other ranks' as far as this one is. After the `deadline`, s of the monotonic
+    clock, no block begins.
     """
     comm, shown = ensemble.comm, (-1, -1)
     ranks = 1 if comm is None else comm.Get_size()
@@ -184,35 +176,20 @@ def follow(
                 shown = now
             if deadline is not None and time.monotonic() > deadline:
                 ensemble.stop()
-            if ranks > 1:
-                _tell_or_hear(comm, asked)
+            if ranks > 1 and asked.signal is None and comm.Iprobe(tag=_STOP):
+                asked.signal = comm.recv(tag=_STOP)
+            elif ranks > 1 and asked.signal is not None:
+                for rank in set(range(ranks)) - {comm.Get_rank()}:
+                    comm.isend(asked.signal, dest=rank, tag=_STOP)
             if checkpoint is not None and asked.signal is None:
                 checkpoint.keep(ensemble.state)
             elif asked.signal is not None:
                 if checkpoint is not None:
                     checkpoint.write(ensemble.state)
                 asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
-    result: AnyResult = ensemble.result()
     if checkpoint is not None:  # of a finished one too: the disk may refuse the result
         checkpoint.write(ensemble.state)
-        if _unfinished(ensemble, result) and (comm is None or comm.Get_rank() == 0):
-            say(f"stopped by the wall time; run it again with --out {checkpoint.folder} to go on")
-    return result
-
-
-def _tell_or_hear(comm: Any, asked: Deferred) -> None:
-    """Tell the other ranks of a signal that this one has got, or hear of theirs."""
-    if asked.signal is None:
-        if comm.Iprobe(tag=_STOP):
-            asked.signal = comm.recv(tag=_STOP)
-        return
-    for rank in set(range(comm.Get_size())) - {comm.Get_rank()}:
-        comm.isend(asked.signal, dest=rank, tag=_STOP)
-
-
-def _unfinished(ensemble: "Ensemble", result: "AnyResult") -> bool:
-    """Whether there is something to go on with."""
-    return not result.success and result.contacts < ensemble.total
+    return ensemble.result()
 
 
 @contextmanager

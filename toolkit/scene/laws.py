@@ -20,7 +20,7 @@ THRESHOLDS = {kind: f"origins:{kind.replace('-', '_')}" for kind in _PLAIN.split
 THRESHOLDS |= {
     "growing-grains": "origins:growing_grains",
     "domains": "toolkit.scene.kinds:domains",
-    "from-samples": "toolkit.scene.measured:from_samples",
+    "from-samples": "toolkit.scene.kinds:from_samples",
     "from-topography": "toolkit.scene.kinds:from_topography",
 }
 

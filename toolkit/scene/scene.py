@@ -19,7 +19,7 @@ from origins.errors import InputError, check_tolerance, positive, refuse, shown,
 from toolkit.running.ranks import on_root
 from toolkit.scene import laws, tables
 from toolkit.scene.drive import Speed, histogram_points, make_drive, sliding_speed, spring_number
-from toolkit.scene.measured import read_text
+from toolkit.scene.kinds import read_file, read_text
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.tables import to_toml
 
@@ -105,7 +105,7 @@ def load_scene(
             text = to_toml(scene)
             return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
         file = on_root(comm, lambda: _find(scene))
-        text = read_text("scene", str(file), Path(), comm, "is not TOML")
+        text = read_file("scene", str(file), Path(), comm, read_text)
         return _checked(file.stem, text, tomllib.loads(text), file.parent, solved, comm)
     except RecursionError as error:
         rule = "its lists or tables are nested too deeply; a scene needs a few levels"

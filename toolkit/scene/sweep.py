@@ -42,13 +42,11 @@ class Sweep:
 
 @dataclass(frozen=True)
 class SweepRecord:
-    """Smooth sliding at all points of a sweep: arrays of one shape, (n,) or (n, m).
+    """Smooth sliding at all points of a sweep: arrays of one shape, (n,) or (n, m), the first axis `along` its first.
 
     `force` = F_k/(N_c<k>) (a length), `force_error` (in <x_s>), `holding`, the fraction that holds, and its error;
     where it was asked for, `critical_spring` = K*/(N_c<k>) and its error, else None. `velocity`, `temperature`, `rate`,
-    `delay` at each point, None for a law that the contacts have not; `kelvin` where temperatures were given so. `along`
-    names the quantities of several values, that of the first axis first. `success`, of all points, and `message` are
-    those of master.kinetic_curve and master.phase_line.
+    `delay` at each point, None for a law that the contacts have not; `kelvin` where temperatures were given so.
     """
 
     along: tuple[str, ...]
