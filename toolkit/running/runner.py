@@ -11,7 +11,7 @@ from origins.errors import InputError, refuse
 from toolkit.results.beside import resets_apart
 from toolkit.results.files import another, save
 from toolkit.results.folders import check_folder, only_writer
-from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
+from toolkit.results.records import Result, SoftRecord, SolvedRecord, record_of, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
@@ -127,6 +127,13 @@ def solve(
         with laws.inside("eq", _EQ_KEYS), shown("eq") as bar:
             eq = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
     notes = [*remarks(law), *numerical_only(law), *foreseen(scene)]
+    if (
+        isinstance(master, SoftRecord)
+        and master.regime.verdict == "undecided"
+        and not master.slips.drive.size
+    ):
+        far = float(law.isf(1e-3)) + scene.contacts.mean_threshold / (scene.drive.spring or 1.0)
+        notes.append(f"a first slip is to be expected before X_T = {far:.3g}; drive as far")
     if before:
         notes.append(
             f"went on from a checkpoint of {before:,} contacts: the run time of eq is that of all launches together, "
