@@ -17,19 +17,6 @@ if TYPE_CHECKING:
 
 ON_ONE_RANK = ("precision", "scenes")  # the other ranks wait
 _APART = 6.0  # standard errors
-_SYMBOLS = {
-    "mean": "<x_s>",
-    "onset_power": "m",
-    "kinetic_force": "F_k/(N<k>)",
-    "critical_spring": "K*/(N<k>)",
-    "static_to_kinetic": "F_s/F_k",
-    "decoherence_length": "X*",
-    "mean_stiffness": "<k>",
-    "mean_force_threshold": "<f_s>",
-    "friction_coefficient": "F_k/load",
-    "kinetic_stress": "F_k/area",
-    "plasticity_index": "psi",
-}
 
 
 def scenes(arguments: argparse.Namespace, comm: Any) -> int:
@@ -177,10 +164,7 @@ def _lines(found: "Description") -> list[str]:
     """The table as lines of text."""
     from toolkit.scene.interfaces import with_error
 
-    named = {
-        f"{name.replace('_', ' ')} {_SYMBOLS.get(name, '')}".rstrip(): number
-        for name, number in found.numbers.items()
-    }
+    named = {name.replace("_", " "): number for name, number in found.numbers.items()}
     width, out = max(map(len, named)) + 2, list[str]()
     for name, number in named.items():
         value = with_error(number.value, number.error or 0.0, 8)

@@ -171,7 +171,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _notes(verdicts: Sequence[Verdict]) -> list[str]:
-    """What the columns are, and each scene's own notes, once for all scenes that share one."""
+    """What the columns are, and each scene's own notes."""
     notes = []
     if any(verdict.evidence is not None for verdict in verdicts):
         notes.append(
@@ -181,16 +181,11 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
     if any("friction_coefficient" in verdict.numbers for verdict in verdicts):
         taken = "k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest"
         notes.append(f"F_k/load: {taken}")
-    named: dict[str, list[str]] = {}
     for verdict in verdicts:
         own = [*verdict.conditions, *verdict.cautions]
         if verdict.evidence is not None and verdict.evidence["not_compared"] is not None:
             own.append(f"EQ and ME not compared: {verdict.evidence['not_compared']}")
         if verdict.sampled:
             own.append(f"errors are those of the samples, by {RESAMPLES} resampled laws")
-        for note in own:
-            named.setdefault(note, []).append(verdict.name)
-    for note, names in named.items():
-        everyone = len(names) == len(verdicts) > 1
-        notes.append(f"{'all' if everyone else ', '.join(names)}: {note}")
+        notes += [f"{verdict.name}: {note}" for note in own]
     return notes

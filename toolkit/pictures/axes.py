@@ -1,10 +1,7 @@
-"""Axes that can be read: what curves are drawn against, lengths in metres with a prefix, densities that peak or span
-decades; and the title above them."""
+"""Axes that can be read: what curves are drawn against, lengths in metres with a prefix, densities that peak."""
 
-import textwrap
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -17,9 +14,7 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
-_DECADES = 1e3  # a quantity that spans more is drawn on a logarithmic axis
 _SPIKE = 10.0  # times what 95 % of the contacts see: a higher end of a density is cut off
-_SHARE = 0.05  # of the contacts, above and below what the limits are made for
 
 
 def plain(text: str) -> str:
@@ -42,37 +37,17 @@ def name_lengths(axis: "Axis", name: str, metres: bool) -> None:
         axis.set_major_formatter(EngFormatter(unit="m"))
 
 
-class Heights(NamedTuple):
-    """Limits for a density: bottom and top, and whether the axis is logarithmic between them."""
-
-    bottom: float
-    top: float
-    logarithmic: bool
-
-
-def heights(curve: ThresholdCurve, values: Any) -> Heights:
-    """Limits that show `values` over curve.x: what 5 % of the contacts or more see of them.
-
-    A spike at an end of the law, where a density diverges, is cut off; other peaks are shown however narrow.
-    """
-    values = np.asarray(values, dtype=float)
+def highest(curve: ThresholdCurve, values: Array) -> float:
+    """Where an axis ends that shows `values` over curve.x, however narrow their peaks; but a spike at an end of the law,
+    where a density diverges, is cut off at what 5 % of the contacts or more see of it."""
     shown = np.isfinite(values) & (values > 0.0)
     weight, seen = -np.diff(curve.survival, append=0.0)[shown], values[shown]
     if not weight.sum() > 0.0:
-        return Heights(0.0, float(seen.max(initial=1.0)), False)
-    order = np.argsort(seen)
-    sums = np.cumsum(weight[order]) / weight.sum()
-    low, high = seen[order][np.searchsorted(sums, [_SHARE, 1.0 - _SHARE])].tolist()
-    if high > _DECADES * low:
-        return Heights(low / 10.0, high * 10.0, True)
-    top, at_end = float(seen.max()), int(np.argmax(seen)) in (0, seen.size - 1)
-    return Heights(0.0, 1.5 * high if top > _SPIKE * high and at_end else 1.05 * top, False)
-
-
-def spans_decades(curve: ThresholdCurve) -> bool:
-    """Whether half of the thresholds lie in the first thousandth of what is shown."""
-    median, last = (float(curve.x[curve.survival > part].max(initial=0.0)) for part in (0.5, 1e-3))
-    return 0.0 < median * _DECADES < last
+        return float(seen.max(initial=1.0))
+    order, top = np.argsort(seen), float(seen.max())
+    high = seen[order][np.searchsorted(weight[order].cumsum(), 0.95 * weight.sum())]
+    at_end = int(np.argmax(seen)) in (0, seen.size - 1)
+    return float(1.5 * high) if top > _SPIKE * high and at_end else 1.05 * top
 
 
 def some_of(size: int, most: int) -> npt.NDArray[np.intp]:
@@ -107,16 +82,3 @@ def write_along(axes: "Axes", result: Result) -> None:
         axes.set(xlim=(times[0], times[-1]), xticks=turns[some_of(turns.size, 8)])
         how = f"logarithmic in holds, even in ln(1 + t/{drive.hold_scale:.3g}) since each began"
         axes.set_xlabel(f"{axes.get_xlabel()}, {how}")
-
-
-def headline(result: Result) -> str:
-    """A picture's title: that of the scene, and below it the laws of the contacts as the scene has them, but for keys
-    that a sweep varies."""
-    contacts, sweep, said = result.asked.contacts, result.asked.sweep, list[str]()
-    swept = {} if sweep is None or result.asked.drive is not None else msgspec.structs.asdict(sweep)
-    varied = {{"delay": "time"}.get(key, key) for key, value in swept.items() if value is not None}
-    for law in ("thermal", "ageing", "delay", "reforming"):
-        table = (getattr(contacts, law) or {}).items()
-        told = [f"{key} {value}" for key, value in table if key not in varied | {"final"}]
-        said += [f"{law}: {', '.join(told)}"] if told else []
-    return "\n".join([plain(result.title or result.name), *textwrap.wrap("; ".join(said), 90)])

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.judge.compare import Verdict
 from toolkit.judge.precision import Precision
-from toolkit.pictures.axes import heights, plain, some_of
+from toolkit.pictures.axes import highest, plain, some_of
 from toolkit.results.beside import deviation
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def _thresholds(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None
         shown = np.isfinite(curve.density)
         axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, **style)
         if curve.density[shown].any():
-            tops.append(heights(curve, curve.density * unit).top)
+            tops.append(highest(curve, curve.density * unit))
         if curve.atoms.size:
             own = own or axes.twinx()
             own.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=style["color"])

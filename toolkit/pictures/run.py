@@ -14,8 +14,8 @@ from toolkit.pictures.axes import (
     Array,
     along,
     curves,
-    headline,
     name_lengths,
+    plain,
     some_of,
     write_along,
 )
@@ -53,9 +53,6 @@ def plot(result: Result, axes: Any = None) -> Any:
         _, axes = pyplot.subplots(1, 2, layout="constrained", **size)
     (plot_force if curves(result) else plot_sweep)(axes[0], result)
     plot_density(axes[1], result.thresholds)
-    thresholds = result.asked.contacts.thresholds
-    if thresholds["kind"] == "growing-grains":
-        axes[1].set_title(f"thresholds at $X$ = 0, age {thresholds['age']:.3g}")
     return axes
 
 
@@ -93,7 +90,7 @@ def plot_force(axes: "Axes", result: Result) -> "Axes":
         axes.errorbar(along(result, eq)[some], eq.force[some], yerr=error, **style)
     write_along(axes, result)
     name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.in_metres)
-    axes.set_title(headline(result))
+    axes.set_title(plain(result.title or result.name))
     # slips and cycles leave no corner free
     rows = -(-len(axes.get_legend_handles_labels()[0]) // 2)
     bottom, top = axes.get_ylim()
@@ -163,16 +160,9 @@ def plot_sweep(axes: "Axes", result: Result) -> "Axes":
     _along_sweep(axes, result, sweep.force)
     name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.in_metres)
     if not curves(result):
-        axes.set_title(headline(result))
+        axes.set_title(plain(result.title or result.name))
     if len(sweep.along) > 1:
         axes.legend(fontsize="small")
-    return axes
-
-
-def plot_swept_holding(axes: "Axes", result: Result) -> "Axes":
-    """The fraction of the contacts that hold along the sweep."""
-    _along_sweep(axes, result, result.sweep.holding)  # type: ignore[union-attr]
-    axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
     return axes
 
 
@@ -183,16 +173,6 @@ def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
     axes.set_ylabel(r"$K^*/(N_c\langle k\rangle)$")
     axes.set_ylim(bottom=0.0)
     return axes
-
-
-def sweep_panels(result: Result) -> list[tuple[Callable[["Axes", Result], "Axes"], bool]]:
-    """What a picture may show of a sweep, and whether there is anything to show."""
-    sweep = result.sweep
-    return [
-        (plot_sweep, sweep is not None),
-        (plot_swept_holding, sweep is not None and bool((sweep.holding < _HELD).any())),
-        (plot_critical_spring, sweep is not None and sweep.critical_spring is not None),
-    ]
 
 
 def _along_sweep(axes: "Axes", result: Result, values: Array) -> None:
@@ -232,9 +212,9 @@ def save_picture(result: Result, path: Path) -> None:
         below.append(plot_deviation)
     elif isinstance(solved, AgeingRecord):
         below.append(plot_defects)
-    swept = [draw for draw, there in sweep_panels(result) if there]
-    if not curves(result):
-        swept = swept[1:]  # the first of them heads the picture
+    swept = [plot_sweep] if curves(result) and result.sweep is not None else []  # else it is above
+    if result.sweep is not None and result.sweep.critical_spring is not None:
+        swept.append(plot_critical_spring)
     heights = [3, *(1 for _ in below), *(2 for _ in swept)]
     figure = Figure(figsize=(10, 1 + sum(heights)), layout="constrained")
     rows: list[Any] = [["F", "P"], *([draw.__name__, "P"] for draw in (*below, *swept))]

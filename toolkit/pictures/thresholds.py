@@ -8,7 +8,7 @@ import numpy as np
 from origins.domains.domain_samples import DomainSamples
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
-from toolkit.pictures.axes import INK, Array, heights, name_lengths, plain, some_of, spans_decades
+from toolkit.pictures.axes import INK, Array, highest, name_lengths, plain, some_of
 from toolkit.results.records import ThresholdCurve
 
 if TYPE_CHECKING:
@@ -49,10 +49,10 @@ def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
 
 def _draw(axes: "Axes", curve: ThresholdCurve, values: Array, name: str) -> None:
     """A quantity per length, within limits that show it."""
-    found = heights(curve, values)
     axes.plot(curve.x, values, **_STYLE)
-    axes.set(yscale="log" if found.logarithmic else "linear", ylim=(found.bottom, found.top))
-    axes.set_ylabel(f"{name} (1/m)" if curve.in_metres else name)
+    axes.set(
+        ylabel=f"{name} (1/m)" if curve.in_metres else name, ylim=(0.0, highest(curve, values))
+    )
 
 
 def _label(axes: "Axes", curve: ThresholdCurve, title: str, name: str) -> None:
@@ -62,12 +62,7 @@ def _label(axes: "Axes", curve: ThresholdCurve, title: str, name: str) -> None:
     last = float(curve.x[curve.survival > 1e-3].max(initial=first))
     # one exact value has no width of its own
     margin = 0.15 * (last - first) if last - first > 1e-9 * last else 0.5 * last
-    first = first - margin if first > 0.5 * last else 0.0
-    axes.set_title(title)
-    if spans_decades(curve):
-        first = float(curve.x[curve.x > 0.0].min())
-        axes.set_xscale("log")
-    axes.set_xlim(first, last + margin)
+    axes.set(title=title, xlim=(first - margin if first > 0.5 * last else 0.0, last + margin))
     name_lengths(axes.xaxis, name, curve.in_metres)
 
 

@@ -7,7 +7,7 @@ import os
 import tomllib
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import MISSING, asdict, fields, is_dataclass, replace
+from dataclasses import MISSING, asdict, fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -261,9 +261,7 @@ def _read_master(group: "h5py.Group") -> SolvedRecord:
     from master.soft.slips import Slips
 
     slips = _read(group, Slips, "slip_")
-    regime = _read(group, Regime, slips=int(slips.drive.size), trend=None)
-    trend = float(group.attrs.get("trend", math.nan))
-    regime = replace(regime, trend=None if math.isnan(trend) else trend)
+    regime = _read(group, Regime, slips=int(slips.drive.size), trend=group.attrs.get("trend"))
     return _read(group, SoftRecord, slips=slips, regime=regime)
 
 
