@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 import origins
 from toolkit.judge.compare import compare
-from toolkit.pictures.axes import highest
 from toolkit.pictures.compare import draw_comparison
 from toolkit.pictures.run import (
     plot_deviation,
@@ -18,7 +17,7 @@ from toolkit.pictures.run import (
     plot_position,
     save_picture,
 )
-from toolkit.pictures.thresholds import plot_density
+from toolkit.pictures.thresholds import highest, plot_density
 from toolkit.results.records import sample_curve
 from toolkit.running.runner import run
 from toolkit.scene.scene import load_scene

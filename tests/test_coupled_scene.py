@@ -51,7 +51,6 @@ def test_slips_are_compared_one_by_one(result):
         )
         assert abs(slip.mean_drive - slip.drive) < 0.1 and abs(slip.mean_drop - slip.drop) < 0.05
     lines = report(result)
-    assert sum(line.startswith("slip ") for line in lines) == 3
     assert any("36 of eq in 12 replicas" in line for line in lines)
     assert not any(line.startswith("eq less master") for line in lines)
 

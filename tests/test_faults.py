@@ -19,8 +19,8 @@ import master
 import toolkit
 from origins.errors import InputError
 from toolkit.command import main
-from toolkit.pictures.axes import plain
 from toolkit.pictures.run import plot_force
+from toolkit.pictures.thresholds import plain
 from toolkit.results.folders import only_writer
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import communicator

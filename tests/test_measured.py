@@ -9,8 +9,8 @@ import origins
 import toolkit
 from toolkit.judge.describe import describe
 from toolkit.pictures.thresholds import plot_samples
+from toolkit.scene.interfaces import NAMES, misfit, numerical_only, sampling_errors
 from toolkit.scene.kinds import from_samples
-from toolkit.scene.sampling import NAMES, misfit, numerical_only, sampling_errors
 
 SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
 

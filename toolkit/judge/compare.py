@@ -13,8 +13,7 @@ from toolkit.results.beside import deviation, why_not_compared
 from toolkit.results.records import Result
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, until
-from toolkit.scene.interfaces import Number, with_error
-from toolkit.scene.sampling import RESAMPLES
+from toolkit.scene.interfaces import RESAMPLES, Number, with_error
 from toolkit.scene.scene import Scene
 
 

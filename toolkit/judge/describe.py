@@ -9,8 +9,7 @@ from origins import Contacts
 from origins.domains.domain_samples import DomainSamples
 from origins.errors import InputError
 from origins.thresholds.law import Thresholds
-from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite
-from toolkit.scene.sampling import sampling_errors, unseen
+from toolkit.scene.interfaces import Number, of_interface, remarks, sampling_errors, why_infinite
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
 _NUMERICAL = (
@@ -57,7 +56,6 @@ def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Des
     if (spring := numbers.get("critical_spring")) is not None:
         sampled = sampling_errors(contacts)
         notes += [why_infinite(contacts)] if np.isinf(spring.value) else []
-        notes += unseen(sampled, spring.value)
     for name, scatter in sampled.items():
         both = float(np.hypot(numbers[name].error or 0.0, scatter))
         numbers[name] = replace(numbers[name], error=both)

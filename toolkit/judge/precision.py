@@ -105,14 +105,11 @@ def precision(
         "run time: wall time, best of the warm runs; compilation is not in it",
     ]
     if scene.master is not None:
-        notes.append(
-            "explicit: the paper's scheme, Eqs. (Q2)-(Q4), which claims no error; contacts that start at x < 0 are "
-            "under P(x) from x = 0 on, not from |x|, so with many of them it does not tend to the model's force"
-        )
+        notes.append("explicit: the paper's scheme, Eqs. (Q2)-(Q4), which claims no error")
     if scene.eq is not None:
         notes.append(
-            f"ensemble, closest: statistical, of the one seed {scene.eq.seed}; the ensemble claims its largest "
-            "standard error, which the worst of many positions exceeds, the paper's closest contact claims none"
+            f"ensemble, closest: of the one seed {scene.eq.seed}; the ensemble claims its largest standard error, which "
+            "the worst of many positions exceeds"
         )
     for method, rungs, work in methods:
         for setting in rungs:

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.judge.compare import Verdict
 from toolkit.judge.precision import Precision
-from toolkit.pictures.axes import highest, plain, some_of
+from toolkit.pictures.thresholds import highest, plain, some_of
 from toolkit.results.beside import deviation
 
 if TYPE_CHECKING:

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toolkit.pictures.axes import (
+from toolkit.pictures.thresholds import (
     INK,
     Array,
     along,
     curves,
     name_lengths,
     plain,
+    plot_density,
     some_of,
     write_along,
 )
-from toolkit.pictures.thresholds import plot_density
 from toolkit.results.beside import deviation, why_not_compared
 from toolkit.results.records import AgeingRecord, Result, SoftRecord, is_coupled
 
@@ -142,18 +142,6 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
-def plot_defects(axes: "Axes", result: Result) -> "Axes":
-    """What the paper's closure of ageing does not keep: mass of P_c less 1, and weight below 0."""
-    solved: Any = result.master
-    path = along(result, solved)
-    axes.plot(path, solved.mass_defect, **_style("master", label="mass of $P_c$ less 1"))
-    axes.plot(path, solved.positivity_defect, "--", **_style("eq", label="weight below 0"))
-    axes.set_ylabel("defects\nof (Q15)")
-    axes.legend(fontsize="small")
-    write_along(axes, result)
-    return axes
-
-
 def plot_sweep(axes: "Axes", result: Result) -> "Axes":
     """F_k/(N_c<k>) along the sweep, a line for each value of its second quantity."""
     sweep: Any = result.sweep
@@ -210,8 +198,6 @@ def save_picture(result: Result, path: Path) -> None:
         below.append(plot_holding)
     if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
-    elif isinstance(solved, AgeingRecord):
-        below.append(plot_defects)
     swept = [plot_sweep] if curves(result) and result.sweep is not None else []  # else it is above
     if result.sweep is not None and result.sweep.critical_spring is not None:
         swept.append(plot_critical_spring)

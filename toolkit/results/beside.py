@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from toolkit.results.records import Result, SoftRecord, is_coupled
-from toolkit.scene.interfaces import with_error
 
 _FEWEST = 30  # broken contacts: before, standard errors mean little
 _LATE = 10.0  # times N^(-2/3) of <x_s>: more is not the scatter of finite numbers
@@ -90,24 +89,21 @@ def slip_lines(result: Result) -> list[str]:
     solved, eq = result.master, result.eq
     if not is_coupled(eq):
         return []
-    replicas, lines = len(eq.forces), list[str]()
+    replicas, beside = len(eq.forces), slips_beside(result)
     sizes = f"in {replicas} replicas: avalanches of at least {eq.slip_fraction:g} of the contacts"
     if not isinstance(solved, SoftRecord):
         return [f"slips   {eq.slips.number.size} {sizes}"]
-    for slip in slips_beside(result)[:_SHOWN]:
-        late = (slip.mean_drive - slip.drive) / result.mean_threshold
-        drive = with_error(slip.mean_drive, slip.drive_error, 7)
-        drop = with_error(slip.mean_drop, slip.drop_error, 7)
-        lines.append(
-            f"slip {slip.number + 1:<3}X_T {slip.drive:.9g}, eq {drive} in {slip.have} of {replicas} replicas, late by "
-            f"{late:.1e} of <x_s>; falls by {slip.drop:.6g}, eq {drop}"
-        )
+    late = [(slip.mean_drive - slip.drive) / result.mean_threshold for slip in beside]
+    told = (
+        f", one after the other late by {', '.join(f'{x:.1e}' for x in late[:_SHOWN])} of <x_s>"
+        if late
+        else ""
+    )
     number = (
         f"{solved.slips.drive.size} of the master equation, {eq.slips.number.size} of eq {sizes}"
     )
     return [
-        *lines,
-        f"slips   {number}; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each",
+        f"slips   {number}{told}; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each"
     ]
 
 

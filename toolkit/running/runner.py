@@ -17,8 +17,7 @@ from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
 from toolkit.running.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.scene import laws
-from toolkit.scene.interfaces import foreseen, of_interface, remarks
-from toolkit.scene.sampling import numerical_only
+from toolkit.scene.interfaces import foreseen, numerical_only, of_interface, remarks
 from toolkit.scene.scene import Scene, load_scene
 from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.tables import EqTable
