@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origins import Contacts
-from origins.domains.domain_samples import DomainSamples
 from origins.errors import InputError
 from origins.thresholds.law import Thresholds
 from toolkit.scene.interfaces import Number, of_interface, remarks, sampling_errors, why_infinite
@@ -61,8 +60,6 @@ def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Des
         numbers[name] = replace(numbers[name], error=both)
     if law.interface is not None:
         numbers |= of_interface(law.interface)
-    if law.domains is not None:
-        numbers |= _of_domains(law.domains)
     notes += remarks(law)
     return Description(numbers, tuple(notes), bool(sampled), time.perf_counter() - began)
 
@@ -123,15 +120,3 @@ def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[st
         return []
     speed = f"v = {velocity:.4g}{length}{per_time}{f' ({chosen})' if chosen else ''}"
     return [f"F_k, K*, F_s/F_k and X* at {', '.join([speed, *said])}; all else is P_c alone"]
-
-
-def _of_domains(domains: DomainSamples) -> dict[str, Number]:
-    """What the sampled islands say beside their thresholds, with one standard error of the sampling."""
-    free, forces = domains.superlubric_weight, domains.forces
-    root = np.sqrt(forces.size)
-    scatter = float(np.sqrt(free * (1.0 - free) / domains.barriers.size))
-    return {
-        "superlubric_weight": Number(free, scatter, ""),
-        "mean_force": Number(domains.mean_force, float(forces.std() / root), "force"),
-        "distance_from_exponential": Number(domains.exponential_distance, float(0.5 / root), ""),
-    }

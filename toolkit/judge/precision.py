@@ -108,8 +108,8 @@ def precision(
         notes.append("explicit: the paper's scheme, Eqs. (Q2)-(Q4), which claims no error")
     if scene.eq is not None:
         notes.append(
-            f"ensemble, closest: of the one seed {scene.eq.seed}; the ensemble claims its largest standard error, which "
-            "the worst of many positions exceeds"
+            f"ensemble, closest: of the one seed {scene.eq.seed}; the ensemble claims its largest standard error, "
+            "which the worst of many positions exceeds"
         )
     for method, rungs, work in methods:
         for setting in rungs:

@@ -146,7 +146,7 @@ def _path(
     scale, holds = positive("drive.hold_scale", hold_scale), np.flatnonzero(np.diff(places) == 0.0)
     if clock is None or time is None or not holds.size or scale < _LEAST_SCALE * clock[-1]:
         rule = "is of holds: turns where the path stands, with drive.times not too far beyond it"
-        refuse("drive.hold_scale", hold_scale, rule)
+        raise InputError(f"drive.hold_scale = {hold_scale}: {rule}")
     for leg in holds:
         share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
         later = scale * np.expm1(share * np.log1p((clock[leg + 1] - clock[leg]) / scale))

@@ -1,62 +1,21 @@
-"""Kinds of thresholds that scenes word otherwise than the functions of origins, and the files that scenes name, which
-rank 0 reads for all ranks."""
+"""Kinds of thresholds that scenes word otherwise than the functions of origins: samples, islands, surfaces."""
 
 import re
-import stat
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 import origins
-from origins.errors import InputError, finite_array, one_of, refuse, whole
+from origins.errors import InputError, finite, finite_array, one_of, refuse, whole
 from origins.roughness.topography import METRES, Topography, as_topography
-from toolkit.running.ranks import on_root
+from toolkit.scene.laws import read_file, read_text
 
 if TYPE_CHECKING:
     import ase
-
-T = TypeVar("T")
-
-_MOST = 1 << 30  # bytes of a file
-
-
-def read_file(
-    key: str, file: str, folder: Path, comm: Any, read: Callable[[Path], T], what: str = "file"
-) -> T:
-    """What `read` makes of the file in this folder, the same on all ranks, which must all call.
-
-    `key` is the scene's key that names it. Raises InputError for what is no plain file: a pipe or a device might never
-    end.
-    """
-    if not isinstance(file, str):
-        refuse(key, file, f'must be a name of a {what}, such as "own.txt"')
-
-    def checked() -> T:
-        path = folder / file
-        try:
-            status = path.stat()
-            if stat.S_ISREG(status.st_mode) and status.st_size <= _MOST:
-                return read(path)
-        except FileNotFoundError:
-            refuse(key, file, f"no such file in {path.parent.resolve()}")
-        except InputError:
-            raise
-        except (
-            OSError,
-            ValueError,
-        ) as error:  # a name too long for the disk, or with a NUL; no text
-            refuse(key, file, f"cannot be read: {getattr(error, 'strerror', None) or error}")
-        refuse(key, file, f"must be a plain {what} of at most {_MOST:.0e} bytes")
-
-    return on_root(comm, checked)
-
-
-def read_text(path: Path) -> str:
-    """The text of a file, without the mark that some programs put first."""
-    return path.read_text(encoding="utf-8-sig")
 
 
 def from_samples(
@@ -90,16 +49,18 @@ def from_samples(
             del places["weights"]
         given |= _read(file, lines, places)
     elif (column, weight_column, quantity) != (None, None, "x_s"):
-        name = "quantity" if quantity != "x_s" else "column"
-        value = quantity if quantity != "x_s" else column or weight_column
-        refuse(name, value, "says what a file holds; leave it out without one")
+        told = {"quantity": quantity if quantity != "x_s" else None, "column": column}
+        name = next((name for name, value in told.items() if value), "weight_column")
+        refuse(
+            name, told.get(name, weight_column), "says what a file holds; leave it out without one"
+        )
     return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
 
 
 def _read(file: str, lines: list[str], places: dict[str, int | None]) -> dict[str, list[float]]:
     """The values of these columns by name, counted from 1 (None: of the only one)."""
-    words = {number: _words(line.partition("#")[0]) for number, line in enumerate(lines, start=1)}
-    rows = {number: [_number(word) for word in line] for number, line in words.items() if line}
+    rows = {number: _words(line.partition("#")[0]) for number, line in enumerate(lines, start=1)}
+    rows = {number: row for number, row in rows.items() if row}
     first = next(iter(rows), 0)
     if rows and np.isnan(rows[first]).all():
         del rows[first]  # a header
@@ -123,25 +84,30 @@ def _read(file: str, lines: list[str], places: dict[str, int | None]) -> dict[st
     return found
 
 
-def _words(line: str) -> list[str]:
-    """The columns of a line: parted by semicolons, or by blanks or commas.
+def _words(line: str) -> list[float]:
+    """The columns of a line: parted by semicolons, or by blanks or commas; nan for what is no number.
 
     A comma between two digits is a decimal one where something else parts the columns.
     """
     decimal = re.search(r"\d,\d", line) is not None
     if ";" in line:
-        return line.replace(",", "." if decimal else ",").replace(";", " ").split()
-    if decimal and len(line.split()) > 1 and ", " not in line:
-        return line.replace(",", ".").split()
-    return line.replace(",", " ").split()
+        line = line.replace(",", "." if decimal else ",").replace(";", " ")
+    elif decimal and len(line.split()) > 1 and ", " not in line:
+        line = line.replace(",", ".")
+    else:
+        line = line.replace(",", " ")
+    found = []
+    for word in line.split():
+        with suppress(ValueError):
+            found.append(float(word))
+            continue
+        found.append(np.nan)
+    return found
 
 
-def _number(word: str) -> float:
-    """nan for what is no number."""
-    try:
-        return float(word)
-    except ValueError:
-        return np.nan
+def identical_start(value: float) -> float:
+    """All contacts start at one stretch (a length)."""
+    return finite("value", value)
 
 
 def domains(
@@ -276,9 +242,8 @@ def open_scan(
                 )
                 refuse("unit", unit, rule)
             return as_topography(scan)
-        except ImportError as error:
-            rule = "needs SurfaceTopography; install mesofriction[topography]"
-            raise InputError(f"file = {file!r}: {rule}") from error
+        except ImportError:
+            refuse("file", file, "needs SurfaceTopography; install mesofriction[topography]")
         except InputError:
             raise
         except Exception as error:  # readers raise whatever their parsing does
@@ -287,7 +252,7 @@ def open_scan(
                 type(error).__name__ == "CannotDetectFileFormat"
             ):  # which repeats what all readers say
                 why = "it is in no format that SurfaceTopography knows, or cut short"
-            raise InputError(f"file = {file!r}: cannot be read as a scan: {why}") from error
+            refuse("file", file, f"cannot be read as a scan: {why}")
 
     return Heights(read_file("file", file, folder, comm, read, "scan"), periodic=False)
 

@@ -19,7 +19,6 @@ from origins.errors import InputError, check_tolerance, positive, refuse, shown,
 from toolkit.running.ranks import on_root
 from toolkit.scene import laws, tables
 from toolkit.scene.drive import Speed, histogram_points, make_drive, sliding_speed, spring_number
-from toolkit.scene.kinds import read_file, read_text
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.tables import to_toml
 
@@ -105,7 +104,7 @@ def load_scene(
             text = to_toml(scene)
             return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
         file = on_root(comm, lambda: _find(scene))
-        text = read_file("scene", str(file), Path(), comm, read_text)
+        text = laws.read_file("scene", str(file), Path(), comm, laws.read_text)
         return _checked(file.stem, text, tomllib.loads(text), file.parent, solved, comm)
     except RecursionError as error:
         rule = "its lists or tables are nested too deeply; a scene needs a few levels"
@@ -183,9 +182,9 @@ def _check_numbers(name: str, table: tables.SceneTable, solved: bool) -> None:
         times |= {"eq.wall_time": table.eq.wall_time, "eq.tolerance": table.eq.tolerance}
         for key, least in (("contacts", 1), ("replicas", 1), ("seed", 0)):
             whole(f"eq.{key}", getattr(table.eq, key), least=least)
-    for key, value in times.items():
-        if value is not None:
-            positive(key, value, "such as 1e-4" if "tolerance" in key else "such as 3600.0")
+    for key, given in times.items():
+        if given is not None:
+            positive(key, given, "such as 1e-4" if "tolerance" in key else "such as 3600.0")
 
 
 def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:
