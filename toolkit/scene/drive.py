@@ -165,20 +165,20 @@ def histogram_points(
     if times is not None and drive.time is None:
         rule = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"
         refuse("eq.histogram_times", list(times), rule)
-    found = set[int]()
+    found, clock = set[int](), drive.path if drive.time is None else drive.time
     for name, asked, points in (
         ("histograms", positions, drive.path),
-        ("histogram_times", times, drive.time),
+        ("histogram_times", times, clock),
     ):
         for k, value in enumerate(asked or ()):
             off = np.abs(points - finite(f"eq.{name}[{k}]", value))
             there = np.flatnonzero(off <= _SAME * max(abs(value), np.abs(drive.path).max()))
-            if points is drive.time:
+            if name == "histogram_times":
                 there = np.flatnonzero((off <= _SAME * abs(value)) & (off == off.min()))[:1]
             if not there.size:
                 near = np.unique(points[np.argsort(off, kind="stable")[:2]])
                 rule = f"is none of the path's points; near it are {' and '.join(f'{x:.12g}' for x in near)}"
-                all_are = "; all of drive.times are" if points is drive.time else ""
+                all_are = "; all of drive.times are" if name == "histogram_times" else ""
                 refuse(f"eq.{name}[{k}]", value, rule + all_are)
             found |= {int(at) for at in there if at - 1 not in there or at + 1 not in there}
     return np.array(sorted(found), np.intp)
