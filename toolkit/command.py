@@ -64,10 +64,9 @@ def _parse(words: list[str]) -> "argparse.Namespace":
         own = subparsers.add_parser(name, help=purpose, description=purpose)
         if name == "scenes":
             continue
-        many = name == "compare"
+        many, folder = ("+", "compare-output") if name == "compare" else (None, "NAME-output")
         scene = "a scene file, or the name of a shipped scene"
-        own.add_argument("scene", metavar="SCENE", nargs="+" if many else None, help=scene)
-        folder = "compare-output" if many else "NAME-output"
+        own.add_argument("scene", metavar="SCENE", nargs=many, help=scene)
         told = f"folder for what is written (default: ./{folder})"
         own.add_argument("--out", metavar="DIR", help=told)
         if name == "run":
@@ -89,7 +88,7 @@ def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
     if parsed.command not in commands.ON_ONE_RANK:
         return end_together(lambda comm: int(command(parsed, comm)), launched)
     # the other ranks wait: what rank 0 imports may start MPI, which starts on all or on none
-    return end_together(lambda comm: on_root(comm, lambda: int(command(parsed, None))), launched)
+    return end_together(lambda comm: on_root(comm, lambda: int(command(parsed))), launched)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ ON_ONE_RANK = ("precision", "scenes")  # the other ranks wait
 _APART = 6.0  # standard errors
 
 
-def scenes(arguments: argparse.Namespace, comm: Any) -> int:
+def scenes(arguments: argparse.Namespace) -> int:
     """Print the names in one column and the titles in another, 100 columns in all; long titles go on below."""
     from toolkit.scene.scene import SHIPPED, shipped_scenes
 
@@ -201,7 +201,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     return 0 if all(verdict.result.success for verdict in verdicts) else 1
 
 
-def precision(arguments: argparse.Namespace, comm: Any) -> int:
+def precision(arguments: argparse.Namespace) -> int:
     """True error against run time of each solver the scene names, as picture and table, of which each point is printed
     once it is measured."""
     from toolkit.judge.precision import precision, table_head, table_line

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -10,9 +10,6 @@ from toolkit.judge.compare import Verdict
 from toolkit.judge.precision import Precision
 from toolkit.pictures.thresholds import highest, plain, some_of
 from toolkit.results.beside import deviation
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # Okabe and Ito's, which the colour-blind tell apart too; curves that coincide leave each other in sight by their dashes
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
@@ -33,7 +30,7 @@ def save_comparison(verdicts: Sequence[Verdict], path: Path) -> None:
     draw_comparison(verdicts).savefig(path, dpi=130, format="png")
 
 
-def draw_comparison(verdicts: Sequence[Verdict]) -> "Figure":
+def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
     """P_c, springs that slip, forces, and the difference of both solvers, a colour and a dash for each scene."""
     from matplotlib.figure import Figure
 

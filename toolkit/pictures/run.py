@@ -5,7 +5,7 @@ Data are in the unit of the thresholds.
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,9 +22,6 @@ from toolkit.pictures.thresholds import (
 )
 from toolkit.results.beside import deviation, why_not_compared
 from toolkit.results.records import AgeingRecord, Result, SoftRecord, is_coupled
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _HELD = 1.0 - 1e-9  # of the contacts: fewer that hold are worth a picture
 _LEGEND = 0.13  # of the height, room for each of its rows above the curve
@@ -56,7 +53,7 @@ def plot(result: Result, axes: Any = None) -> Any:
     return axes
 
 
-def plot_force(axes: "Axes", result: Result) -> "Axes":
+def plot_force(axes: Any, result: Result) -> Any:
     """F/(N_c<k>) against X, or t where the drive keeps time: the master equation as a line, the ensemble as error bars,
     one standard error, under it; on a soft slider some replicas, since their mean over a slip is the force of none."""
     solved, eq = result.master, result.eq
@@ -103,7 +100,7 @@ def _style(ink: str, **more: Any) -> dict[str, Any]:
     return {"color": INK[ink], **more}
 
 
-def plot_position(axes: "Axes", result: Result) -> "Axes":
+def plot_position(axes: Any, result: Result) -> Any:
     """Where the drive, or the rigid slider, and a soft slider are at each time."""
     curve = curves(result)[0]
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
@@ -115,7 +112,7 @@ def plot_position(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
-def plot_holding(axes: "Axes", result: Result) -> "Axes":
+def plot_holding(axes: Any, result: Result) -> Any:
     """The fraction of the contacts that hold; the others wait to form again."""
     for curve, ink, mark in ((result.master, "master", "-"), (result.eq, "eq", ".")):
         if curve is not None:
@@ -127,7 +124,7 @@ def plot_holding(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
-def plot_deviation(axes: "Axes", result: Result) -> "Axes":
+def plot_deviation(axes: Any, result: Result) -> Any:
     """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
     apart = deviation(result)
     if (reason := why_not_compared(result)) is not None:
@@ -142,7 +139,7 @@ def plot_deviation(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
-def plot_sweep(axes: "Axes", result: Result) -> "Axes":
+def plot_sweep(axes: Any, result: Result) -> Any:
     """F_k/(N_c<k>) along the sweep, a line for each value of its second quantity."""
     sweep: Any = result.sweep
     _along_sweep(axes, result, sweep.force)
@@ -154,7 +151,7 @@ def plot_sweep(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
-def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
+def plot_critical_spring(axes: Any, result: Result) -> Any:
     """K*/(N_c<k>) along the sweep, from 0: below it stick-slip. What is infinite is not drawn."""
     spring: Any = result.sweep.critical_spring  # type: ignore[union-attr]
     _along_sweep(axes, result, np.where(np.isfinite(spring), spring, np.nan))
@@ -163,7 +160,7 @@ def plot_critical_spring(axes: "Axes", result: Result) -> "Axes":
     return axes
 
 
-def _along_sweep(axes: "Axes", result: Result, values: Array) -> None:
+def _along_sweep(axes: Any, result: Result, values: Array) -> None:
     """Lines against the sweep's first quantity, named by its second; with SI units where lengths are metres."""
     from matplotlib import colormaps
 

@@ -1,7 +1,7 @@
 """Axes that can be read, and on them pictures of a law of thresholds, and of islands, whose barriers they come from."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -10,10 +10,6 @@ from origins.domains.domain_samples import DomainSamples
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
 from toolkit.results.records import Curve, Result, ThresholdCurve
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
 
 Array = npt.NDArray[np.float64]
 
@@ -34,7 +30,7 @@ def plain(text: str) -> str:
     return text
 
 
-def name_lengths(axis: "Axis", name: str, metres: bool) -> None:
+def name_lengths(axis: Any, name: str, metres: bool) -> None:
     """Label an axis of lengths; ticks in metres have a prefix, such as 25 nm."""
     from matplotlib.ticker import EngFormatter
 
@@ -71,7 +67,7 @@ def along(result: Result, curve: Curve) -> Array:
     return result.time[: curve.path.size] if result.timed else curve.path
 
 
-def write_along(axes: "Axes", result: Result) -> None:
+def write_along(axes: Any, result: Result) -> None:
     """The axis of that. Where holds have a scale, points are even on it, so that each decade of a hold can be told."""
     drive = result.asked.drive
     if drive is None or drive.times is None:
@@ -90,7 +86,7 @@ def write_along(axes: "Axes", result: Result) -> None:
         axes.set_xlabel(f"{axes.get_xlabel()}, {how}")
 
 
-def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
+def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
     """P_c(x), with exact single values as lines as high as their weight."""
     finite = np.isfinite(curve.density)
     smooth = curve.density[finite].any()
@@ -108,7 +104,7 @@ def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
     return axes
 
 
-def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
+def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
     """Over S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
     if isinstance(thresholds, Sampled):
         some = some_of(thresholds.samples.size, _STEPS)
@@ -119,7 +115,7 @@ def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
     return axes
 
 
-def _draw(axes: "Axes", curve: ThresholdCurve, values: Array, name: str) -> None:
+def _draw(axes: Any, curve: ThresholdCurve, values: Array, name: str) -> None:
     """A quantity per length, within limits that show it."""
     axes.plot(curve.x, values, **_STYLE)
     axes.set(
@@ -127,7 +123,7 @@ def _draw(axes: "Axes", curve: ThresholdCurve, values: Array, name: str) -> None
     )
 
 
-def _label(axes: "Axes", curve: ThresholdCurve, title: str, name: str) -> None:
+def _label(axes: Any, curve: ThresholdCurve, title: str, name: str) -> None:
     """Title, and the axis of x: a little beyond all but a thousandth of the thresholds, from 0 unless they all lie far
     from it."""
     first = float(curve.x[curve.survival < 1.0 - 1e-3].min())

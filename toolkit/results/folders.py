@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from origins.errors import InputError, refuse, shown
 
@@ -139,7 +139,14 @@ def opened(file: Path) -> Iterator["h5py.File"]:
         if not old and read_sealed(file) is None:
             raise OSError("its checksum is wrong")
         with h5py.File(file, "r") as store:
-            _check_links(store)
+            links, items = dict[str, Any](), dict[str, Any]()
+            store.visititems_links(links.__setitem__)
+            store.visititems(items.__setitem__)
+            for name, link in links.items():
+                item = items.get(name)
+                away = isinstance(item, h5py.Dataset) and (item.external or item.is_virtual)
+                if away or not isinstance(link, h5py.HardLink):
+                    raise OSError(f"the data of {name} are in another file, or under another name")
             yield store
     except InputError:
         raise
@@ -148,17 +155,3 @@ def opened(file: Path) -> Iterator["h5py.File"]:
         raise InputError(
             f"folder = {str(file.parent)!r}: its {file.name} is not one of mesofriction: {why}"
         ) from error
-
-
-def _check_links(group: "h5py.Group") -> None:
-    """Raise OSError for data that are elsewhere: in another file, or under another name."""
-    import h5py
-
-    for name in group:
-        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-            raise OSError(f"{name} is a link")
-        item = group[name]
-        if isinstance(item, h5py.Group):
-            _check_links(item)
-        elif item.external or item.is_virtual:
-            raise OSError(f"the data of {name} are in another file")

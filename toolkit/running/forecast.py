@@ -108,13 +108,13 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
 def _master_line(scene: Scene, asked: float) -> str:
     """How far the master equation comes within a second."""
     errors, began = [math.inf], time.perf_counter()
+    ends = f"; {asked:.0e} was asked, and no more is reached"
     try:
         with no_longer_than(_ENOUGH):
             errors.append(float(solve_master(scene, asked, errors.append).force_error))
-        ends = f"{asked:.0e} was asked, and no more is reached"
     except TimeIsUp:
-        ends = f"{asked:.0e}, as asked, takes longer, how much is not foreseen"
-    error = min(errors)
-    ends = f", within the {asked:.0e} asked for" if error <= asked else f"; {ends}"
-    reached = f"error {error:.1e} of <x_s>" if math.isfinite(error) else "no error is known"
-    return f"master          {reached} after {time.perf_counter() - began:.2g} s{ends}"
+        ends = f"; {asked:.0e}, as asked, takes longer, how much is not foreseen"
+    if min(errors) <= asked:
+        ends = f", within the {asked:.0e} asked for"
+    took = time.perf_counter() - began
+    return f"master          error {min(errors):.1e} of <x_s> after {took:.2g} s{ends}"

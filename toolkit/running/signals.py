@@ -5,8 +5,7 @@ import signal
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP)
 _STEP = "SLURM_STEP_NUM_TASKS"
@@ -20,8 +19,7 @@ _VARIABLES = (
 )
 
 
-@dataclass(frozen=True)
-class Launch:
+class Launch(NamedTuple):
     """What the launcher's environment says of this process; `by` is its name."""
 
     size: int = 1
@@ -37,10 +35,9 @@ def read_environment(environment: Mapping[str, str] = os.environ) -> Launch:
         if all(map(str.isdecimal, numbers)) and int(numbers[0]) > found.size:
             found = Launch(int(numbers[0]), int(numbers[1]))
     # an mpirun within a step of Slurm's sets its own variables beside the step's
-    if environment.get(_STEP) == str(found.size) and not environment.keys() & {
-        size for size, _ in _VARIABLES[1:3]
-    }:
-        return Launch(found.size, found.rank, "srun" if found.size > 1 else "mpirun")
+    outer = {size for size, _ in _VARIABLES[1:3]} & environment.keys()
+    if found.size > 1 and environment.get(_STEP) == str(found.size) and not outer:
+        return found._replace(by="srun")
     return found
 
 
@@ -93,34 +90,32 @@ def no_longer_than(seconds: float | None) -> Iterator[None]:
 class Deferred:
     """What `deferred` gives: the `signal` that came, and how to heed it."""
 
-    def __init__(self, before: dict[int, Any]) -> None:
-        self.signal: int | None = None
-        self._before = before
+    signal: int | None = None
+    before: Mapping[int, Any] = {}
 
     def pass_on(self, note: str) -> None:
         """Do what the noted signal did before; an exception that this raises gets `note`."""
-        if (number := self.signal) is None:
-            return
-        self.signal = None
-        again = signal.signal(number, self._before.get(number, signal.SIG_DFL))
-        try:
-            signal.raise_signal(number)
-        except BaseException as stop:
-            stop.add_note(note)
-            raise
-        finally:
-            signal.signal(number, again)
+        if (number := self.signal) is not None:
+            self.signal = None
+            again = signal.signal(number, self.before.get(number, signal.SIG_DFL))
+            try:
+                signal.raise_signal(number)
+            except BaseException as stop:
+                stop.add_note(note)
+                raise
+            finally:
+                signal.signal(number, again)
 
 
 @contextmanager
 def deferred() -> Iterator[Deferred]:
     """SIGINT, SIGTERM and SIGHUP are noted within and not yet heeded; in the main thread only."""
+    asked = Deferred()
 
     def note(number: int, frame: Any) -> None:
         asked.signal = number
 
-    with _handled(note, signal.SIGINT, *_ENDING) as before:
-        asked = Deferred(before)
+    with _handled(note, signal.SIGINT, *_ENDING) as asked.before:
         yield asked
     if asked.signal is not None:
         signal.raise_signal(asked.signal)  # it came after the last block
