@@ -1,7 +1,4 @@
-"""The subcommands of `mesofriction`: each takes its words and the communicator, prints, writes, and returns its status.
-
-What a command does not need it does not import.
-"""
+"""The subcommands of `mesofriction`: each is given its words and the communicator, and returns its exit status."""
 
 import argparse
 import textwrap
@@ -9,11 +6,24 @@ import tomllib
 from contextlib import closing
 from dataclasses import asdict
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from toolkit.judge.describe import Description
-    from toolkit.judge.precision import Point
+from origins.errors import refuse
+from toolkit.judge import compare as judge
+from toolkit.judge import precision as ladders
+from toolkit.judge.describe import Description, describe
+from toolkit.pictures import compare as pictures
+from toolkit.pictures.thresholds import save_thresholds_picture
+from toolkit.results.beside import deviation, slip_lines, why_not_compared
+from toolkit.results.files import another, write_json
+from toolkit.results.folders import check_folder, write_folder
+from toolkit.results.records import AgeingRecord, SoftRecord, is_coupled, sample_curve
+from toolkit.running import forecast, runner
+from toolkit.running.checkpoint import say
+from toolkit.running.progress import Progress
+from toolkit.running.ranks import on_root
+from toolkit.scene.interfaces import foreseen, in_a_line, with_error
+from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
 
 ON_ONE_RANK = ("precision", "scenes")  # the other ranks wait
 _APART = 6.0  # standard errors
@@ -21,8 +31,6 @@ _APART = 6.0  # standard errors
 
 def scenes(arguments: argparse.Namespace) -> int:
     """Print the names in one column and the titles in another, 100 columns in all; long titles go on below."""
-    from toolkit.scene.scene import SHIPPED, shipped_scenes
-
     width = max(map(len, shipped_scenes())) + 2
     for name in shipped_scenes():
         title = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))["title"]
@@ -33,11 +41,6 @@ def scenes(arguments: argparse.Namespace) -> int:
 def run(arguments: argparse.Namespace, comm: Any) -> int:
     """Every solver the scene names: run, report, write; 1 where a solver did not reach its tolerance (the results are
     written all the same)."""
-    from toolkit.running.checkpoint import say
-    from toolkit.running.runner import open_checkpoint, solve, write
-    from toolkit.scene.interfaces import foreseen
-    from toolkit.scene.scene import load_scene
-
     scene = load_scene(arguments.scene, comm=comm)
     first = comm is None or comm.Get_rank() == 0
     before = foreseen(scene)
@@ -45,16 +48,14 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
         say(note)
     folder = arguments.out or f"{scene.name}-output"
     if arguments.dry_run:
-        from toolkit.running.forecast import forecast_lines
-
-        print("\n".join(forecast_lines(scene, folder, comm)))
+        print("\n".join(forecast.forecast_lines(scene, folder, comm)))
         return 0
     # refused before the work, not after it
-    with open_checkpoint(folder, scene, comm, arguments.checkpoint) as kept:
-        result, finished = solve(scene, comm, kept=kept, told=first)
+    with runner.open_checkpoint(folder, scene, comm, arguments.checkpoint) as kept:
+        result, finished = runner.solve(scene, comm, kept=kept, told=first)
         said_before = {f"note    {note}" for note in before}
         print("\n".join(line for line in report(result) if line not in said_before))
-        write(result, comm, kept, finished)
+        runner.write(result, comm, kept, finished)
     print(f"written to {folder}")
     for name in ("master", "eq", "sweep"):
         answer = getattr(result, name)
@@ -65,10 +66,6 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
-    from toolkit.results.beside import slip_lines
-    from toolkit.results.records import AgeingRecord, SoftRecord, is_coupled
-    from toolkit.scene.interfaces import in_a_line, with_error
-
     lines, solved, eq, sweep = [result.title or result.name], result.master, result.eq, result.sweep
     if result.interface is not None:
         lines.append(f"surface {in_a_line(result.interface)}")
@@ -111,8 +108,6 @@ def report(result: Any) -> list[str]:
 
 def _agreement(result: Any) -> str:
     """The difference of both solvers in words."""
-    from toolkit.results.beside import deviation, why_not_compared
-
     apart = deviation(result).worst
     if apart is None:
         return f"not compared: {why_not_compared(result)}"
@@ -126,26 +121,15 @@ def _agreement(result: Any) -> str:
 
 def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     """P_c, its survival and hazard as a picture, moments and propensity as a table, which is printed."""
-    from origins.errors import refuse
-    from toolkit.judge.describe import describe
-    from toolkit.pictures.thresholds import save_thresholds_picture
-    from toolkit.results.files import another, write_json
-    from toolkit.results.folders import write_folder
-    from toolkit.results.records import sample_curve
-    from toolkit.running.progress import Progress
-    from toolkit.running.ranks import on_root
-    from toolkit.running.runner import until
-    from toolkit.scene.scene import load_scene
-
     scene = load_scene(arguments.scene, solved=False, comm=comm)
     folder = arguments.out or f"{scene.name}-output"
 
-    def describe_it() -> "Description":
+    def describe_it() -> Description:
         # what a run may have taken hours for is not taken away for a table
         if (whose := another(folder, scene.name, scene.text)) is not None:
             rule = f"holds the result of {whose}; choose another, or run this scene there"
             refuse("out", str(folder), rule)
-        with closing(Progress("thresholds")), until(scene.deadline(), scene, "[contacts]"):
+        with closing(Progress("thresholds")), runner.until(scene.deadline(), scene, "[contacts]"):
             return describe(scene.contacts, *scene.sliding)
 
     found = on_root(comm, describe_it)
@@ -160,10 +144,8 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     return 0
 
 
-def _lines(found: "Description") -> list[str]:
+def _lines(found: Description) -> list[str]:
     """The table as lines of text."""
-    from toolkit.scene.interfaces import with_error
-
     named = {name.replace("_", " "): number for name, number in found.numbers.items()}
     width, out = max(map(len, named)) + 2, list[str]()
     for name, number in named.items():
@@ -176,16 +158,9 @@ def _lines(found: "Description") -> list[str]:
 def compare(arguments: argparse.Namespace, comm: Any) -> int:
     """How prone to stick-slip each scene is, as one table, which is printed, and one picture; 1 where a solver missed
     its tolerance."""
-    from origins.errors import refuse
-    from toolkit.judge.compare import compare, naming, table
-    from toolkit.pictures.compare import save_comparison
-    from toolkit.results.folders import check_folder
-    from toolkit.running.ranks import on_root
-    from toolkit.scene.scene import load_scene
-
     scenes: dict[str, Any] = {}
     for given in arguments.scene:
-        with naming(given):
+        with judge.naming(given):
             scene = load_scene(given, comm=comm)
         if scene.name in scenes:
             rule = "two scenes of this name could not be told apart; rename one of the files"
@@ -193,9 +168,9 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
         scenes[scene.name] = scene
     folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))  # before the work, not after it
-    verdicts = compare(list(scenes.values()), comm, told=comm is None or comm.Get_rank() == 0)
-    lines, numbers = table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
-    draw = partial(save_comparison, verdicts)
+    verdicts = judge.compare(list(scenes.values()), comm, told=comm is None or comm.Get_rank() == 0)
+    lines, numbers = judge.table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
+    draw = partial(pictures.save_comparison, verdicts)
     on_root(comm, lambda: _write(folder, "compare", draw, lines, numbers))
     print("\n".join([*lines, f"written to {folder}"]))
     return 0 if all(verdict.result.success for verdict in verdicts) else 1
@@ -204,37 +179,28 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
 def precision(arguments: argparse.Namespace) -> int:
     """True error against run time of each solver the scene names, as picture and table, of which each point is printed
     once it is measured."""
-    from toolkit.judge.precision import precision, table_head, table_line
-    from toolkit.pictures.compare import save_precision
-    from toolkit.results.folders import check_folder
-    from toolkit.running.runner import until
-    from toolkit.scene.scene import load_scene
-
     scene = load_scene(arguments.scene)
     folder = arguments.out or f"{scene.name}-output"
     check_folder(folder)  # before the work, not after it
-    lines = [scene.title or scene.name, *table_head()]
+    lines = [scene.title or scene.name, *ladders.table_head()]
 
-    def show(point: "Point") -> None:
-        lines.append(table_line(point))
+    def show(point: ladders.Point) -> None:
+        lines.append(ladders.table_line(point))
         print(
             "\n".join(lines if len(lines) == 4 else lines[-1:]), flush=True
         )  # head and all at first
 
-    with until(scene.deadline(), scene, "[precision]"):
-        measured = precision(scene, report=show)
+    with runner.until(scene.deadline(), scene, "[precision]"):
+        measured = ladders.precision(scene, report=show)
     numbers = {"reference": "the closed form for Gaussian thresholds", **asdict(measured)}
     lines += measured.notes
-    _write(folder, "precision", partial(save_precision, measured), lines, numbers)
+    _write(folder, "precision", partial(pictures.save_precision, measured), lines, numbers)
     print("\n".join([*measured.notes, f"written to {folder}"]))
     return 0
 
 
 def _write(folder: str, name: str, draw: Any, lines: list[str], numbers: dict[str, Any]) -> None:
     """Picture, table and numbers of a judgement."""
-    from toolkit.results.files import write_json
-    from toolkit.results.folders import write_folder
-
     text = "\n".join([*lines, ""])
     writers: dict[str, Any] = {
         f"{name}.png": draw,

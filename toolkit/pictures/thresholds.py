@@ -9,7 +9,7 @@ import numpy.typing as npt
 from origins.domains.domain_samples import DomainSamples
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
-from toolkit.results.records import Curve, Result, ThresholdCurve
+from toolkit.results.records import Result, ThresholdCurve
 
 Array = npt.NDArray[np.float64]
 
@@ -57,12 +57,12 @@ def some_of(size: int, most: int) -> npt.NDArray[np.intp]:
     return np.unique(np.linspace(0, size - 1, most).round().astype(np.intp))
 
 
-def curves(result: Result) -> list[Curve]:
+def curves(result: Result) -> list[Any]:
     """What the solvers found, the master equation's first."""
     return [curve for curve in (result.master, result.eq) if curve is not None]
 
 
-def along(result: Result, curve: Curve) -> Array:
+def along(result: Result, curve: Any) -> Array:
     """What a curve is drawn against: times where the scene gives them, else its path."""
     return result.time[: curve.path.size] if result.timed else curve.path
 

@@ -79,8 +79,11 @@ def slips_beside(result: Result) -> list[SlipBeside]:
     slips, found = eq.slips, []
     for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
         if have := int((slips.number == number).sum()):
-            own = *slips.mean("drive", number), *slips.mean("drop", number)
-            found.append(SlipBeside(number, float(drive), float(drop), *own, have))
+            (late, late_error), (fall, fall_error) = (
+                slips.mean(own, number) for own in ("drive", "drop")
+            )
+            beside = late, late_error, fall, fall_error, have
+            found.append(SlipBeside(number, float(drive), float(drop), *beside))
     return found
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import MISSING, asdict, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from toolkit.results.folders import opened, write_folder, write_sealed
 from toolkit.results.records import (
     AgeingRecord,
     Result,
-    Simulated,
     SoftRecord,
     SolvedRecord,
     ThresholdCurve,
@@ -28,9 +27,6 @@ from toolkit.results.records import (
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import read_table
-
-if TYPE_CHECKING:
-    import h5py
 
 RESULT = "result.h5"
 _OF_THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
@@ -211,7 +207,7 @@ def _write_result(result: Result, path: Path) -> None:
     write_sealed(path, contents)
 
 
-def _fill(result: Result, store: "h5py.File") -> None:
+def _fill(result: Result, store: Any) -> None:
     units = _units(result)
     store.attrs["scene"] = result.text
     for name in ("name", "title", "version", "mean_threshold"):
@@ -235,7 +231,7 @@ def _fill(result: Result, store: "h5py.File") -> None:
             _write(own, histogram, units, compression="gzip", shuffle=True)
 
 
-def _write(group: "h5py.Group", answer: Any, units: dict[str, str], **how: Any) -> None:
+def _write(group: Any, answer: Any, units: dict[str, str], **how: Any) -> None:
     """A record: arrays as data sets, the rest as attributes."""
     for name, value in _flat(answer).items():
         if isinstance(value, np.ndarray) or name == _PER_RANK:
@@ -245,7 +241,7 @@ def _write(group: "h5py.Group", answer: Any, units: dict[str, str], **how: Any) 
             group.attrs[name] = value
 
 
-def _read_interface(group: "h5py.Group") -> dict[str, Number]:
+def _read_interface(group: Any) -> dict[str, Number]:
     numbers = {}
     for name, data in group.items():
         error, unit = data.attrs.get("error"), str(data.attrs["units"])
@@ -254,7 +250,7 @@ def _read_interface(group: "h5py.Group") -> dict[str, Number]:
     return numbers
 
 
-def _read_master(group: "h5py.Group") -> SolvedRecord:
+def _read_master(group: Any) -> SolvedRecord:
     if "position" not in group:
         return _read(group, AgeingRecord if "mass_defect" in group else SolvedRecord)
     from master.soft.regime import Regime
@@ -265,7 +261,7 @@ def _read_master(group: "h5py.Group") -> SolvedRecord:
     return _read(group, SoftRecord, slips=slips, regime=regime)
 
 
-def _read_eq(group: "h5py.Group") -> "Simulated":
+def _read_eq(group: Any) -> Any:
     from eq_model import CoupledResult, CoupledSlips, EnsembleResult
     from eq_model.histogram import Histogram
 
@@ -276,7 +272,7 @@ def _read_eq(group: "h5py.Group") -> "Simulated":
     return _read(group, EnsembleResult, histograms=found)
 
 
-def _read(group: "h5py.Group", kind: type[Any], prefix: str = "", **given: Any) -> Any:
+def _read(group: Any, kind: type[Any], prefix: str = "", **given: Any) -> Any:
     """A record of this kind with the fields that the group holds under their names, and those `given`."""
     values = {field.name: field.default for field in fields(kind) if field.default is not MISSING}
     for name in (field.name for field in fields(kind)):

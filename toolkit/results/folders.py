@@ -10,12 +10,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from origins.errors import InputError, refuse, shown
-
-if TYPE_CHECKING:
-    import h5py
 
 _HEADER = 512  # bytes: the least that HDF5 skips
 _MAGIC = b"mesofriction, sha256 of the rest: "
@@ -125,7 +122,7 @@ def _header(contents: bytes) -> bytes:
 
 
 @contextmanager
-def opened(file: Path) -> Iterator["h5py.File"]:
+def opened(file: Path) -> Iterator[Any]:
     """A sealed HDF5 file, open for reading.
 
     What is damaged is refused before HDF5 sees it, which would crash on some bytes; so are data that are elsewhere.

@@ -2,7 +2,7 @@
 
 import tomllib
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,11 +15,6 @@ from toolkit.scene.drive import make_drive
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import SceneTable, read_table
-
-if TYPE_CHECKING:
-    from eq_model import CoupledResult, EnsembleResult
-    from master.soft.regime import Regime
-    from master.soft.slips import Slips
 
 Array = npt.NDArray[np.float64]
 
@@ -51,8 +46,8 @@ class SoftRecord(SolvedRecord):
     balance: float
     position: Array
     period: float
-    slips: "Slips"
-    regime: "Regime"
+    slips: Any
+    regime: Any
 
     __repr__ = brief
 
@@ -69,10 +64,6 @@ class AgeingRecord(SolvedRecord):
     __repr__ = brief
 
 
-Simulated: TypeAlias = "EnsembleResult | CoupledResult"
-Curve: TypeAlias = "SolvedRecord | Simulated"
-
-
 def record_of(answer: Any) -> Any:
     """What is kept of the master equation's answer."""
     kind: Any = SoftRecord if hasattr(answer, "regime") else SolvedRecord
@@ -81,7 +72,7 @@ def record_of(answer: Any) -> Any:
     return kind(**{name: np.nan if value is None else value for name, value in values.items()})
 
 
-def is_coupled(eq: object) -> "TypeGuard[CoupledResult]":
+def is_coupled(eq: object) -> bool:
     """Whether an ensemble's answer is that of contacts on a soft slider."""
     return hasattr(eq, "avalanches")
 
@@ -130,7 +121,7 @@ class Result:
     mean_threshold: float
     thresholds: ThresholdCurve
     master: SolvedRecord | None
-    eq: "Simulated | None"
+    eq: Any
     notes: tuple[str, ...] = ()
     interface: dict[str, Number] | None = None
     sweep: SweepRecord | None = None

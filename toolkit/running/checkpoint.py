@@ -4,8 +4,6 @@ Each rank replaces a file of its own. A run that goes on, on whatever number of 
 into rank 0's file and takes the others away. Files say which blocks they hold, so that none counts twice.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys
@@ -17,7 +15,7 @@ from hashlib import sha256
 from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -29,9 +27,6 @@ from toolkit.running.ranks import on_root
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import read_table
 from toolkit.version import __version__
-
-if TYPE_CHECKING:
-    from eq_model.state import State
 
 EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
 BLOCKS = "eq.blocks"  # how contacts are divided
@@ -64,15 +59,15 @@ class Checkpoint:
             return f"what it found last could not be written to {self._home}"
         return f"its finished blocks are kept in {self._home}"
 
-    def earlier(self, only_look: bool = False) -> list[State]:
+    def earlier(self, only_look: bool = False) -> list[Any]:
         """What an earlier run found, for `Ensemble`: whole on rank 0, elsewhere which contacts it was; [] if nothing.
 
         All ranks must call. Unless it shall `only_look`, rank 0's file then holds all of it.
         Raises InputError where the checkpoint is that of another scene, seed or version.
         """
-        whole: list[State] = []
+        whole: list[Any] = []
 
-        def look() -> list[State]:
+        def look() -> list[Any]:
             files = sorted(self._home.glob("*-rank-*.npz"))
             if (found := self._joined(files)) is None:
                 return []
@@ -87,12 +82,12 @@ class Checkpoint:
         rest = on_root(self._comm, look)
         return whole or rest
 
-    def keep(self, state: State) -> None:
+    def keep(self, state: Any) -> None:
         """Write this rank's `state` if it is new and the last was written long enough ago."""
         if time.monotonic() - self._last >= self.every and state.done is not self._written:
             self.write(state)
 
-    def write(self, state: State) -> bool:
+    def write(self, state: Any) -> bool:
         """Write this rank's `state`, and say whether it is on the disk; one that refuses is told once, by rank 0."""
         before, self._refused = self._refused, ""
         try:
@@ -112,7 +107,7 @@ class Checkpoint:
                 file.unlink(missing_ok=True)
             self._home.rmdir()
 
-    def _joined(self, files: list[Path]) -> State | None:
+    def _joined(self, files: list[Path]) -> Any:
         """All that these files hold, of this run; what is damaged is left out."""
         states = []
         for file in files:
@@ -129,7 +124,7 @@ class Checkpoint:
                         f"{here} here; choose another folder, or remove {self._home}"
                     )
             states.append(read[0])
-        found: State | None = None
+        found: Any = None
         # rank 0's may hold what others, which were not yet taken away, hold too
         for state in sorted(states, key=lambda state: -state.contacts):
             blocks = sorted(
@@ -140,14 +135,14 @@ class Checkpoint:
         return found
 
 
-def write_state(file: Path, state: State, told: dict[str, str]) -> None:
+def write_state(file: Path, state: Any, told: dict[str, str]) -> None:
     """Write `state`, and `told`, of which run it is: whole or not at all, and on the disk when this returns."""
     stream = BytesIO()
     np.savez(stream, told_of=json.dumps(told), **state.arrays())
     write_sealed(file, stream.getvalue())
 
 
-def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
+def read_state(file: Path) -> Any:
     """State, and of which run it is; None for a file that a failing disk spoiled.
 
     Raises InputError for one of an older version, which is a bare zip file or divides contacts otherwise.

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager, nullcontext
 from dataclasses import replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from origins.errors import InputError, refuse
 from toolkit.results.beside import resets_apart
@@ -22,11 +22,6 @@ from toolkit.scene.scene import Scene, load_scene
 from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.tables import EqTable
 from toolkit.version import __version__
-
-if TYPE_CHECKING:
-    from eq_model import CoupledResult, Ensemble, EnsembleResult
-
-    AnyResult = EnsembleResult | CoupledResult
 
 _GOOD_ENOUGH = 1e-3  # of <x_s>: an error that a picture hardly shows
 _STOP = 7117  # tag of the message by which a rank passes a signal on to the others
@@ -159,12 +154,12 @@ def solve(
 
 
 def follow(
-    ensemble: "Ensemble",
+    ensemble: Any,
     progress: Callable[[int, int], None] | None = None,
     checkpoint: Checkpoint | None = None,
     done_before: int = 0,
     deadline: float | None = None,
-) -> "AnyResult":
+) -> Any:
     """Work through an ensemble that is not yet begun to its result; all ranks of its communicator must call.
 
     SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then do what they did
@@ -243,7 +238,7 @@ def solve_master(
         raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
 
 
-def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ensemble":
+def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
     """The ensemble that the scene's table asks for; `other` arguments of its class take the place of its own.
 
     Raises InputError with the scene's own keys.

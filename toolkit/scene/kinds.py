@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,9 +13,6 @@ import origins
 from origins.errors import InputError, finite, finite_array, one_of, refuse, whole
 from origins.roughness.topography import METRES, Topography, as_topography
 from toolkit.scene.laws import read_file, read_text
-
-if TYPE_CHECKING:
-    import ase
 
 
 def from_samples(
@@ -114,7 +111,7 @@ def domains(
     lattice_constant: float | None = None,
     sizes: Sequence[Sequence[int]] | None = None,
     mean_atoms: float | None = None,
-    island: "ase.Atoms | None" = None,
+    island: Any = None,
     weights: Sequence[float] | None = None,
     bonds: float | None = None,
     angles: Sequence[float] | None = None,
@@ -139,14 +136,14 @@ def domains(
     return origins.domains(**options, islands=None if island is None else [island])
 
 
-def island_of_file(folder: Path, file: str, comm: Any = None) -> "ase.Atoms":
+def island_of_file(folder: Path, file: str, comm: Any = None) -> Any:
     """The atoms of a structure file, of any format that ASE reads; InputError where it reads none."""
 
-    def read(path: Path) -> "ase.Atoms":
+    def read(path: Path) -> Any:
         from ase.io import read as read_atoms
 
         try:
-            return read_atoms(path)  # type: ignore[return-value]  # the last of several
+            return read_atoms(path)  # the last of several
         except Exception as error:  # each format has errors of its own
             refuse("file", file, f"is no structure that ASE reads: {type(error).__name__}")
 
