@@ -103,20 +103,19 @@ def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> l
 def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[str]:
     """At what F_k and the propensity hold, where that tells: speed, temperature, and the laws of contacts."""
     surface, thermal, said = contacts.interface, contacts.thermal, list[str]()
-    length, square, clock = (" m", " m²", " s") if surface is not None else ("", "", "")
-    per_time = "/s" if clock else ""
+    length, square, clock, per = (" m", " m²", " s", "/s") if surface is not None else ("",) * 4
     if thermal is not None:
         said.append(f"T = {thermal.temperature:.4g}{square}")
         if surface is not None:
             said[-1] += f" ({thermal.temperature / surface.temperature(kelvin=1.0):.4g} K)"
-        said.append(f"attempt frequency {thermal.attempt_frequency:.4g}{' 1/s' if clock else ''}")
+        said.append(f"attempt frequency {thermal.attempt_frequency:.4g}{per and ' 1/s'}")
     if contacts.ageing is not None:
-        said.append(f"D = {contacts.ageing.rate:.4g}{square}{per_time}")
+        said.append(f"D = {contacts.ageing.rate:.4g}{square}{per}")
     if contacts.delay is not None:
         said.append(f"delay {contacts.delay.time:.4g}{clock}")
     if contacts.grains is not None and contacts.grains.age is not None:
         said.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
     if not said:
         return []
-    speed = f"v = {velocity:.4g}{length}{per_time}{f' ({chosen})' if chosen else ''}"
+    speed = f"v = {velocity:.4g}{length}{per}{f' ({chosen})' if chosen else ''}"
     return [f"F_k, K*, F_s/F_k and X* at {', '.join([speed, *said])}; all else is P_c alone"]

@@ -36,12 +36,13 @@ def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
     """
     name = sha256(os.fsencode(Path(folder).resolve())).hexdigest()[:24]
     file = Path(tempfile.gettempdir()) / f"mesofriction-{os.getuid()}-{name}.lock"
-    with file.open("a") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            rule = "another run is writing there; choose another folder, or wait until it has ended"
-            raise InputError(f"out = {str(folder)!r}: {rule}") from error
+    try:
+        lock = file.open("a")
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        rule = f"another run is writing there, or {file} cannot be locked; choose another folder, or wait"
+        raise InputError(f"out = {str(folder)!r}: {rule}") from error
+    with lock:
         yield
 
 
