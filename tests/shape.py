@@ -35,7 +35,7 @@ ROOMS = {
     "master": Room(7500, 13_072, 200, 411),
     "eq_model": Room(2200, 4415, 60, 161),
     "origins": Room(4500, 10_060, 120, 281),
-    "toolkit": Room(4000, 4487, 100, 116),
+    "toolkit": Room(4000, 4489, 100, 116),
 }
 
 Graph = dict[str, set[str]]

@@ -81,7 +81,9 @@ def write_along(axes: Any, result: Result) -> None:
         both = (lambda t: np.interp(t, times, number), lambda n: np.interp(n, number, times))
         axes.set_xscale("function", functions=both)
         turns = np.unique([times[0], *drive.times])
-        axes.set(xlim=(times[0], times[-1]), xticks=turns[some_of(turns.size, 8)])
+        turns = turns[some_of(turns.size, 8)]
+        axes.set_xticks(turns, [f"{time:.9g}" for time in turns])
+        axes.set_xlim(times[0], times[-1])
         how = f"logarithmic in holds, even in ln(1 + t/{drive.hold_scale:.3g}) since each began"
         axes.set_xlabel(f"{axes.get_xlabel()}, {how}")
 
