@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare, inlined
-from origins.errors import refuse, whole
+from origins.streams import key_of
 
 LANES = 256  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
 ROW = LANES + 24  # a word a lane; rows of one array then do not share a cache set
@@ -37,10 +37,8 @@ class Stream(NamedTuple):
 
 def make_stream(seed: object, block: int) -> Stream:
     """The stream of a block; InputError unless the seed is a whole number from 0 to 2^64 - 1."""
-    number = whole("seed", seed, 0)
-    if number >= 1 << 64:
-        refuse("seed", seed, "must be below 2^64")
-    return Stream(_U(number & 0xFFFFFFFF), _U(number >> 32), _U(block))
+    low, high = key_of(seed)
+    return Stream(_U(low), _U(high), _U(block))
 
 
 @inlined
