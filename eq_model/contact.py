@@ -233,10 +233,6 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
     return Break(clock + 1, leg, contact.drawn, True)
 
 
-def _row_at_thresholds(law, n, x, e, r):  # type: ignore[no-untyped-def]
-    """They break at their thresholds."""
-
-
 def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
     """Put the stretches at which n contacts break in the place of their thresholds x: steadily forward from r on."""
     rates, unit, per, slow = law.rates, law.unit, 1.0 / law.unit, law.log_slow[0]
@@ -250,12 +246,7 @@ def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
         x[i] = max(_I(np.floor(place * per + 0.5)), r[i])
 
 
-def _same(law, contact, way, moment):  # type: ignore[no-untyped-def]
-    """It stays what it is."""
-    return _F(contact.threshold)
-
-
 LIVES |= {Cold: _at_threshold, Warm: _by_rate}
-SEEN |= {Cold: _same, Warm: _same}
-# for contacts that move steadily forward
-break_row = by_law({Cold: _row_at_thresholds, Warm: _row_by_rates}.__getitem__)
+SEEN |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: _F(contact.threshold))
+# break_row(law, n, x, e, r): of contacts that move steadily forward; cold ones break at their thresholds
+break_row = by_law({Cold: lambda law, n, x, e, r: None, Warm: _row_by_rates}.__getitem__)

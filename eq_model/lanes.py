@@ -46,12 +46,19 @@ def _advance(n, x, birth, at, since, drawn, work, found, change, sums, counts): 
     top, end, last = way.points.size, way.end, way.points.size - 1
     for i in range(_U(n)):
         b = birth[i] + x[i]
-        found[i] = np.int32(top if b > end else bin_of(b, way))
         breaks += _I(b <= end)
         at[i] = b
+    for i in range(_U(n) if way.even else _U(0)):
+        found[i] = np.int32(top if at[i] > end else max((at[i] + way.offset) >> way.shift, _I(0)))
+    for i in range(_U(0) if way.even else _U(n)):
+        found[i] = np.int32(top if at[i] > end else bin_of(at[i], way))
     for i in range(_U(n)):
         sums[_U(found[i]), _U(1)] += x[i]
-    for i in range(_U(n) if measured else _U(0)):
+    first = way.places[0]
+    for i in range(_U(n) if measured and way.even else _U(0)):
+        y = birth[i] - (first + (_I(found[i]) << way.shift))
+        change[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * way.square)
+    for i in range(_U(n) if measured and not way.even else _U(0)):
         y = birth[i] - way.places[min(_I(found[i]), last)]
         change[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * way.square)
     for i in range(_U(n) if measured else _U(0)):

@@ -104,12 +104,11 @@ def rank_and_size(comm: Any) -> tuple[int, int]:
 
 def in_turn(comm: Any, work: Any) -> None:
     """Call `work` on rank 0 first, then on the others together: they find on disk what rank 0 compiled."""
-    rank = rank_and_size(comm)[0]
-    if rank == 0:
+    first = rank_and_size(comm)[0] == 0
+    if first:
         work()
-    for _ in meeting(comm):
-        pass
-    if rank > 0:
+    list(meeting(comm))
+    if not first:
         work()
 
 

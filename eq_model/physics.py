@@ -90,10 +90,9 @@ class Reach:
             # in the end, when no contact is older than those at X = 0
             oldest = grains.age + float(durations(drive).sum())
             self.largest = max(self.largest, float(grains.quantile(1.0, oldest)))
-        elif ageing is not None and ageing.rate > 0.0 and ageing.normal is not None:
-            wide = _SPREAD * ageing.normal.std
-            self.largest = max(self.largest, ageing.normal.mean) + wide
-        elif ageing is not None and ageing.rate > 0.0:
+        elif ageing is not None and (normal := ageing.normal) is not None:
+            self.largest = max(self.largest, normal.mean) + _SPREAD * normal.std
+        elif ageing is not None:
             self.largest = max(self.largest, float(ageing.final.isf(DEEPEST)))
         self.longest = min(self.largest, float(self.span[-1]) + self.furthest)
 

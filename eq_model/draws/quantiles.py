@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, bits_of, compiled, double_of, inlined, single_of
-from eq_model.draws.streams import LANES, ROW, fine_word
+from eq_model.draws.streams import FINE, LANES, ROW, words_at
 from eq_model.draws.tables import CELL_BITS, FAR, OCTAVES, SIDE
 
 _U, _I, _F = np.uint64, np.int64, np.float64
@@ -35,12 +35,6 @@ def make_room():  # type: ignore[no-untyped-def]
     words, lanes = np.zeros((2, 4 * ROW), np.uint32), np.zeros((3, LANES), np.uint32)
     rows = lanes[0], lanes[1], lanes[2], np.zeros(LANES), np.zeros(2 * LANES, np.int64)
     return Room(words[0], words[1], np.full(9, -1.0), *rows)
-
-
-@inlined
-def _cell_of(count):  # type: ignore[no-untyped-def]
-    """The quick cell of v = count 2^-32, of those of one side."""
-    return min(max((bits_of(count) >> _SHIFT) - _FIRST, _I(0)), _I(SIDE - 1))
 
 
 @inlined
@@ -87,14 +81,14 @@ def _values(n, row, words, table, room, out):  # type: ignore[no-untyped-def]
         k, j = _U(room.cell[i]) << _U(1), i << _U(1)
         first, slopes = table.hot[k], table.hot[k + _U(1)]
         room.got[j], room.got[j + _U(1)] = first, slopes
-    most, per, far = _I(0), table.per, _F(FAR)
+    most = _I(0)
     for i in range(_U(n)):
         j, t = i << _U(1), room.place[i]
         slopes = room.got[j + _U(1)]
         c1, c2 = _F(single_of(np.int32(slopes))), _F(single_of(np.int32(slopes >> _I(32))))
-        value = per * (double_of(room.got[j]) + t * (c1 + t * c2)) + 0.5
-        out[i] = _I(np.floor(max(min(value, far), -far)))
-        most = max(most, out[i])
+        value = _I(np.floor(double_of(room.got[j]) + t * (c1 + t * c2) + 0.5))
+        out[i] = value
+        most = max(most, value)
     return most >= FAR
 
 
@@ -103,7 +97,7 @@ def _mend(n, row, turn, stream, purpose, words, table, out):  # type: ignore[no-
     """The values of a row that the quick cells do not hold, with the words' continuations."""
     for i in range(_U(n)):
         if out[i] >= FAR:
-            fine = fine_word(i, turn, row, stream, purpose)
+            fine, _, _, _ = words_at(i, turn, stream, purpose + FINE + row)
             out[i] = quantile(words[i + _U(row * ROW)], fine, table)
 
 
@@ -135,16 +129,14 @@ def _whole(y):  # type: ignore[no-untyped-def]
 @bare
 def value_at(part, above, v, table):  # type: ignore[no-untyped-def]
     """The quantile, in units, of a part at v = 1 - u if `above`, else v = u; 0 < v <= 1/2."""
-    cell = _cell_of(v * 2.0**32)
+    cell = min(max((bits_of(v * 2.0**32) >> _SHIFT) - _FIRST, _I(0)), _I(SIDE - 1))
     node = table.first[part] + (SIDE if above else 0) + cell
     place = v if cell else min(-np.log2(v), table.cells[node, 0] + table.cells[node, 1])
     while table.child[node] >= 0:
         node = _I(table.child[node])
         node += _I(place >= table.cells[node + 1, 0])
     t = (place - table.cells[node, 0]) / table.cells[node, 1]
-    return table.per * (
-        table.cells[node, 2] + t * (table.cells[node, 3] + t * table.cells[node, 4])
-    )
+    return table.cells[node, 2] + t * (table.cells[node, 3] + t * table.cells[node, 4])
 
 
 @bare

@@ -19,7 +19,7 @@ ROUNDS = 7
 # what words are for; `fine` ones continue the four words of a round where 32 bits are too few. Of a
 # type of numpy's: for each number of Python's own numba compiles a function anew.
 THRESHOLDS, STARTS, EXPOSURES, STEPS, WATCHED = np.array([0, 48, 96, 112, 128])
-_FINE = 4
+FINE = 4
 
 _U = np.uint64
 _MASK, _HALF = _U(0xFFFFFFFF), _U(32)
@@ -57,12 +57,6 @@ def words_at(lane, turn, stream, purpose):  # type: ignore[no-untyped-def]
     turn = _U(turn)
     third = _U(purpose) | ((turn >> _HALF) << _U(8))
     return philox(_U(lane), turn & _MASK, stream.block, third, stream.low, stream.high)
-
-
-@inlined
-def fine_word(lane, turn, row, stream, purpose):  # type: ignore[no-untyped-def]
-    """The 32 bits that follow the word of this row of a round."""
-    return words_at(lane, turn, stream, purpose + _FINE + row)[0]
 
 
 @inlined

@@ -41,34 +41,44 @@ _GRAINY, _GRAIN = np.array([3e-15, 1e-14, 3e-14]), 4e-16
 class Table(NamedTuple):
     """Quantiles as kernels take them, of each part SIDE cells from below and SIDE from above, then their trees.
 
-    A cell's value, in typical lengths, is c0 + t (c1 + t c2), t the share of it that lies below v, or in
-    the tail, the first cell of each side, the share that lies below -log2 v.
+    A cell's value is c0 + t (c1 + t c2), t the share of it that lies below v, or in the tail, the first
+    cell of each side, the share that lies below -log2 v.
     """
 
-    hot: npt.NDArray[np.int64]  # (parts 2 SIDE 2,): c0, and c1 and c2 in single precision
+    hot: npt.NDArray[
+        np.int64
+    ]  # (parts 2 SIDE 2,): c0, and c1 and c2 in single precision; see in_units
     child: npt.NDArray[np.int32]  # (nodes,): lower half, the upper one comes next; -1: a leaf
     cells: Array  # (nodes, 5): lower edge, width, c0, c1, c2
     first: npt.NDArray[np.int64]  # (parts,): node of each part's first cell
     begins: npt.NDArray[np.int64]  # (parts,): first of the 2^32 words that draw this part
     spreads: npt.NDArray[np.uint64]  # (parts,): 2^64 over their number
     weights: Array  # (parts,)
-    per: float  # units of a typical length
 
     def in_units(self, unit: float) -> Table:
-        """The same in other units, each so many of the present ones."""
-        return self._replace(per=self.per / unit)
+        """The same in units of a length, ready to be drawn from."""
+        cells = self.cells.copy()
+        cells[:, 2:] /= unit
+        quick = (self.first[:, None] + np.arange(2 * SIDE)).ravel()
+        # the tails, what was halved, and values that no path reaches
+        slow = (np.arange(quick.size) % SIDE == 0) | (self.child[quick] >= 0)
+        slow |= np.abs(cells[quick, 2:]).sum(axis=1) >= FAR
+        hot = np.zeros((quick.size, 2))
+        hot[:, 0] = np.where(slow, 2.0 * FAR, cells[quick, 2])
+        hot.view(np.float32)[:, 2:] = np.where(slow[:, None], 0.0, cells[quick, 3:])
+        return self._replace(cells=cells, hot=hot.view(np.int64).ravel())
 
     @property
     def largest(self) -> float:
         """The largest value that may be drawn."""
-        return float(np.abs(self.cells[:, 2:4]).max()) * self.per
+        return float(np.abs(self.cells[:, 2:4]).max())
 
 
 def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> Table:
     """The table of a law, in its lengths, down to v = `deepest` from above: |cdf(Q(u)) - u| <= 1e-6 min(u, 1 - u).
 
-    law : with cdf, sf, ppf and isf, as Thresholds, Start and distributions of scipy.stats have them. That is certified
-    for each part at ten points of every cell. A value that differs from the exact one by 4 units in its last place also
+    law : with cdf, sf, ppf and isf, as Thresholds, Start and distributions of scipy.stats have them. Each part is
+    certified at ten points of every cell. A value that differs from the exact one by 4 units in its last place also
     passes, as does below v = 1e-9 one within 4e-16 where the law itself knows that tail no better.
 
     Raises InputError, with `name`, where cdf, sf, ppf and isf do not agree well enough for that, and
@@ -90,18 +100,11 @@ def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> 
     trees = (np.where(c >= 0, c + at, -1) for (_, c), at in zip(built, first, strict=True))
     child = np.concatenate(list(trees))
     cells = np.concatenate([cells for cells, _ in built])
-    cells[:, 2:] /= typical
-    quick = (first[:, None] + np.arange(2 * SIDE)).ravel()
-    # the tails, and what was halved
-    slow = (np.arange(quick.size) % SIDE == 0) | (child[quick] >= 0)
-    hot = np.zeros((quick.size, 2))
-    hot[:, 0] = np.where(slow, np.inf, cells[quick, 2])
-    hot.view(np.float32)[:, 2:] = np.where(slow[:, None], 0.0, cells[quick, 3:])
     ends = np.rint(np.cumsum(np.append(0.0, weights)) * 2.0**32).astype(np.int64)
     ends[-1] = 1 << 32
     spreads = [((1 << 64) - 1) // max(int(many), 1) for many in np.diff(ends)]
     parts = ends[:-1], np.array(spreads, np.uint64), weights
-    return Table(hot.view(np.int64).ravel(), child.astype(np.int32), cells, first, *parts, typical)
+    return Table(np.zeros(0, np.int64), child.astype(np.int32), cells, first, *parts)
 
 
 def _halved(law: Any, deepest: float, name: str) -> tuple[Array, npt.NDArray[np.int64]]:
@@ -112,13 +115,16 @@ def _halved(law: Any, deepest: float, name: str) -> tuple[Array, npt.NDArray[np.
     right[[0, SIDE]] = -np.log2([DEEPEST, deepest])
     above, tail = np.repeat([False, True], SIDE), np.tile(np.arange(SIDE) == 0, 2)
     rows, children, total, left_over, why = [], [], 0, 0.0, ""
+    pairs = (law.cdf, law.ppf), (law.sf, law.isf)
+    off = [np.abs(of_x(inverse(_GRAINY)) / _GRAINY - 1.0).max() for of_x, inverse in pairs]
+    grain = np.where(np.array(off) > _TOLERANCE, _GRAIN, 0.0)
     while left.size and not why:
         total += left.size
         row = _fit(law, left, right, above, tail)
         if not np.isfinite(row).all():
             why = "they are not finite"
             break
-        good = _certified(law, row, above, tail)
+        good = _certified(law, row, above, tail, grain)
         thin = ~good & (right - left <= _THINNEST * right)
         left_over += float(np.abs(_v(right, tail) - _v(left, tail))[thin].sum())
         row[thin, 2] = row[thin, 2:].sum(axis=1)  # at the far end
@@ -155,23 +161,29 @@ def _fit(law: Any, left: Array, right: Array, above: Flags, tail: Flags) -> Arra
     return np.stack([left, width, y[:, 0], c1, c2], axis=1)
 
 
-def _certified(law: Any, row: Array, above: Flags, tail: Flags) -> Flags:
+def _certified(law: Any, row: Array, above: Flags, tail: Flags, grain: Array) -> Flags:
     """Whether the values of each cell have the tail probabilities that they should."""
     left, width, c0, c1, c2 = (column[:, None] for column in row.T)
     v = _v(left + width * _CHECKS, tail[:, None])
     apart = np.abs(_v(left + width, tail[:, None]) - _v(left, tail[:, None]))
     # a cell that straddles a gap never passes, however thin: its error is a part of its own width
     slack = np.minimum(_TOLERANCE * np.minimum(v, 1.0 - v), 0.01 * apart)
-    for side, of_x, inverse in ((False, law.cdf, law.ppf), (True, law.sf, law.isf)):
-        known = np.abs(of_x(inverse(_GRAINY)) - _GRAINY) <= _TOLERANCE * _GRAINY
-        if not known.all():
-            slack[above == side] += _GRAIN * (v[above == side] < 1e-9)
+    slack += grain[above.astype(int)][:, None] * (v < 1e-9)
     x = c0 + _CHECKS * (c1 + _CHECKS * c2)
+    good = np.abs(_tail(law, x, above) - v) <= slack
+    off = np.flatnonzero(~good.all(axis=1))
+    x, v, slack, above = x[off], v[off], slack[off], above[off]
     ulps = 4.0 * np.finfo(float).eps * np.abs(x) * np.where(above, 1.0, -1.0)[:, None]
-    low, high = np.empty(x.shape), np.empty(x.shape)
-    for rows, of_x in ((~above, law.cdf), (above, law.sf)):
-        low[rows], high[rows] = of_x((x + ulps)[rows]), of_x((x - ulps)[rows])
-    return np.asarray(((low <= v + slack) & (high >= v - slack)).all(axis=1))
+    low, high = _tail(law, x + ulps, above), _tail(law, x - ulps, above)
+    good[off] |= (low <= v + slack) & (high >= v - slack)
+    return np.asarray(good.all(axis=1))
+
+
+def _tail(law: Any, x: Array, above: Flags) -> Array:
+    """The probability of a value below each x, or above it."""
+    out = np.empty(x.shape)
+    out[~above], out[above] = law.cdf(x[~above]), law.sf(x[above])
+    return out
 
 
 def _v(place: Array, tail: Flags) -> Array:

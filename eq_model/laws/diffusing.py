@@ -151,21 +151,6 @@ def _steepness(x, y, ageing):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _felt(time, x, y, speed, ageing):  # type: ignore[no-untyped-def]
-    """The part of a step in which the breaking rate changes little, and little is borne."""
-    coarse, change = ageing.coarse, ageing.coarse * _CHANGE
-    time = min(time, coarse**2 * _THERMAL / max(_rate(x, y, ageing), 1e-300))
-    pull = ageing.relaxing * abs(ageing.mean - y)
-    if not ageing.normal:
-        pull = ageing.diffusion * abs(_drift(y, ageing))
-    for _ in range(2):  # the rate is steeper, or less so, where the step ends
-        of_x, of_y = _steepness(min(x + speed * time, y), y, ageing)
-        time = min(time, change / max(of_x * speed + of_y * pull, 1e-300))
-        time = min(time, (change / max(of_y, 1e-300)) ** 2 / (2.0 * ageing.diffusion))
-    return time
-
-
-@bare
 def _step(y, here, speed, left, law):  # type: ignore[no-untyped-def]
     """The time of the next step, at most `left`; the stretch |x| = here grows with `speed`."""
     time = law.longest
@@ -182,9 +167,20 @@ def _step(y, here, speed, left, law):  # type: ignore[no-untyped-def]
         gap = max(law.table.high - here, 1.0)
         time = min(time, (_OF_THE_GAP * gap) ** 2 / (2.0 * law.diffusion))
         time = min(time, 0.5 * gap / speed) if speed > 0.0 else time
-    if law.warm:
-        time = max(_felt(min(time, left), min(here, y), y, speed, law), 1e-3 * law.longest)
-    return min(time, left)
+    if not law.warm:
+        return min(time, left)
+    # the part in which the breaking rate changes little, and little is borne
+    x, change = min(here, y), law.coarse * _CHANGE
+    spent = law.coarse**2 * _THERMAL / max(_rate(x, y, law), 1e-300)
+    pull = law.relaxing * abs(law.mean - y)
+    if not law.normal:
+        pull = law.diffusion * abs(_drift(y, law))
+    time = min(min(time, left), spent)
+    for _ in range(2):  # the rate is steeper, or less so, where the step ends
+        of_x, of_y = _steepness(min(x + speed * time, y), y, law)
+        time = min(time, change / max(of_x * speed + of_y * pull, 1e-300))
+        time = min(time, (change / max(of_y, 1e-300)) ** 2 / (2.0 * law.diffusion))
+    return min(max(time, 1e-3 * law.longest), left)
 
 
 def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
@@ -278,10 +274,6 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
     return Break(way.begins[legs] + 1, leg, place, True)
 
 
-def _counted(law, contact, way, moment):  # type: ignore[no-untyped-def]
-    """Contacts are counted on the way, where the threshold is known."""
-    return -1.0
-
-
 LIVES[Ageing] = grow_old
-SEEN[Ageing] = _counted
+# contacts are counted on the way, where the threshold is known
+SEEN[Ageing] = lambda law, contact, way, moment: -1.0
