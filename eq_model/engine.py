@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.histogram import BINS, chosen_points, histogram, make_edges, no_counts
-from eq_model.lattice import COLUMNS, STIFFNESS_UNIT, TIE, make_lattice
+from eq_model.lattice import COLUMNS, STIFFNESS_UNIT, TIE, make_way
 from eq_model.layout import Blocks, is_measured
 from eq_model.physics import Reach, law_of, seconds_of
 from eq_model.state import State
@@ -48,7 +48,7 @@ class Engine:
     def __init__(
         self, contacts: Contacts, drive: Drive, seed: int, histograms: npt.ArrayLike, total: int
     ) -> None:
-        """Choose lattice and law; InputError for contacts and drives that cannot be followed."""
+        """Choose unit, bins and law; InputError for contacts and drives that cannot be followed."""
         check_contacts(contacts, "eq_model.simulate", LAWS, own_rates=True)
         if contacts.each_by_itself() is not contacts:
             name = "thermal" if getattr(contacts.thermal, "closure", "") == "paper" else "ageing"
@@ -68,14 +68,14 @@ class Engine:
         stiffest = max(reach.largest / scale, 1.0) if linked else 1.0
         course = Drive(drive.path, drive.velocity) if self._plain else drive
         exact = contacts.thresholds.atoms[0].size > 0
-        self.lattice = make_lattice(course, scale, 2.0 * reach.longest * stiffest, exact)
-        unit = self.lattice.unit
+        way = make_way(course, scale, 2.0 * reach.longest * stiffest, exact)
+        self._drive, unit = drive, way.unit
         _check_excess(contacts, unit)
-        law = law_of(contacts, self.lattice, TIE * exact)
+        law = law_of(contacts, way, TIE * exact)
         self.seconds = seconds_of(contacts, drive, law)
         # what is counted, in the order of the clock
         self._points = chosen_points(histograms, drive.path.size)
-        own = self.lattice.place[self._points]
+        own = way.place[self._points]
         self._order = np.argsort(own, kind="stable")
         furthest = float(reach.span[self._points].max(initial=0.0)) + reach.furthest
         self._edges = make_edges(furthest, reach.largest, contacts)
@@ -85,7 +85,7 @@ class Engine:
             *births_of(contacts, unit),
             exposures=exposures().in_units(LEVEL_UNIT),
             law=law,
-            way=self.lattice.way.watched(own[self._order], *per),
+            way=way.watched(own[self._order], *per),
             mean=scale / unit,
             wait=contacts.waiting_time,
             bears=contacts.thermal is not None or contacts.grains is not None,
@@ -102,7 +102,7 @@ class Engine:
     def _shape(self) -> tuple[int, ...]:
         """Of the sums: limbs; of all blocks, of measured ones, with ageing of those in coarser steps; bins; columns."""
         kinds = 2 if self.contacts.ageing is None else 3
-        return 2, kinds, self.lattice.way.points.size, COLUMNS
+        return 2, kinds, self._work.way.points.size, COLUMNS
 
     def follow(self, blocks: Blocks, block: int) -> State:
         """Follow a block of contacts to the drive's end; -1 does nothing, compiled."""
@@ -135,7 +135,7 @@ class Engine:
         varies = np.maximum(found.holding * (1.0 - found.holding), 1.0 / n if waits else 0.0)
         order = np.argsort(self._order)[: len(state.counts)]  # none where they are not wanted
         counts = zip(self._points.tolist(), state.counts[order], strict=False)
-        path = self.lattice.path
+        path = self._drive.path
         return {
             "force": found.force,
             "force_standard_error": np.sqrt(found.variance / n),
@@ -151,20 +151,20 @@ class Engine:
         y is minus a contact's stretch when its bin ends, at `places`; k y sums are whole lengths, k sums
         parts of STIFFNESS_UNIT.
         """
-        lattice, part, unit = self.lattice, int(STIFFNESS_UNIT), self.lattice.unit
+        way, part, unit = self._work.way, int(STIFFNESS_UNIT), self._work.way.unit
         whole = limbs[0].astype(object) * (1 << _LIMB) + limbs[1].astype(object)
         count, ky, k, square, kky, kk = whole.reshape(-1, COLUMNS).T
         if self.contacts.stiffness != "linked":
             k, kky, kk = count * part, ky, count * part
-        places, per_square = lattice.way.places.astype(object), round(1.0 / lattice.way.square)
+        places, per_square = way.places.astype(object), round(1.0 / way.square)
         far = square * (per_square * part) + places * (2 * part * kky + kk * places)
         born, squares_born = ky * part + k * places, kky * part + kk * places
         changes = np.cumsum([count, k, born, kk, squares_born, far], axis=1)
-        holds, held, born, squares, squares_born, far = changes[:, lattice.place]
+        holds, held, born, squares, squares_born, far = changes[:, way.place]
         # of a single start what its rounding leaves is told of the slider
         start = self.contacts.start
         lost = (start.mean() - round(start.mean() / unit) * unit) * start.is_single
-        told = lattice.path + lost
+        told = self._drive.path + lost
         at = np.rint(told / unit).astype(np.int64)
         beside, x = told - at * unit, at.astype(object)
         force = held * x - born
@@ -209,7 +209,7 @@ class Engine:
             reached = stretch * np.maximum(stretch / mean, min(usual, rare))
             differ = min(usual**2, rare) - 1.0
         least = np.maximum(reached**2 * share, differ * force**2)
-        rounded = self.lattice.unit**2 / self.lattice.way.square  # squares of stretches are
+        rounded = self._work.way.unit**2 / self._work.way.square  # squares of stretches are
         if start.is_single:
             return np.maximum(np.where(seen < rounded, 0.0, seen), least)
         return np.maximum(seen, np.maximum(least, rounded))
@@ -220,11 +220,11 @@ class Engine:
         The error grows faster than in proportion to the step, so this is more than it is.
         """
         if sums.shape[1] == 2:
-            return np.zeros(self.lattice.path.size)
+            return np.zeros(self._drive.path.size)
         n = blocks.measured(done)
         some = sum(-(-blocks.size(block) // EACH) for part in done for block in part)
         if not some or not n:
-            return np.full(self.lattice.path.size, np.inf)
+            return np.full(self._drive.path.size, np.inf)
         fine, other = self._moments(n, sums[:, 1]), self._moments(some, sums[:, 2])
         doubt = np.sqrt(fine.variance / n + other.variance / some)
         return (np.abs(other.force - fine.force) + doubt) / (COARSER - 1.0)

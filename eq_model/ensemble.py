@@ -222,9 +222,12 @@ class Ensemble:
             return False, f"{told}: stopped before all {many} were followed"
         if largest <= self._tolerance:
             return True, f"{told}, within the tolerance {self._tolerance:.1e}"
-        needs = f"it takes about {self._wanted(found):.1e} contacts"
+        more, most = self._wanted(found), float(Engine.MOST)
+        needs = f"it takes about {more:.1e} contacts"
         if not np.isfinite(largest):
             needs = "take at least two"
+        elif more > most:
+            needs = f"it takes more than {most:.1e} contacts, the most there can be"
         return False, f"{told}, above the tolerance {self._tolerance:.1e}; {needs}"
 
 

@@ -5,7 +5,6 @@ not depend on their order. While the slider moves the clock counts its travel; w
 clock takes a mean threshold for each stand, however long. A path that moves forward is its own clock.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +36,8 @@ class Way(NamedTuple):
     """The drive in whole units as kernels take it: m legs of one speed each, n points of the path in the order of the
     clock, at each of which a bin ends, and points at which contacts are counted."""
 
+    unit: float  # a length
+    place: npt.NDArray[np.intp]  # of each point of the drive's path its bin
     begins: Whole  # (m + 1,): clock at the ends of legs
     positions: Whole  # (m + 1,): slider there
     directions: Whole  # (m,): of the motion, 0 where the slider stands
@@ -58,26 +59,13 @@ class Way(NamedTuple):
     def watched(self, own: npt.NDArray[np.intp], per_stretch: float, per_threshold: float) -> "Way":
         """With contacts counted at the ends of these bins, in their order."""
         before = np.searchsorted(own, np.arange(self.points.size + 2))
-        return Way(
-            *self[:12], before, self.points[own], self.places[own], per_stretch, per_threshold
-        )
+        moments, spots = self.points[own], self.places[own]
+        counted = self._replace(before=before, moments=moments, spots=spots)
+        return counted._replace(per_stretch=per_stretch, per_threshold=per_threshold)
 
 
-@dataclass(frozen=True)
-class Lattice:
-    """The way of a drive with its unit (a length).
-
-    path : shape (n,), lengths; place : of each point of the path its bin.
-    """
-
-    path: Array
-    unit: float
-    way: Way
-    place: npt.NDArray[np.intp]
-
-
-def make_lattice(drive: Drive, scale: float, reach: float, exact: bool) -> Lattice:
-    """The lattice of a rigid slider's drive.
+def make_way(drive: Drive, scale: float, reach: float, exact: bool) -> Way:
+    """The way of a rigid slider.
 
     scale : the mean threshold's size; reach : the largest force that counts, in stretches of contacts
     of mean stiffness; exact : whether thresholds hold exact values, so that breaks fall on points.
@@ -119,7 +107,12 @@ def make_lattice(drive: Drive, scale: float, reach: float, exact: bool) -> Latti
     begins[-1] += beyond
     positions[-1] += directions[-1] * beyond
     first = np.searchsorted(whole, np.arange((int(whole[-1]) >> shift) + 2) << shift)
-    way = Way(
+    place = np.searchsorted(points, clock)
+    if spacing:
+        place = np.rint((clock - points[0]) / spacing).astype(np.intp)
+    return Way(
+        unit,
+        found.reshape(-1)[place],
         begins,
         positions,
         directions,
@@ -133,10 +126,6 @@ def make_lattice(drive: Drive, scale: float, reach: float, exact: bool) -> Latti
         end=whole[-1],
         square=2.0 ** min(SUM_BITS - _bits(BLOCK) - 2 * (room + bits), 0.0),
     )
-    place = np.searchsorted(points, clock)
-    if spacing:
-        place = np.rint((clock - points[0]) / spacing).astype(np.intp)
-    return Lattice(drive.path, unit, way, found.reshape(-1)[place])
 
 
 def _bits(number: float) -> int:

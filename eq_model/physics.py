@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.draws.tables import DEEPEST
-from eq_model.lattice import Lattice, durations
+from eq_model.lattice import Way, durations
 from origins import Contacts, Drive, RateLaw, Thermal
 from origins.errors import InputError
 from origins.laws.compiled import CompiledRates, called
@@ -33,12 +33,12 @@ def _compiled(rates: RateLaw) -> CompiledRates:
     return _CALLED[rates]
 
 
-def law_of(contacts: Contacts, lattice: Lattice, tie: int) -> Any:
+def law_of(contacts: Contacts, way: Way, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as of contact.Cold."""
     from eq_model import contact
 
     # without rates, those of some law: kernels do not ask for them then
-    found, unit = _compiled((contacts.thermal or Thermal("soft", 1.0)).rates), lattice.unit
+    found, unit = _compiled((contacts.thermal or Thermal("soft", 1.0)).rates), way.unit
     contact.RATES.setdefault(type(found.law), found)
     heat = contacts.thermal is not None, found.law, unit
     grains, ageing = contacts.grains, contacts.ageing
@@ -62,7 +62,7 @@ def law_of(contacts: Contacts, lattice: Lattice, tie: int) -> Any:
     if contacts.thermal is None:
         return contact.Cold(np.int64(tie))
     # of a stand any number
-    log_slow = np.log(np.maximum(lattice.way.paces / unit, 1e-300))
+    log_slow = np.log(np.maximum(way.paces / unit, 1e-300))
     return contact.Warm(found.law, unit, log_slow)
 
 

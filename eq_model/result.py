@@ -36,7 +36,7 @@ class EnsembleResult:
         contacts need none. An eighth of the contacts is followed in 8 times longer steps besides to tell.
     holding : fraction of contacts that hold, shape (n,).
     holding_standard_error : of that, shape (n,); where contacts may wait, at least that of one contact.
-    histograms : of stretches and thresholds, at the points asked for, each read when it is asked for.
+    histograms : of stretches and thresholds, at the points asked for, in their order.
     contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
     success, message : whether the tolerance is reached, or all contacts followed, and in words.
     run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.

@@ -7,7 +7,7 @@ from numba import njit
 
 from eq_model.contact import Break, Contact, life
 from eq_model.draws.streams import make_stream
-from eq_model.lattice import Lattice, make_lattice
+from eq_model.lattice import make_way
 from eq_model.physics import law_of
 from origins import Contacts, Drive
 
@@ -21,9 +21,8 @@ class Lane:
     """Contacts of one kind on one drive; lengths are those of the drive."""
 
     def __init__(self, contacts: Contacts, drive: Drive, reach: float = 8.0) -> None:
-        self.lattice: Lattice = make_lattice(drive, 1.0, reach, exact=False)
-        self.unit, self.way = self.lattice.unit, self.lattice.way
-        self.law, self.contacts = law_of(contacts, self.lattice, 0), contacts
+        self.way = make_way(drive, 1.0, reach, exact=False)
+        self.law, self.contacts = law_of(contacts, self.way, 0), contacts
         # time at which each leg begins, and that of the end
         self.times = np.append(0.0, np.cumsum(self.way.paces * np.diff(self.way.begins)))
 
@@ -43,8 +42,8 @@ class Lane:
         contact = Contact(
             np.int64(clock),
             np.int64(leg),
-            np.int64(round(x / self.unit)),
-            np.int64(round(threshold / self.unit)),
+            np.int64(round(x / self.way.unit)),
+            np.int64(round(threshold / self.way.unit)),
             float(np.log(exposure)),
             float(self.contacts.relative_stiffness(threshold)),
             fresh,
@@ -63,4 +62,4 @@ class Lane:
         )
         return self.times[found.leg] + moved * self.way.paces[found.leg], x + (
             place - first
-        ) * self.unit
+        ) * self.way.unit

@@ -33,7 +33,7 @@ class Room(NamedTuple):
 
 ROOMS = {
     "master": Room(7500, 13_072, 200, 411),
-    "eq_model": Room(2200, 3759, 60, 149),
+    "eq_model": Room(2200, 3751, 60, 149),
     "origins": Room(4500, 10_060, 120, 281),
     "toolkit": Room(4000, 5610, 100, 148),
 }
