@@ -33,7 +33,7 @@ class Room(NamedTuple):
 
 ROOMS = {
     "master": Room(7500, 13_072, 200, 411),
-    "eq_model": Room(2200, 4415, 60, 161),
+    "eq_model": Room(2200, 3751, 60, 149),
     "origins": Room(4500, 9570, 120, 278),
     "toolkit": Room(4000, 4489, 100, 116),
 }
