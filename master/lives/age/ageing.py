@@ -29,33 +29,33 @@ from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-# Of what a finer resolution changes, what it leaves at most: errors fall by more with each; and of
-# the error, what a finer resolution has to take away for a still finer one to be tried.
+# Error of the finer of two resolutions, in units of the change between them; a still finer one is
+# tried if that brought the error below HARDLY times the one before.
 FELL, HARDLY = 0.5, 0.7
-# The largest difference of all moments, in units of that of those looked at.
+# The largest difference at all moments, in units of the largest at the moments that are compared.
 MARGIN = 2.0
-# What rounding leaves, of the share that holds.
+# Error by rounding of the share that holds.
 ROUND_OFF = 1e-13
-# The finest resolution that is tried; births that are followed for it, points of each leg at which
-# they are looked at at least, and what holds of them once they are let go.
+# The finest resolution; to choose one, so many births are followed, compared at so many points of each
+# leg at least, until only the share FAINT holds.
 FINEST, TRIALS, LOOKS, FAINT = 6, 4, 12, 1e-9
-# Parts of the time to the first look after a birth at which it is looked at, too.
+# Further points right after a birth, in units of the time to the first point.
 EARLY = np.array([0.01, 0.1])
-# Of the accuracy asked for, what each panel of a first passage may miss.
+# Error of each panel of a first passage, in units of the accuracy.
 PER_PANEL = 1e-3
 # Survival at which a table of strands ends, and the degree of its splines.
 SPENT, DEGREE = 1e-12, 5
-# Length over which survivals are resolved, of the narrowest width of the laws.
+# Length over which survivals are resolved, in units of the narrowest width of the laws.
 GRAIN = 0.25
-# Stretches at birth from which those in between are interpolated.
+# Number of stretches at birth between which survivals are interpolated.
 BETWEEN = 22
-# Parts of the reach between which survivals are tabulated on panels of their own.
+# Number of equal parts of the reach that are tabulated on panels of their own.
 MARKS = 16
-# Mean lives, as long as the reach over the speed, after which next to none holds.
+# Time, in units of reach over speed, after which hardly any contact holds.
 LONGEST = 3.0
-# Share of thresholds above the largest stretch at birth from which the reach is told.
+# The reach is that of contacts born at the largest stretch, or where this share of thresholds lies above.
 LEAST = 1e-6
-# Times at which survivals from more stretches are compared with those from fewer.
+# Number of times at which survivals from more stretches are compared with those from fewer.
 TIMES = 100
 
 
@@ -128,7 +128,7 @@ class AgeingLife(UnbentLife):
         """See above."""
         mesh = Mesh(self.contacts, 1, self.fastest)
         before = self._trial(mesh)
-        # of two resolutions, before what they tell is extrapolated
+        # the difference between two resolutions, before they are extrapolated
         self._missed = MARGIN * self._differed
         while self._missed > self._accuracy and mesh.resolution < FINEST:
             if not mesh.cells[1].can_be_finer or clock.monotonic() > self._until:
@@ -142,7 +142,7 @@ class AgeingLife(UnbentLife):
         return mesh
 
     def marks(self, width: float) -> Array:
-        """See Life; integrals over wider panels may miss more than their coefficients tell."""
+        """See Life; on wider panels integrals may be off by more than their last coefficients."""
         return np.union1d(self.bends, np.linspace(0.0, self.reach, MARKS + 1)[1:])
 
     def left(self, born: Start | Array, history: History) -> Array:
