@@ -29,9 +29,9 @@ from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-# Error of the finer of two resolutions, in units of the change between them; a still finer one is
-# tried if that brought the error below HARDLY times the one before.
-FELL, HARDLY = 0.5, 0.7
+# Error of the finer and of the coarser of two resolutions, in units of the change between them; a
+# still finer one is tried if that brought the error below HARDLY times the one before.
+FELL, COARSE, HARDLY = 0.5, 4.0, 0.7
 # The largest difference at all moments, in units of the largest at the moments that are compared.
 MARGIN = 2.0
 # Error by rounding of the share that holds.
@@ -53,16 +53,12 @@ BETWEEN = 22
 MARKS = 16
 # Time, in units of reach over speed, after which hardly any contact holds.
 LONGEST = 3.0
-# The reach is that of contacts born at the largest stretch, or where this share of thresholds lies above.
+# Share of thresholds above the largest stretch at birth that counts for the reach.
 LEAST = 1e-6
-# Number of times at which survivals from more stretches are compared with those from fewer.
-TIMES = 100
 
 
 class AgeingLife(UnbentLife):
     """Life (see master.lives.life) of contacts that age, closure "exact", where X = v t.
-
-    `left` takes any times since the birth.
 
     Parameters
     ----------
@@ -133,10 +129,14 @@ class AgeingLife(UnbentLife):
         while self._missed > self._accuracy and mesh.resolution < FINEST:
             if not mesh.cells[1].can_be_finer or clock.monotonic() > self._until:
                 break
-            mesh = Mesh(self.contacts, mesh.resolution + 1, self.fastest)
-            now = self._trial(mesh)
-            last, missed = self._missed, FELL * float(np.abs(now - before).max())
-            self._missed, before = min(missed, MARGIN * self._differed), now
+            finer = Mesh(self.contacts, mesh.resolution + 1, self.fastest)
+            now = self._trial(finer)
+            last, change = self._missed, float(np.abs(now - before).max())
+            if COARSE * change <= self._accuracy and not self.motion.one_leg:
+                self._missed = COARSE * change
+                break
+            mesh, before = finer, now
+            self._missed = min(FELL * change, MARGIN * self._differed)
             if self._missed > HARDLY * last:
                 break
         return mesh
@@ -215,7 +215,7 @@ class AgeingLife(UnbentLife):
         """
         if self._closed and self.motion.one_leg and self.fastest:
             speed = float(self.motion.speeds[0])
-            lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, TIMES)
+            lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, 100)
             tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
             return rule.weight @ np.array([table.survival(lags) for table in tables])
         mesh = Mesh(self.contacts, 1, self.fastest)
@@ -235,11 +235,11 @@ class AgeingLife(UnbentLife):
         """What holds of a strand born as the leg `first` begins, at moments of all legs from it."""
         motion, shares, held = self.motion, [], 1.0
         length = TRAVEL_STEP * strand.mesh.width
-        furthest = self.furthest - min(float(strand.stretch.min()), 0.0)
         for leg in range(first, motion.speeds.size):
             duration, speed = motion.times[leg + 1] - motion.times[leg], motion.speeds[leg]
             if motion.one_leg and speed:
-                duration = min(duration, furthest / abs(speed))
+                # from any stretch at birth, lest rules of more stretches take other moments
+                duration = min(duration, 2.0 * self.furthest / abs(speed))
             looks = LOOKS + int(abs(speed) * duration / length)
             ends = np.linspace(0.0, duration, looks + 1)
             if leg == first:
