@@ -45,8 +45,6 @@ EARLY = np.array([0.01, 0.1])
 PER_PANEL = 1e-3
 # Survival at which a table of strands ends, and the degree of its splines.
 SPENT, DEGREE = 1e-12, 5
-# Length over which survivals are resolved, in units of the narrowest width of the laws.
-GRAIN = 0.25
 # Number of stretches at birth between which survivals are interpolated.
 BETWEEN = 22
 # Number of equal parts of the reach that are tabulated on panels of their own.
@@ -92,7 +90,7 @@ class AgeingLife(UnbentLife):
         self._accuracy, self._until = accuracy, until
         self.furthest = max(float(law.isf(1e-17)) for law in laws)
         self.reach = self.furthest
-        self.grain = GRAIN * min(narrowest(law) for law in laws)
+        self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
         self.fastest = float(np.abs(motion.speeds).max())
         ends = np.array(ageing.final.support() if ageing.normal is None else [])
         # where thresholds are reflected contacts begin to break all at once
@@ -219,27 +217,30 @@ class AgeingLife(UnbentLife):
             tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
             return rule.weight @ np.array([table.survival(lags) for table in tables])
         mesh = Mesh(self.contacts, 1, self.fastest)
-        return self._followed(Strands(mesh, rule.stretch, rule.weight[None]), 0)
+        # a way from any stretch: rules of more stretches are compared at the same moments
+        return self._followed(
+            Strands(mesh, rule.stretch, rule.weight[None]), 0, 2.0 * self.furthest
+        )
 
     def _trial(self, mesh: Mesh) -> Array:
         """What holds, all along the motion, of the contacts of the start and of some births."""
         legs = self.motion.speeds.size
         births = np.linspace(0, legs - 1, min(TRIALS, legs)).astype(int)
         self._differed = 0.0
-        parts = [self._followed(self._born(mesh, self.contacts.start), 0)]
-        relaxed = SingleStart(0.0)
-        parts += [self._followed(self._born(mesh, relaxed), int(first)) for first in births]
+        start, relaxed = self._born(mesh, self.contacts.start), SingleStart(0.0)
+        parts = [self._followed(start, 0, self.furthest - min(float(start.stretch.min()), 0.0))]
+        for first in births.tolist():
+            parts.append(self._followed(self._born(mesh, relaxed), first, self.furthest))
         return np.concatenate(parts)
 
-    def _followed(self, strand: Strands, first: int) -> Array:
+    def _followed(self, strand: Strands, first: int, furthest: float) -> Array:
         """What holds of a strand born as the leg `first` begins, at moments of all legs from it."""
         motion, shares, held = self.motion, [], 1.0
         length = TRAVEL_STEP * strand.mesh.width
         for leg in range(first, motion.speeds.size):
             duration, speed = motion.times[leg + 1] - motion.times[leg], motion.speeds[leg]
             if motion.one_leg and speed:
-                # from any stretch at birth, lest rules of more stretches take other moments
-                duration = min(duration, 2.0 * self.furthest / abs(speed))
+                duration = min(duration, furthest / abs(speed))
             looks = LOOKS + int(abs(speed) * duration / length)
             ends = np.linspace(0.0, duration, looks + 1)
             if leg == first:
