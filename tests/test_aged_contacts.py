@@ -104,26 +104,6 @@ def test_error_is_a_promise_here_too() -> None:
         held_to_claim(contacts, path, 1e-5, master.solve(contacts, path, fine_to))
 
 
-@pytest.mark.parametrize("scale", [1e-9])
-def test_scale_of_lengths_changes_nothing_else(scale: float) -> None:
-    path = np.linspace(0.0, 3.0, 61)
-    forces = [
-        master.solve(
-            Contacts(
-                origins.gaussian(0.5 * u, 0.1 * u),
-                origins.gaussian_start(0.05 * u, 0.02 * u),
-                ageing=Ageing(origins.gaussian(1.0 * u, 0.05 * u), 1e-3 * u * u),
-            ),
-            path * u,
-            1e-8,
-            velocity=u,
-        ).force
-        / u
-        for u in (1.0, scale)
-    ]
-    np.testing.assert_allclose(forces[1], forces[0], atol=1e-8)
-
-
 @pytest.mark.parametrize(("birth", "wait"), [(0.15, 0.2), (-0.1, 0.1)])
 def test_far_on_with_delay_and_births_at_other_stretches(birth: float, wait: float) -> None:
     """Wide final thresholds: all is soon forgotten."""

@@ -17,7 +17,6 @@ from origins import (
     Thermal,
     boltzmann_reforming,
     gaussian,
-    gaussian_start,
     identical,
     mixture,
     rectangular,
@@ -93,22 +92,6 @@ def test_births_at_one_stretch(r: float) -> None:
     assert state.cycle_length == pytest.approx(length, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    "births", [0.1, gaussian_start(0.1, 0.01)], ids=["at one stretch", "at many"]
-)
-def test_births_ahead_of_far_tails(births: object) -> None:
-    """P_c = a (1 + x)^(-a-1) beyond r is the same law, 1 + r times as wide."""
-    power, spread = 2.2, 0.0 if isinstance(births, float) else 0.01
-    once, twice = 1.1, 1.1**2 + spread**2  # means of 1 + r and of its square
-    length = once / (power - 1.0)
-    area = (twice - once) / (power - 1.0) + twice / ((power - 1.0) * (power - 2.0))
-    contacts = Contacts(scipy.stats.lomax(power), reforming=births, delay=Delay(0.3))
-    steady = master.steady_state(contacts)
-    unit = contacts.mean_threshold
-    assert abs(steady.cycle_length - length) < steady.cycle_length_error * unit < 1e-9
-    assert abs(steady.force - area / (length + 0.3)) < steady.force_error * unit < 3e-7
-
-
 @pytest.mark.parametrize("at", [2.6, 5.0])
 def test_births_deep_in_the_tail_of_the_thresholds(at: float) -> None:
     """F_k = at + <d^2>/2<d> with d what thresholds are beyond: Mills' ratio and its moments, for normal thresholds."""
@@ -125,54 +108,6 @@ def test_births_deep_in_the_tail_of_the_thresholds(at: float) -> None:
     )
 
 
-PATH = np.array([0.0, 0.5, 1.3, 2.1, 2.1, 2.1, 2.6, 3.3, 2.5, 1.0])
-TIME = np.array([0.0, 0.5, 1.3, 2.1, 3.0, 50.0, 50.5, 51.2, 52.0, 53.5])
-
-
-def lumps(
-    values: list[float], weights: list[float], start: float, delay: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Force and holding along PATH of contacts with so many exact thresholds, each followed from birth to break."""
-    force, holding = np.zeros(PATH.size), np.zeros(PATH.size)
-    pending = [(0.0, -start, 1.0)]  # since when, X less the stretch, share
-    while pending:
-        since, place, share = pending.pop()
-        for value, weight in zip(values, weights, strict=True):
-            broken = np.inf
-            for k in range(PATH.size - 1):
-                begin = max(since, TIME[k])
-                if begin >= TIME[k + 1] or PATH[k + 1] == PATH[k]:
-                    continue
-                speed = (PATH[k + 1] - PATH[k]) / (TIME[k + 1] - TIME[k])
-                last = PATH[k + 1] - place
-                if abs(last) >= value:
-                    broken = TIME[k + 1] - (abs(last) - value) / abs(speed)
-                    break
-            held = (since <= TIME) & (broken > TIME)
-            force += share * weight * held * (PATH - place)
-            holding += share * weight * held
-            born = broken + delay
-            if born < TIME[-1]:
-                pending.append((born, float(np.interp(born, TIME, PATH)), share * weight))
-    return force, holding
-
-
-@pytest.mark.parametrize(("values", "weights"), [([1.0], [1.0]), ([0.71, 1.13], [0.4, 0.6])])
-def test_exact_thresholds_with_delay_and_hold_contact_by_contact(
-    values: list[float], weights: list[float]
-) -> None:
-    law = (
-        mixture([identical(value) for value in values], weights)
-        if len(values) > 1
-        else identical(values[0])
-    )
-    solved = master.solve(Contacts(law, 0.04, delay=Delay(0.31)), PATH, 1e-8, time=TIME)
-    force, holding = lumps(values, weights, 0.04, 0.31)
-    assert solved.success, solved.message
-    np.testing.assert_allclose(solved.force, force, atol=1e-8)
-    np.testing.assert_allclose(solved.holding, holding, atol=1e-8)
-
-
 def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:
     """All break for the fourth time just there, come back after 0.2, and break once more at -0.7 on the way back."""
     contacts = Contacts(identical(0.7), delay=Delay(0.2))
@@ -180,20 +115,6 @@ def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:
     assert turned.success, turned.message
     np.testing.assert_allclose(turned.force, [0.0, 0.0, -0.4], atol=1e-10)
     np.testing.assert_allclose(turned.holding, [1.0, 0.0, 1.0], atol=1e-10)
-
-
-def test_births_at_exact_places_bend_the_force_that_they_bring() -> None:
-    """Straight on, by lattices, and in time, by panels: right where contacts come back at r = 0.2, the path's end among
-    these, and where the strongest that started break."""
-    laws = {"thermal": Thermal("soft", 0.0163, 10.0), "delay": Delay(0.31), "reforming": 0.2}
-    contacts = Contacts(identical(1.0), 0.378, **laws)
-    met = 0.622 + np.array([0.0, 0.31, 1.11, 1.42, 2.22, 2.53])
-    path = np.sort(np.concatenate([met - 1e-3, met]))
-    straight = master.solve(contacts, path, 1e-7)
-    timed = master.solve(contacts, path, 1e-7, time=path)
-    assert straight.success and timed.success
-    assert np.abs(straight.force - timed.force).max() < straight.force_error + timed.force_error
-    assert np.abs(straight.holding - timed.holding).max() < 1e-7
 
 
 @pytest.mark.parametrize(("start", "wait"), [(0, 2), (1, 0)])

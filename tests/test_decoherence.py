@@ -106,45 +106,6 @@ def test_tails_slower_than_any_exponential_have_no_length(law) -> None:
     assert (told.decoherence_length, told.decoherence_length_error) == (np.inf, 0.0)
 
 
-@pytest.mark.parametrize("law", ["soft", pytest.param("stiff", marks=pytest.mark.slow)])
-def test_no_root_is_left_out_beside_the_rate_of_an_exact_value(law: str) -> None:
-    """Roots of the transform of E, by quadrature, from starts near 2πin: some hardly decay, some as the crowd."""
-    contacts = Contacts(identical(1.0), thermal=Thermal(law, 0.05))
-    nodes, weights = np.polynomial.legendre.leggauss(60)
-    edges = np.concatenate(
-        [np.linspace(0.0, 0.9, 10), 1.0 - np.geomspace(0.1, 1e-9, 20)[1:], [1.0]]
-    )
-    half = 0.5 * np.diff(edges)[:, None]
-    x = (edges[:-1, None] + half * (nodes + 1.0)).ravel()
-    one = np.ones(x.size)
-    spent = np.exp(contacts.thermal.rates.log_passed(0.0 * x, x, one, one))
-    held = np.exp(-spent) * (half * weights).ravel()
-    exact = []
-    for n in range(1, 9):
-        s = -0.03 + 2j * np.pi * n
-        for _ in range(60):
-            wave = held * np.exp(-s * x)
-            s += wave.sum() / (wave @ x)
-        exact.append(s)
-    exact = np.array(sorted(exact, key=lambda s: -s.real))
-    found = master.decoherence_spectrum(contacts, n_roots=5)
-    assert found.roots.size >= (5 if law == "soft" else 1)
-    np.testing.assert_allclose(found.roots, exact[: found.roots.size], rtol=1e-9)
-    length = master.propensity(contacts, 1e-6)
-    assert length.critical_spring == np.inf and length.critical_spring_error == 0.0
-    assert length.decoherence_length == pytest.approx(-1.0 / exact[0].real, rel=1e-8)
-
-
-@pytest.mark.parametrize("born", [0.1, 0.3])
-def test_births_at_a_stretch_shorten_the_way(born: float) -> None:
-    """The law of the ways is that of the thresholds, shifted: no root is left out among seven."""
-    contacts = Contacts(gaussian(1.0, 0.1), reforming=born)
-    found = master.decoherence_spectrum(contacts, n_roots=7)
-    exact = gaussian_roots(0.1 / (1.0 - born), 7) / (1.0 - born)
-    assert (np.abs(found.roots - exact) <= found.roots_error).all()
-    np.testing.assert_allclose(found.roots, exact, rtol=1e-6)
-
-
 def test_gamma_thresholds_in_closed_form() -> None:
     """(1 + s)^-8 = 1 on a circle about -1, right of nine tenths of the tail's rate: one of them."""
     found = master.decoherence_spectrum(Contacts(stats.gamma(8.0)), n_roots=4)
@@ -154,13 +115,6 @@ def test_gamma_thresholds_in_closed_form() -> None:
     # slower than its roots, and not known better than to 0.9 of it: the tail's own rate
     told = master.propensity(Contacts(stats.gamma(3.0)), 1e-6)
     assert abs(told.decoherence_length - 1.0) <= told.decoherence_length_error <= 0.12
-
-
-def test_arcsine_thresholds_whose_density_diverges_at_both_ends() -> None:
-    """p^(s) = e^(-s/2) I_0(s/2)."""
-    root = mp.findroot(lambda s: mp.exp(-s / 2) * mp.besseli(0, s / 2) - 1, mp.mpc(-1.4, 2 * mp.pi))
-    found = master.decoherence_spectrum(Contacts(stats.arcsine()), n_roots=1)
-    assert abs(found.roots[0] - complex(root)) <= found.roots_error[0] < 1e-11
 
 
 @pytest.mark.parametrize("wait", [100.0])

@@ -62,23 +62,6 @@ def test_constant_hazard_slides_as_in_q14c():
     assert abs(fine - coarse) > 1e-3
 
 
-def test_identical_thresholds_on_the_grid_stay_an_exact_sawtooth():
-    path = 0.125 * np.arange(0, 400) + 0.0625
-    force = explicit(origins.Contacts(origins.identical(1.0)), path, 0.0625).force
-    assert np.abs(force - path % 1.0).max() < 1e-13
-
-
-def test_a_start_below_zero_is_a_relaxed_start_that_comes_later():
-    # Q(x;X) does not know that thresholds of contacts from -0.5 exceed 0.5
-    thresholds = origins.rectangular(0.0, 2.0)
-    relaxed = explicit(origins.Contacts(thresholds), PATH, 0.01).force
-    below = explicit(origins.Contacts(thresholds, -0.5), PATH + 0.5, 0.01).force
-    assert np.abs(below - relaxed).max() < 1e-13
-    assert explicit(origins.Contacts(thresholds, -0.5), [0.0, 0.25], 0.01).force == pytest.approx(
-        [-0.5, -0.25]
-    )
-
-
 def test_the_paper_forgets_and_by_how_much():
     contacts = origins.Contacts(origins.gaussian(1.0, 0.2), origins.gaussian_start(0.0, 0.025))
     for amplitude, missed in ((3.0, 0.040), (0.9, 0.183)):
@@ -88,14 +71,3 @@ def test_the_paper_forgets_and_by_how_much():
         difference = np.abs(extrapolated - master.solve(contacts, path, 1e-8).force)
         assert difference[:61].max() < 1e-4  # they agree until the first turn
         assert difference.max() == pytest.approx(missed, abs=5e-4)
-
-
-def test_the_explicit_loop_is_the_explicit_scheme_where_nothing_turns():
-    contacts = origins.Contacts(origins.rectangular(0.5, 1.5), origins.gaussian_start(0.1, 0.05))
-    path = np.linspace(0.0, 3.0, 61)
-    assert (
-        np.abs(
-            explicit_loop(contacts, path, 0.01).force - explicit(contacts, path, 0.01).force
-        ).max()
-        < 1e-13
-    )

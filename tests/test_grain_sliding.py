@@ -102,21 +102,6 @@ def test_decay_to_steady_sliding() -> None:
     assert told.decoherence_length == pytest.approx(spectrum.decay_length[0], rel=1e-9)
 
 
-@pytest.mark.parametrize("age, velocity", [(100.0, 2.0)])
-def test_the_start_of_old_contacts_is_followed_to_its_end(age: float, velocity: float) -> None:
-    """Those that form later break at a small part of the stretch of those that were there."""
-    contacts = Contacts(growing_grains(1.0, 1.0, age=age))
-    told = master.propensity(contacts, velocity=velocity)
-    last = GRAINS.breaking(velocity, age - GRAINS.growth.first_pinning_time).support()[1]
-    path = np.linspace(0.0, 1.2 * last, 2001)[1:]
-    solved = master.solve(contacts, path, 1e-8, velocity=velocity)
-    falls = -np.gradient(solved.force, path)
-    assert told.critical_spring == pytest.approx(falls.max(), rel=1e-4)
-    kinetic = master.steady_state(contacts, velocity=velocity).force
-    assert told.static_to_kinetic == pytest.approx(solved.force.max() / kinetic, rel=1e-5)
-
-
-PINNING = GRAINS.growth.first_pinning_time
 TIMES, PLACES = np.array([0.0, 1.0, 2.5, 4.0, 5.0]), np.array([0.0, 0.7, -0.2, -0.2, 1.8])
 
 
@@ -166,28 +151,6 @@ def test_far_along_the_force_is_that_of_steady_sliding() -> None:
     assert (curve.holding[1] < curve.holding[0]).all()
 
 
-def test_so_fast_that_none_holds_which_pins_on_the_way() -> None:
-    contacts, path = Contacts(GRAINS), [0.5, 1.0, 4.0]
-    quick, quickest = (
-        master.solve(contacts, path, 1e-3, velocity=velocity) for velocity in (30.0, 50.0)
-    )
-    assert (
-        quick.success
-        and quickest.success
-        and quickest.force[:2] == pytest.approx(quick.force[:2], abs=5e-3)
-    )
-    for solved in (quick, quickest):
-        assert abs(solved.force[2]) <= solved.force_error * contacts.mean_threshold < 1e-2
-    assert quickest.holding[2] < 1e-12
-    # some hold, but fewer than sums beside 1 can tell
-    fast = master.solve(contacts, [0.5, 4.0, 6.0], 1e-4, velocity=10.0)
-    assert fast.success and fast.force[0] > 0.1 and np.abs(fast.force[1:]).max() < 1e-6
-    fast = master.propensity(contacts, velocity=20.0)
-    assert fast.critical_spring == pytest.approx(
-        master.propensity(contacts, velocity=10.0).critical_spring, rel=0.01
-    )
-
-
 def test_contacts_at_rest_grow_stronger() -> None:
     path = np.concatenate([[2.0, 2.0], np.linspace(2.2, 4.0, 10)])
     peaks = []
@@ -198,13 +161,6 @@ def test_contacts_at_rest_grow_stronger() -> None:
         assert solved.success and abs(solved.force[1] - solved.force[0]) < 1e-8 < solved.force_error
         peaks.append(float(solved.force[2:].max()))
     assert (np.diff(peaks) > 0.1).all(), peaks
-
-
-def test_jumps_of_the_rate_of_breaks_are_edges_of_panels() -> None:
-    """Births that break at once repeat a jump after each delay: halving found 3,000 nodes there."""
-    path = np.linspace(0.0, 3.0, 31)
-    solved = master.solve(Contacts(GRAINS, 0.1), path, 1e-9)
-    assert solved.success and solved.nodes < 500
 
 
 def test_steady_sliding_and_what_follows_from_it() -> None:
@@ -221,15 +177,3 @@ def test_steady_sliding_and_what_follows_from_it() -> None:
     assert line.critical_spring[1] == pytest.approx(told.critical_spring, abs=1e-7)
     # heat takes those that have just pinned too, which cold would bear what others drop
     assert told.critical_spring_error < 2e-7 and line.critical_spring[0] < line.critical_spring[1]
-
-
-PATH = np.linspace(0.0, 4.0, 21)[1:]
-
-
-def test_errors_are_near_the_true_ones_at_a_temperature() -> None:
-    """What is left out of kinks is counted: before, it was all that was told."""
-    contacts = Contacts(GRAINS, thermal=Thermal("soft", 0.1))
-    solved = master.solve(contacts, PATH, 1e-8)
-    finer = master.solve(contacts, PATH, 1e-11)
-    off = np.abs(solved.force - finer.force).max() / contacts.mean_threshold
-    assert off < solved.force_error + finer.force_error < 100.0 * off

@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.special
-import scipy.stats
 from heat_references import HEAT, LAWS, PATHS, left_by_definition
 from scipy.integrate import quad
 from solving import gauss
@@ -20,9 +18,7 @@ from origins import (
     Delay,
     Thermal,
     gaussian,
-    gaussian_start,
     identical,
-    rectangular,
 )
 
 TABLE = Path(__file__).with_name("thermal_table.csv")
@@ -197,22 +193,6 @@ def test_kinetic_forces_are_those_by_mpmath() -> None:
         assert steady.force_error <= 1e-9 * steady.force
 
 
-@pytest.mark.parametrize("closure", ["exact", "paper"])
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-def test_starts_on_either_side_of_zero(law: str, closure: str) -> None:
-    """From 0.5, -0.5 and around 0 to the same kinetic force; hot and slow contacts break at once, cold and fast ones
-    at their thresholds."""
-    for temperature, rate in [(1e-6, 1e12 if closure == "exact" else 1e3), (1e3, 30.0)]:
-        thermal = Thermal(law, temperature, rate, closure=closure)
-        steady = master.steady_state(Contacts(NARROW, thermal=thermal))
-        path = np.append(np.geomspace(1e-3, 1.0, 6), [1e3, 1e9]) * 40.0
-        for start in (0.5, -0.5):
-            found = master.solve(Contacts(NARROW, start, thermal=thermal), path, 1e-6)
-            assert found.success, (temperature, rate, start, found.message)
-            assert np.abs(found.force[-2:] - steady.force).max() <= 1e-6
-            assert (np.abs(found.force) <= 1.3).all()
-
-
 def fitted(x: np.ndarray, y: np.ndarray) -> float:
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
 
@@ -257,23 +237,6 @@ def test_fast_sliding_loses_force_as_a_power_of_temperature(
         assert fitted(speed, cold - warm) == pytest.approx(-1.0, abs=0.01)
 
 
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-def test_cold_rectangles_at_the_highest_rates(law: str) -> None:
-    """Stretches at which they break are known to 1e-16, and p changes over 1e-6 of them: tables of p give but 5e-5."""
-    thermal = Thermal(law, 1e-6, 1e12)
-    # every contact breaks below its threshold, at A = e of the exponential law: trapezoids in ln e, Gauss in ξ
-    u = np.arange(-36.0, 4.5, 0.05)
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    x = thermal.inverse(np.exp(u), (1.0 + 0.5 * nodes)[:, None])
-    chance = 0.05 * np.exp(u - np.exp(u))
-    length, square = (float(0.5 * weights @ (x**n @ chance)) for n in (1, 2))
-    contacts = Contacts(rectangular(0.5, 1.5), thermal=thermal, delay=Delay(0.5))
-    found = master.steady_state(contacts)
-    force = 0.5 * square / (length + 0.5)
-    assert abs(found.force - force) <= found.force_error + 1e-12 < 1e-9
-    assert abs(found.holding - length / (length + 0.5)) < 1e-9
-
-
 def held(contacts: Contacts, x: float) -> float:
     """E(x) at v = 1, by quadrature over thresholds in the logarithm."""
     assert contacts.thermal is not None
@@ -293,109 +256,3 @@ def held(contacts: Contacts, x: float) -> float:
     return sum(
         quad(part, left, right, epsabs=1e-14, epsrel=1e-11)[0] for left, right in pairwise(edges)
     )
-
-
-@pytest.mark.parametrize(("power", "temperature", "attempts"), [(2.05, 1e-3, 1.0)])
-def test_a_force_that_is_nearly_infinite_keeps_its_far_tail(
-    power: float, temperature: float, attempts: float
-) -> None:
-    """<x_s^2> in closed form less what contacts lose that break below their thresholds, which converges fast."""
-    velocity, a = 0.69, np.sqrt(0.5 / temperature)
-    nodes, shares = np.polynomial.legendre.leggauss(20)
-
-    def gauss(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        half = 0.5 * np.diff(edges, axis=-1)[..., None]
-        at = edges[..., :-1, None] + half * (1.0 + nodes)
-        return at.reshape(*edges.shape[:-1], -1), (half * shares).reshape(*edges.shape[:-1], -1)
-
-    log, weight = gauss(np.linspace(np.log(1e-8), np.log(1e5), 60))
-    limit = np.exp(log)
-    high = limit[:, None]
-    layer = (
-        temperature
-        / high
-        * np.concatenate([[0.0], np.linspace(0.5, 60.0, 40), np.geomspace(70.0, 1e4, 12)])
-    )
-    below, width = gauss(
-        np.sort(np.minimum(np.hstack([layer, high * np.geomspace(1e-10, 1.0, 25)]), high))
-    )
-    x = high - below
-    spent = (
-        attempts
-        / (a * velocity)
-        * np.exp(-(a * a) * below * (high + x))
-        * scipy.special.dawsn(a * x)
-    )
-    lost = -np.expm1(-spent) * width
-    mass = weight * limit * power * (1.0 + limit) ** (-power - 1.0)
-    first = 1.0 / (power - 1.0) - mass @ lost.sum(axis=1)
-    second = 1.0 / ((power - 1.0) * (power - 2.0)) - mass @ (lost * x).sum(axis=1)
-    law = scipy.stats.lomax(power)
-    state = master.steady_state(
-        Contacts(law, thermal=Thermal("soft", temperature, attempts)), velocity=velocity
-    )
-    # the tail beyond the table is missed, and all in the claim
-    assert not state.success
-    assert abs(state.force - second / first) <= state.force_error * law.mean()
-
-
-def test_a_spread_start_far_beyond_where_new_contacts_break_in_heat() -> None:
-    thermal, law, start = (
-        Thermal("stiff", 0.2, 1e10),
-        gaussian(1.0, 0.08),
-        gaussian_start(0.05, 0.03),
-    )
-    contacts = Contacts(law, start, thermal=thermal)
-    longest = 6e-9
-    path = np.geomspace(1e-3 * longest, longest, 12)
-    solution = master.solve(contacts, path, 1e-8)
-    nodes, weights = np.polynomial.legendre.leggauss(200)
-    origins, thresholds = 0.05 + 0.25 * nodes, 1.0 + 0.65 * nodes[:, None]
-    held = np.exp(-np.stack([thermal.cumulative(origins + x, thresholds, origins) for x in path]))
-    plain = (
-        (0.65 * weights * law.pdf(thresholds[:, 0]))
-        @ held
-        @ (0.25 * weights * start.pdf(origins) * origins)
-    )
-    # what later contacts bear is below the path's length
-    assert np.abs(solution.force - plain).max() <= solution.force_error + 2.0 * longest
-    assert solution.success and solution.force_error < 1e-8
-
-
-X, W = np.polynomial.legendre.leggauss(20)
-
-
-def panels(low, high, count: int) -> tuple[np.ndarray, np.ndarray]:
-    edges = np.linspace(low, high, count + 1, axis=-1)
-    half = 0.5 * np.diff(edges)[..., None]
-    nodes = edges[..., :-1, None] + half * (X + 1.0)
-    return nodes.reshape(*np.shape(low), -1), (half * W).reshape(*np.shape(low), -1)
-
-
-@pytest.mark.parametrize(("law", "velocity", "power"), [("stiff", 0.1, 2.3), ("soft", 1.0, 3.0)])
-def test_kinetic_force_of_far_tails_by_brute_force(law: str, velocity: float, power: float) -> None:
-    """P_c = a (1 + x)^(-a-1), of which some stretch further than any sum reaches: all in logarithms of lengths."""
-    thermal, thresholds = Thermal(law, 0.3, closure="paper"), scipy.stats.lomax(power)
-    low, high = np.log([1e-12, 1e9])
-    logs, weights = panels(low, high, 60)
-    x = np.exp(logs)
-    at, share = panels(np.full(x.size, low), logs, 16)
-    at = np.exp(at)
-    spent = (share * at * thresholds.pdf(at) * thermal.cumulative(at, at)).sum(axis=-1)
-    ways, share = panels(np.log(1e-9), np.log(1e4), 16)
-    at = x[:, None] * (1.0 + np.exp(2.0 * ways))
-    density = 2.0 * (at - x[:, None]) * thresholds.pdf(at)
-    spent += (share * density * thermal.cumulative(x[:, None], at)).sum(axis=-1)
-    held = weights * x * thresholds.sf(x) * np.exp(-spent / velocity)
-    left, far = np.exp(-spent[-1] / velocity), 1.0 + np.exp(high)
-    length = held.sum() + left * far ** (1.0 - power) / (power - 1.0)
-    area = held @ x + left * (
-        far ** (2.0 - power) / (power - 2.0) - far ** (1.0 - power) / (power - 1.0)
-    )
-    steady = master.steady_state(Contacts(thresholds, thermal=thermal), velocity=velocity)
-    assert (
-        abs(steady.force - area / length)
-        < steady.force_error * steady.mean_threshold + 1e-11 * steady.force
-    )
-    # values err by less than 1e-11: an error of H, relative to itself, is counted far out as well
-    assert steady.force_error * steady.mean_threshold < 2e-3 * steady.force

@@ -146,31 +146,3 @@ def test_defects_of_figure_a04() -> None:
     other = paper_transient(figure_a04(), np.linspace(0.0, 1.5, 16), 0.005, keep="mass")
     assert not other.success and other.path[-1] < 1.5 and "no thresholds are left" in other.message
     assert np.abs(other.mass_defect).max() < 1e-9
-
-
-def test_a_final_law_that_ends() -> None:
-    """Thresholds are reflected at the wall: they come to lie evenly, while contacts stand far below."""
-    ageing = Ageing(origins.rectangular(0.4, 0.8), 1.0, closure="paper")
-    contacts = Contacts(
-        origins.gaussian(0.6, 0.02), origins.gaussian_start(0.1, 0.02), ageing=ageing
-    )
-    told = master.solve(contacts, [0.2], 1e-4)
-    assert told.success and told.force[0] == pytest.approx(0.3, abs=1e-6) and told.edges[-1] == 0.8
-    even = np.diff(np.clip(told.edges, 0.4, 0.8)) / 0.4
-    np.testing.assert_allclose(told.weights[0], even, atol=1e-4)
-
-
-@pytest.mark.slow
-def test_runs_to_the_steady_state() -> None:
-    """From stretches that P_c keeps ahead of, spread evenly; under a bump what goes to and fro drops out."""
-    ageing = Ageing(FINAL, 1e-5, closure="paper")
-    contacts = Contacts(FRESH, stats.uniform(0.0, 0.4), ageing=ageing)
-    means = []
-    for step in (0.005, 0.0025):
-        path = step * np.arange(1, round(13.0 / step) + 1)
-        last = paper_transient(contacts, path, step, cells=16).force[-round(4.0 / step) :]
-        u = (np.arange(last.size) + 0.5) / last.size
-        weights = np.exp(-1.0 / (u * (1.0 - u)))
-        means.append(weights @ last / weights.sum())
-    known = gaussian_force(FRESH, 1.0, 0.01, 1e-5)[1]
-    assert abs((4.0 * means[1] - means[0]) / 3.0 - known) < 1e-6

@@ -217,49 +217,6 @@ def test_slips_that_die_out_and_slips_that_do_not():
     assert short.regime.verdict == "undecided" and short.period is None
 
 
-def test_a_start_less_stable_than_relaxed_contacts_slips_once():
-    law = origins.gaussian(1.0, 0.2)
-    relaxed = master.propensity(origins.Contacts(law)).critical_spring
-    contacts = origins.Contacts(law, 0.85)
-    spring = 0.5 * (relaxed + master.propensity(contacts).critical_spring)
-    assert spring > relaxed
-    solution = solved(contacts, np.linspace(0.0, 12.0, 50), spring, "reset")
-    assert solution.slips.drive.size == 1
-    assert solution.regime.verdict == "decaying transient"
-
-
-@pytest.mark.slow
-def test_instant_tells_a_root_from_a_near_miss():
-    # a later crest of F + KX just comes up to the first: a millionth decides where it lands
-    def load(x: np.ndarray, spring: float) -> np.ndarray:
-        return gaussian_force(x, 1.0, 0.05) + spring * x
-
-    def crest(spring: float, begin: float, end: float) -> float:
-        x = np.linspace(begin, end, 2001)
-        at = x[load(x, spring).argmax()]
-        fine = at + np.linspace(-1e-3, 1e-3, 2001)
-        return float(load(fine, spring).max())
-
-    marginal = brentq(lambda k: crest(k, 1.6, 2.2) - crest(k, 0.7, 1.1), 0.02, 1.0, xtol=1e-14)
-    contacts = origins.Contacts(NARROW)
-    landed = {}
-    for sign in (-1, 1):
-        spring = marginal * (1.0 + sign * 1e-6)
-        path = np.linspace(0.0, 1.5 * crest(spring, 0.7, 1.1) / spring, 11)
-        landed[sign] = float(solved(contacts, path, spring, "instant", 1e-9).slips.after[0])
-    assert 1.7 < landed[1] < 2.0 < 2.5 < landed[-1]
-
-
-def test_exact_values_that_break_late_in_a_slip_stay_out_until_its_end():
-    values = [origins.identical(x) for x in (0.8, 1.05, 1.5)]
-    law = origins.mixture(values, [0.5, 0.1, 0.4])
-    # from 0.8 on 0.5 X + 0.9 X carry 0.8 + 0.72; beyond 1.05 it is 0.4 X + 0.9 X
-    solution = solved(origins.Contacts(law), [0.0, 1.68, 1.75], 0.9, "reform-after")
-    land = 1.52 / 1.3
-    assert solution.success and solution.slips.after == pytest.approx([land], abs=1e-12)
-    assert solution.position[-1] == pytest.approx((0.9 * 1.75 + 0.6 * land) / 1.9, abs=1e-12)
-
-
 def test_wall_time_cuts_the_path():
     contacts, path = origins.Contacts(NARROW), np.linspace(0.0, 20.0, 101)
     solution = master.solve(contacts, path, spring=1.0, slip="instant", wall_time=1e-9)

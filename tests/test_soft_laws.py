@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pulled_contacts import pull
 from rate_laws import Tilted
 from solving import held_to_claim
 
@@ -19,13 +18,11 @@ from origins import (
     gaussian,
     gaussian_start,
     growing_grains,
-    gw_plastic,
 )
 from origins.drive import SlipRule
 
 WIDE = gaussian(1.0, 0.2)
 SOFT = Thermal("soft", 0.1)
-PATH = np.linspace(0.0, 3.6, 37)[1:]
 
 
 @pytest.mark.parametrize("rule", ["instant", "reform-after", "reset"])
@@ -67,54 +64,7 @@ def test_the_force_is_that_of_a_rigid_slider_on_the_same_way(name: str) -> None:
     held_to_claim(contacts, soft.position, 1e-3, soft, more=5e-4, time=clock)
 
 
-REPEATS, COUNT = 6, 1_500
 WIDE = gaussian(1.0, 0.2)
-CASES: dict[str, tuple[Contacts, float, float, SlipRule, float]] = {
-    "soft, instant": (Contacts(WIDE, thermal=Thermal("soft", 0.1)), 1.0, 0.4, "instant", 3.2),
-    "soft, delay": (
-        Contacts(WIDE, 0.1, Thermal("soft", 0.05), delay=Delay(0.2)),
-        1.0,
-        0.4,
-        "instant",
-        3.2,
-    ),
-    "ageing, reset": (A06, 6.0, 3.5, "reset", 0.95),
-}
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n != "soft, instant")) for n in CASES]
-)
-def test_slips_and_forces_are_those_of_contacts_one_by_one(name: str) -> None:
-    contacts, velocity, spring, rule, end = CASES[name]
-    path = np.linspace(0.1, 1.0, 10) * end
-    solved = master.solve(contacts, path, 1e-2, velocity=velocity, spring=spring, slip=rule)
-    assert solved.success and solved.slips.drive.size
-    told = [
-        pull(contacts, path, velocity, spring, rule, end / 300, COUNT, seed)
-        for seed in range(REPEATS)
-    ]
-    first = np.array([one.slips[:, 0] for one in told])
-    force = np.array([one.force for one in told])
-    # finite ensembles slip late
-    late = 0.35 * COUNT ** (-2.0 / 3.0) * contacts.mean_threshold
-    unit = solved.force_error * contacts.mean_threshold
-
-    def spread(values: np.ndarray) -> np.ndarray:
-        return np.asarray(values.std(axis=0, ddof=1) / np.sqrt(REPEATS))
-
-    slip = solved.slips
-    assert (
-        abs(first[:, 0].mean() - slip.drive[0]) < 4.0 * spread(first[:, 0]) + late + unit / spring
-    )
-    assert (
-        abs(first[:, 4].mean() - slip.force_after[0])
-        < 4.0 * spread(first[:, 4]) + spring * late + unit
-    )
-    # of the points beside a slip some runs are before it, some after
-    far = np.abs(path[:, None] - slip.drive).min(axis=1) > 0.05 * end
-    z = (force.mean(axis=0) - solved.force) / (spread(force) + unit + 0.25 * spring * late)
-    assert far.sum() >= 7 and np.abs(z[far]).max() < 5.0, z
 
 
 FRESH, FINAL = gaussian(0.5, 0.1), gaussian(0.8, 0.08)
@@ -144,30 +94,6 @@ def test_slips_of_ageing_contacts_are_those_of_finer_steps_and_repeat() -> None:
     assert solved.period == pytest.approx(later, rel=1e-12) and later > first + 0.01
 
 
-def test_a_path_that_ends_before_the_drop_decides_nothing() -> None:
-    """At this speed the spring is stiffer than K* of a rigid slider, and yet lets go."""
-    short = master.solve(A06, [0.3], 1e-2, velocity=8.0, spring=3.5)
-    assert (
-        not short.slips.drive.size
-        and short.regime.stiffness_ratio > 1.0
-        and short.regime.verdict == "undecided"
-    )
-
-
-@pytest.mark.parametrize("spring", [1e-6])
-def test_a_spring_however_soft_slips_as_without_ageing_where_nothing_has_time_to_age(
-    spring: float,
-) -> None:
-    path = np.linspace(0.0, 1.2 * (1.0 / spring + 1.0), 25)
-    plain = master.solve(Contacts(WIDE), path, 1e-9, spring=spring)
-    aged = master.solve(
-        Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.3), 1e-14)), path, 1e-3, spring=spring
-    )
-    assert aged.success and aged.nodes < 100
-    assert np.abs(aged.slips.drive - plain.slips.drive).max() <= aged.slips.drive_error
-    assert np.abs(aged.force - plain.force).max() <= aged.force_error
-
-
 def test_contacts_that_break_in_a_slip_wait_out_their_delay() -> None:
     contacts = Contacts(WIDE, delay=Delay(0.2))
     path = np.linspace(2.4, 2.8, 25)
@@ -187,22 +113,6 @@ def test_a_drive_that_holds_lets_the_slider_creep() -> None:
     assert solved.success, solved.message
     assert (np.diff(solved.position) > 0.0).all() and (np.diff(solved.force[:3]) < 0.0).all()
     assert solved.force[2] < 0.4 * solved.force[0] and solved.force[3] > solved.force[2] + 0.3
-
-
-def test_a_start_whose_mean_is_nothing_but_rounding_does_not_slip() -> None:
-    path = np.linspace(0.0, 2.5, 6)
-    centred, beside = (
-        master.solve(
-            Contacts(WIDE, gaussian_start(mean, 0.05), reforming=0.1), path, 1e-3, spring=0.4
-        )
-        for mean in (0.0, 1e-6)
-    )
-    assert not centred.slips.drive.size and centred.success
-    assert (
-        np.abs(centred.force - beside.force).max() < 2e-6 + centred.force_error + beside.force_error
-    )
-    alone = master.solve(Contacts(WIDE, delay=Delay(0.2)), [0.0], spring=1.0)
-    assert alone.success and alone.force.tolist() == [0.0]
 
 
 @pytest.mark.slow
@@ -225,22 +135,6 @@ def test_a_slider_that_creeps_as_fast_as_the_drive_is_smooth_below_the_rigid_cri
     assert late.force[-1] == pytest.approx(
         master.steady_state(contacts, velocity=0.1).force, rel=0.02
     )
-
-
-@pytest.mark.slow
-def test_slips_that_only_coarse_steps_find_leave_an_error_estimate() -> None:
-    contacts = Contacts(gw_plastic(1.0), thermal=Thermal("soft", 0.11, 0.109))
-    path = np.linspace(0.0, 13.0, 91)[1:]
-    soft = master.solve(contacts, path, 1e-3, velocity=2.475, spring=0.05566)
-    assert soft.success and not soft.slips.drive.size
-    # on the slider's own way, straight between its points and between every other of them: of second order
-    clock = path / 2.475
-    fine, coarse = (
-        master.solve(contacts, soft.position[some], 1e-4, time=clock[some])
-        for some in (slice(None), slice(1, None, 2))
-    )
-    apart = np.abs(fine.force[1::2] - coarse.force).max()
-    assert np.abs(fine.force - soft.force).max() <= apart + soft.force_error + fine.force_error
 
 
 WIDE = gaussian(1.0, 0.2)
@@ -305,17 +199,6 @@ def test_a_soft_slider_slips_a_little_before_it_would_without_temperature() -> N
     )
 
 
-@pytest.mark.slow
-def test_a_spring_a_little_stiffer_than_critical_holds_the_slider() -> None:
-    """At T = 1e-8 heat blurs an onset by one part in ten thousand, not by more."""
-    cold = Contacts(WIDE, thermal=Thermal("soft", 1e-8, 1e12))
-    path = np.linspace(0.0, 1.75, 11)[1:]
-    plain = master.solve(Contacts(WIDE), path, 1e-9, spring=1.041)  # 1.005 K*
-    heated = master.solve(cold, path, 1e-3, spring=1.041)
-    assert heated.success and not heated.slips.drive.size and not plain.slips.drive.size
-    assert np.abs(heated.force - plain.force).max() <= heated.force_error + 1e-4
-
-
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
 
 
@@ -334,16 +217,3 @@ def test_resets_repeat_and_instant_slips_wait() -> None:
         for rule in ("instant", "reform-after")
     )
     np.testing.assert_array_equal(instant.force, later.force)
-
-
-@pytest.mark.slow
-def test_grains_that_grow_while_the_spring_loads_decide_nothing_before_they_break() -> None:
-    """A path longer than the thresholds of X = 0 reach, and shorter than those to which they grow until the slip."""
-    contacts = Contacts(growing_grains(1.0, 4.0, age=4.0))
-    short, longer = (
-        master.solve(contacts, [end], 2e-2, velocity=0.1, spring=0.3) for end in (6.0, 13.0)
-    )
-    assert not short.slips.drive.size and short.regime.verdict == "undecided", short.regime.reason
-    assert longer.slips.drive.size == 2 and longer.regime.verdict == "stick-slip"
-    stiff = master.solve(contacts, np.linspace(0.5, 5.0, 10), 2e-2, velocity=0.1, spring=20.0)
-    assert not stiff.slips.drive.size and stiff.regime.verdict == "smooth", stiff.regime.reason

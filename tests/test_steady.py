@@ -7,7 +7,6 @@ import itertools
 import numpy as np
 import pytest
 import references
-from solving import gauss
 
 import master
 import origins
@@ -15,9 +14,7 @@ from origins import (
     Contacts,
     Delay,
     Thermal,
-    boltzmann_reforming,
     gaussian,
-    identical,
     rectangular,
 )
 
@@ -83,22 +80,6 @@ def test_force_of_every_origin_against_many_digits(name: str) -> None:
 def test_force_of_laws_with_exact_values(name: str) -> None:
     steady = check(*ATOMIC[name])
     assert steady.force_error < 1e-14
-
-
-@pytest.mark.parametrize("scale", [1e-9, 1e9])
-def test_scale_of_lengths(scale: float) -> None:
-    base = origins.mixture([origins.rectangular(0.2, 0.5), origins.gaussian(1.0, 0.1)], [0.3, 0.7])
-    scaled = origins.mixture(
-        [origins.rectangular(0.2 * scale, 0.5 * scale), origins.gaussian(scale, 0.1 * scale)],
-        [0.3, 0.7],
-    )
-    one, other = (master.steady_state(origins.Contacts(law)) for law in (base, scaled))
-    assert other.force == pytest.approx(scale * one.force, rel=1e-13)
-    assert other.force_error < 1e-14
-    x = np.linspace(0.0, 2.0, 101)
-    assert np.allclose(
-        other.distribution(scale * x) * scale, one.distribution(x), rtol=1e-12, atol=1e-13
-    )
 
 
 def by_quadrature(contacts: Contacts, speed: float) -> float:
@@ -190,36 +171,3 @@ def test_what_holds_at_each_delay() -> None:
         assert (
             abs(held - master.steady_state(contacts, velocity=2.0).holding) <= off + 1e-12 <= 1e-10
         )
-
-
-@pytest.mark.parametrize(("law", "stiffness"), [("soft", "independent"), ("stiff", "linked")])
-def test_births_at_many_stretches_at_any_speed(law: str, stiffness: str) -> None:
-    """Against integrals over stretches and births."""
-    thermal, births = Thermal(law, 0.03), boltzmann_reforming(0.03)  # type: ignore[arg-type]
-    contacts = Contacts(identical(1.0), thermal=thermal, reforming=births, stiffness=stiffness)  # type: ignore[arg-type]
-    speeds = np.array([1.0, 1e-3, 1e-7])
-    found = master.kinetic_curve(contacts, speeds)
-    nodes, weights = gauss(np.linspace(-1.0, 1.0, 41), 8)
-    lengths, areas = np.zeros(3), np.zeros(3)
-    for r, weight in zip(nodes, weights * births.pdf(nodes), strict=True):
-        # close to both ends in smaller steps
-        away = (1.0 - r) * np.geomspace(1e-9, 0.5, 60)
-        cuts = np.unique(np.concatenate([[r, 1.0, max(r, 0.0)], r + away, 1.0 - away]))
-        x, w = gauss(cuts, 8)
-        held = w * np.exp(-thermal.cumulative(x, 1.0, r) / speeds[:, None])
-        lengths += weight * held.sum(axis=1)
-        areas += weight * held @ x
-    assert (
-        np.abs(found.force - areas / lengths) <= found.force_error + 3e-11
-    ).all()  # what the integrals miss
-    assert found.force_error.max() < 1e-8
-    single = master.steady_state(contacts, velocity=1e-3)
-    assert single.force == found.force[1] and single.force_error == found.force_error[1]
-
-
-def test_speeds_beyond_numbers_are_told() -> None:
-    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))
-    slow = master.kinetic_curve(contacts, [1e-30, 1e-100])
-    # at 1e-100 thresholds that hardly any contact has would bear the force
-    assert slow.success.tolist() == [True, False] and " only at 1 of 2 points" in slow.message
-    assert slow.force_error[0] < 1e-9 * slow.force[0] and np.isfinite(slow.force).all()

@@ -13,7 +13,6 @@ from scipy.special import gammainc, gammaln, ndtr
 
 import master
 import origins
-from master.paper.q15_transient import paper_transient
 from origins import Ageing, Contacts, Thermal
 
 Function = Callable[[int, np.ndarray], np.ndarray]
@@ -156,89 +155,6 @@ def test_closed_values(name: str) -> None:
         assert abs(found.static_to_kinetic - static) <= found.static_to_kinetic_error <= 3e-8
 
 
-@pytest.mark.parametrize("form", ["soft", "stiff"])
-def test_heat_before_a_second_break(form: str) -> None:
-    """K* = max of x p(x) - 1 where none has broken twice, p from plain quadrature of E."""
-    thermal = origins.Thermal(form, 0.005)  # type: ignore[arg-type]
-    law = origins.gaussian(1.0, 0.05)
-    nodes, weights = np.polynomial.legendre.leggauss(200)
-
-    def held(x: np.ndarray) -> np.ndarray:
-        # thresholds above x, in the root of the distance to it
-        top = np.sqrt(1.45 - x)[:, None]
-        root = 0.5 * top * (1.0 + nodes)
-        xi = x[:, None] + root**2
-        weight = top * weights * root * law.pdf(xi)
-        return (weight * np.exp(-thermal.cumulative(x[:, None], xi))).sum(axis=1)
-
-    def fall(x: np.ndarray) -> np.ndarray:
-        h = 1e-3
-        pairs = [(4.0 / 5.0, 1), (-1.0 / 5.0, 2), (4.0 / 105.0, 3), (-1.0 / 280.0, 4)]
-        slope = sum(c * (held(x + k * h) - held(x - k * h)) for c, k in pairs) / h
-        return -x * slope - 1.0
-
-    x = np.linspace(0.8, 1.1, 31)
-    around = x[fall(x).argmax()] + 0.012 * np.cos(np.pi * (np.arange(9) + 0.5) / 9.0)
-    series = np.polynomial.chebyshev.Chebyshev.fit(around, fall(around), 8)
-    told = master.propensity(origins.Contacts(law, thermal=thermal))
-    off = abs(told.critical_spring - largest(series, np.linspace(around[-1], around[0], 2001)))
-    assert off <= told.critical_spring_error + 1e-8 and told.success
-
-
-SECOND_ROAD = {
-    "lubricated": (origins.Contacts(origins.lubricated(1.0)), 1e-5),
-    "persson among its thresholds": (
-        origins.Contacts(origins.persson(1.0, 0.5), scipy.stats.uniform(-0.2, 0.9)),
-        1e-4,
-    ),
-    "start below zero": (origins.Contacts(origins.gaussian(1.0, 0.2), -0.5), 1e-6),
-}
-
-
-@pytest.mark.parametrize("name", SECOND_ROAD)
-def test_slope_of_the_solved_force(name: str) -> None:
-    contacts, allowed = SECOND_ROAD[name]
-    path = np.linspace(0.0, 6.0 * contacts.mean_threshold, 12_001)
-    force = master.solve(contacts, path, tolerance=1e-11).force
-    step = path[1]
-    # fourth-order central differences
-    slope = (force[:-4] - 8.0 * force[1:-3] + 8.0 * force[3:-1] - force[4:]) / (12.0 * step)
-    found = master.propensity(contacts)
-    assert found.critical_spring == pytest.approx(-slope.min(), abs=allowed)
-    steady = master.steady_state(contacts).force
-    assert found.static_to_kinetic == pytest.approx(max(force.max() / steady, 1.0), abs=1e-6)
-
-
-def rectangle(low: float, high: float) -> Callable[[mp.mpc], mp.mpc]:
-    return lambda s: (mp.exp(-s * low) - mp.exp(-s * high)) / (s * (high - low))
-
-
-ROOTS: dict[str, tuple[object, Callable[[mp.mpc], mp.mpc]]] = {
-    "gap": (
-        origins.mixture(
-            [origins.rectangular(0.25, 0.5), origins.rectangular(1.0, 1.75)], [0.25, 0.75]
-        ),
-        lambda s: rectangle(0.25, 0.5)(s) / 4 + 3 * rectangle(1.0, 1.75)(s) / 4,
-    ),
-    "value and gaussian": (
-        origins.mixture([origins.identical(0.95), origins.gaussian(1.05, 0.1)], [0.25, 0.75]),
-        lambda s: mp.exp(-s * mp.mpf(0.95)) / 4 + 3 * bell(1.05, 0.1)(s) / 4,
-    ),
-}
-
-
-@pytest.mark.parametrize("name", ROOTS)
-def test_decoherence_is_a_root_in_many_digits(name: str) -> None:
-    law, transform = ROOTS[name]
-    contacts = origins.Contacts(law)
-    found = master.propensity(contacts)
-    near = mp.mpc(master.decoherence_spectrum(contacts, n_roots=1).roots[0])
-    root = mp.findroot(lambda s: transform(s) - 1, (near, near * (1 + mp.mpf("1e-5"))), tol=1e-30)
-    true = abs(float(-1 / root.real) - found.decoherence_length)
-    assert true <= found.decoherence_length_error + 1e-13 * found.decoherence_length
-    assert found.decoherence_length_error <= 1e-8 * found.decoherence_length
-
-
 def test_what_lives_of_all_lengths_do_beyond_the_last_stretch_followed_is_an_error() -> None:
     contacts = origins.Contacts(
         origins.gaussian(1.0, 0.2), thermal=origins.Thermal("stiff", 0.1, 1e8)
@@ -322,38 +238,6 @@ FRESH = origins.gaussian(0.5, 0.05)
 def figure_a06(closure: str) -> Contacts:
     ageing = Ageing(origins.gaussian(1.0, 0.02), 5e-4, closure=closure)
     return Contacts(FRESH, origins.gaussian_start(0.02, 0.01), ageing=ageing)
-
-
-@pytest.mark.slow
-def test_critical_velocity_of_figure_a06_exact() -> None:
-    """At v_c the drop just reaches the spring."""
-    critical = master.critical_velocity(figure_a06("exact"), 3.5, 4.2, 4.3)
-    assert (
-        critical.velocity == pytest.approx(4.2531, abs=1e-4)
-        and 0.0 < critical.velocity_error < 1e-5
-    )
-    path = critical.position + np.linspace(-0.01, 0.01, 41)
-    told = master.solve(figure_a06("exact"), path, 1e-8, velocity=critical.velocity)
-    x = path - path.mean()
-    slope = -np.polyval(np.polyder(np.polyfit(x, told.force, 6)), x)
-    assert told.success and slope.max() == pytest.approx(3.5, abs=1e-6)
-
-
-@pytest.mark.slow
-def test_critical_velocity_of_figure_a06_paper() -> None:
-    critical = master.critical_velocity(figure_a06("paper"), 3.5, 2.0, 2.1)
-    assert (
-        critical.velocity == pytest.approx(2.0692, abs=2e-4)
-        and 0.0 < critical.velocity_error < 1e-4
-    )
-    path = critical.position + np.linspace(-0.02, 0.02, 41)
-    coarse, fine = (
-        paper_transient(figure_a06("paper"), path, h, velocity=critical.velocity, cells=8).force
-        for h in (2e-3, 1e-3)
-    )
-    x = path - path.mean()
-    slope = -np.polyval(np.polyder(np.polyfit(x, (4.0 * fine - coarse) / 3.0, 6)), x)
-    assert slope.max() == pytest.approx(3.5, abs=1e-3)
 
 
 def test_propensity_tells_the_same_spring() -> None:

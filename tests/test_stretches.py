@@ -146,25 +146,6 @@ def test_contacts_from_one_stretch_stay_one_until_they_break():
     assert (q.density(np.linspace(-1.0, 2.0, 32)) == 0.0).all()
 
 
-def test_identical_contacts_are_all_at_one_stretch_for_ever():
-    solution = master.solve(
-        origins.Contacts(origins.identical(1.0)), np.linspace(0.0, 50.0, 101), 1e-9
-    )
-    for at in (0.0, 0.25, 1.0, 7.5, 49.999):
-        q = solution.distribution(at)
-        assert q.delta_positions == pytest.approx([at % 1.0], abs=1e-12)
-        assert q.delta_weights == pytest.approx([1.0], abs=1e-13)
-
-
-def test_late_contacts_follow_survival_over_the_mean():
-    law = origins.gw_plastic(2.0)
-    solution = master.solve(
-        origins.Contacts(law, origins.gaussian_start(0.1, 0.05)), np.linspace(0.0, 30.0, 301), 1e-9
-    )
-    x = np.linspace(0.0, 2.5, 101)
-    assert solution.distribution(30.0).density(x) == pytest.approx(law.sf(x) / law.mean(), abs=1e-9)
-
-
 def test_exact_values_are_told_apart():
     # all break at X = 1, form again in the hold at 1.2, and are pulled back
     waiting = origins.Contacts(origins.identical(1.0), delay=origins.Delay(0.3))

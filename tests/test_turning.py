@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -16,11 +15,8 @@ import origins
 from master.paper.explicit_loop import explicit_loop
 from origins import (
     Contacts,
-    Delay,
     Thermal,
     gaussian,
-    identical,
-    mixture,
 )
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]
@@ -137,16 +133,6 @@ def test_long_ways_between_turns_end_in_steady_sliding() -> None:
     )
 
 
-Array = np.ndarray
-
-
-def along(corners: list[tuple[float, float]], points: int = 6) -> tuple[Array, Array]:
-    """Path and times through corners (X, t), `points` to each piece."""
-    legs = [np.linspace(a, b, points)[1:] for a, b in pairwise(np.array(corners))]
-    path, time = np.concatenate([[corners[0]], *legs]).T
-    return path, time
-
-
 def test_the_paper_closure_forgets_after_a_turn() -> None:
     """At next to no rate it is App. C, whose plain scheme is of first order."""
     path = through([0.0, 0.9, -0.9], 10)
@@ -154,14 +140,3 @@ def test_the_paper_closure_forgets_after_a_turn() -> None:
     solved = master.solve(contacts, path, 1e-4)
     coarse, fine = (explicit_loop(Contacts(WIDE), path, step).force for step in (2e-3, 1e-3))
     assert solved.success and np.abs(solved.force - (2.0 * fine - coarse)).max() < 2e-4
-
-
-def test_odd_paths() -> None:
-    contacts = Contacts(WIDE, 0.4, thermal=SOFT)
-    one = master.solve(contacts, [-0.2], 1e-3)
-    again = master.solve(contacts, [-0.2, -0.2, -0.2], 1e-3, time=[0.2, 0.2, 0.2])
-    assert one.success and np.abs(again.force - one.force).max() < 1e-3
-    still = master.solve(contacts, [0.0, 0.0], 1e-3, time=[0.0, 0.0])
-    assert still.success and np.abs(still.force - 0.4).max() < still.force_error
-    box = Contacts(mixture([WIDE, identical(0.8)], [0.7, 0.3]), 0.213, delay=Delay(0.2))
-    assert np.isfinite(master.solve(box, [1.0, 0.5], 1e-1).force).all()
