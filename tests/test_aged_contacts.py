@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.special import log_ndtr, ndtr
-from solving import held_to_claim, through
+from solving import held_to_claim
 
 import master
 import origins
@@ -57,15 +57,14 @@ def test_hold_at_the_mean_of_the_final_law(start):
 
 
 def test_contacts_that_hardly_age_are_those_that_do_not():
-    """Forward, on turns with heat, and under a spring: three roads."""
+    """Forward, with heat, and under a spring."""
     path, final = 0.05 * np.arange(1, 31), origins.gaussian(0.8, 0.1)
     start, thermal = origins.gaussian_start(0.02, 0.02), origins.Thermal("stiff", 0.05, 2.0)
     plain = master.solve(Contacts(FRESH, start), path, 1e-9)
     held_to_claim(Contacts(FRESH, start, ageing=Ageing(final, 1e-13)), path, 1e-7, plain)
-    turns = through([0.0, 0.5, -0.7, 0.1], 5)
-    plain = master.solve(Contacts(FRESH, thermal=thermal), turns, 1e-7)
+    plain = master.solve(Contacts(FRESH, thermal=thermal), path, 1e-6, velocity=2.0)
     barely = Contacts(FRESH, thermal=thermal, ageing=Ageing(final, 1e-9))
-    held_to_claim(barely, turns, 1e-3, plain)
+    held_to_claim(barely, path, 1e-6, plain, velocity=2.0)
     plain = master.solve(Contacts(FRESH), path, 1e-6, spring=0.6)
     slow = Contacts(FRESH, ageing=Ageing(final, 1e-6))
     soft = held_to_claim(slow, path, 3e-3, plain, spring=0.6)
@@ -89,6 +88,7 @@ def test_kinetic_force_of_figure_a05() -> None:
         assert (held[x < 0.0] == 0.0).all()
 
 
+@pytest.mark.slow
 def test_error_is_a_promise_here_too() -> None:
     path = np.linspace(0.05, 6.0, 240)
     for fresh, start, final, rate, fine_to in [
