@@ -125,24 +125,6 @@ def test_far_on_with_other_final_laws(final: origins.Thresholds) -> None:
     assert 0.0 < steady.force_error < 1e-6 and np.abs(far.force - steady.force).max() < 1e-6
 
 
-def test_births_at_many_stretches_are_births_at_each_of_them() -> None:
-    """Lengths of lives and the force summed over them are averages over the births, here by Gauss and Hermite."""
-    ageing = Ageing(origins.gaussian(0.8, 0.04), 0.02)
-    many = master.steady_state(
-        Contacts(FRESH, ageing=ageing, reforming=origins.gaussian_start(0.05, 0.01))
-    )
-    nodes, weights = np.polynomial.hermite_e.hermegauss(7)
-    each = [
-        master.steady_state(Contacts(FRESH, ageing=ageing, reforming=float(0.05 + 0.01 * x)))
-        for x in nodes
-    ]
-    lengths = weights / weights.sum() * np.array([steady.cycle_length for steady in each])
-    assert many.cycle_length == pytest.approx(lengths.sum(), rel=1e-10)
-    assert many.force == pytest.approx(
-        lengths @ [steady.force for steady in each] / lengths.sum(), rel=1e-10
-    )
-
-
 LATER = origins.gaussian(0.8, 0.08)
 
 

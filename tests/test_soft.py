@@ -164,23 +164,6 @@ def test_a_stiff_spring_follows_the_rigid_curve_through_turns(law, rule):
 
 
 @pytest.mark.parametrize(
-    "laws", [{"stiffness": "linked"}, {"reforming": 0.1}, {"reforming": 0.1, "start": 0.1}]
-)
-def test_linked_and_reforming_contacts_stay_on_their_rigid_curve(laws):
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.1), **laws)
-    solution = solved(contacts, np.linspace(0.5, 6.0, 111), 0.6, "instant")
-    assert solution.success and solution.slips.drive.size
-    rigid = master.solve(contacts, solution.position, 1e-9)
-    far = solution.force_error + rigid.force_error
-    assert np.abs(solution.force - rigid.force).max() <= far
-    # after a reset contacts stand as they re-form: K (X_T - X) = F there
-    reset = solved(contacts, np.linspace(0.5, 6.0, 111), 0.6, "reset")
-    rest = contacts.reforming.law.mean() if contacts.reforming else 0.0
-    assert reset.slips.force_after == pytest.approx(rest, abs=1e-12)
-    assert reset.slips.drop == pytest.approx(0.6 * (reset.slips.after - reset.slips.before))
-
-
-@pytest.mark.parametrize(
     "rule", ["reset", "reform-after", pytest.param("instant", marks=pytest.mark.slow)]
 )
 def test_the_mirror_image_and_the_scale_of_a_drive(rule):

@@ -79,21 +79,6 @@ def test_smooth_sliding_ends_in_the_steady_state() -> None:
     assert solved.force[1] == pytest.approx(steady.force, abs=5e-4)
 
 
-@pytest.mark.slow
-def test_slips_of_ageing_contacts_are_those_of_finer_steps_and_repeat() -> None:
-    solved = master.solve(A06, [0.4, 3.5], 2e-3, spring=3.5)
-    slips = solved.slips
-    assert solved.success and slips.drive.size == 3 and solved.regime.verdict == "stick-slip"
-    # with 1e-5 asked for
-    told = np.array([3.5 * slips.drive[0], 3.5 * slips.drive[1], slips.force_before[0]])
-    assert (
-        np.abs(told - [3.5 * 1.0193558, 3.5 * 2.0716001, 0.758112]).max() < 0.5 * solved.force_error
-    )
-    # a reset leaves relaxed contacts, which the start's were not quite
-    first, later = np.diff(slips.drive, prepend=0.0)[:2]
-    assert solved.period == pytest.approx(later, rel=1e-12) and later > first + 0.01
-
-
 def test_contacts_that_break_in_a_slip_wait_out_their_delay() -> None:
     contacts = Contacts(WIDE, delay=Delay(0.2))
     path = np.linspace(2.4, 2.8, 25)
@@ -197,23 +182,3 @@ def test_a_soft_slider_slips_a_little_before_it_would_without_temperature() -> N
     assert (
         0.0 < (plain.slips.drive - solved.slips.drive)[0] < 10.0 * sooner + solved.slips.drive_error
     )
-
-
-GRAINS = growing_grains(1.0, 1.0, age=4.0)
-
-
-@pytest.mark.slow
-def test_resets_repeat_and_instant_slips_wait() -> None:
-    """Those a reset leaves are younger than all were at first: the second drop is the one that comes back."""
-    contacts, path = Contacts(GRAINS), np.linspace(0.0, 11.0, 45)
-    reset = master.solve(contacts, path, 2e-2, velocity=1.0, spring=0.5)
-    drops = reset.slips.force_before - reset.slips.force_after
-    assert drops.size > 2 and drops[0] > 1.3 * drops[1] and np.ptp(drops[1:]) < 1e-9
-    assert reset.regime.verdict == "stick-slip" and reset.period == pytest.approx(
-        np.diff(reset.slips.drive)[-1]
-    )
-    instant, later = (
-        master.solve(contacts, path[:20], 2e-2, velocity=1.0, spring=0.5, slip=rule)
-        for rule in ("instant", "reform-after")
-    )
-    np.testing.assert_array_equal(instant.force, later.force)

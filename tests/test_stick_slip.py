@@ -155,22 +155,6 @@ def test_closed_values(name: str) -> None:
         assert abs(found.static_to_kinetic - static) <= found.static_to_kinetic_error <= 3e-8
 
 
-def test_what_lives_of_all_lengths_do_beyond_the_last_stretch_followed_is_an_error() -> None:
-    contacts = origins.Contacts(
-        origins.gaussian(1.0, 0.2), thermal=origins.Thermal("stiff", 0.1, 1e8)
-    )
-    found = master.propensity(contacts, 1e-4)
-    solved = master.solve(contacts, np.linspace(0.0, 3.0, 1501))
-    static = solved.force.max() / master.steady_state(contacts).force
-    assert (
-        static > 1.0 + 1e-7
-    )  # F goes beyond F_k only where nearly all have broken thousands of times
-    assert not found.success and " only, above " in found.message
-    assert abs(found.static_to_kinetic - static) < found.static_to_kinetic_error < 1.0
-    steepest = -np.diff(solved.force).min() / 2e-3
-    assert abs(found.critical_spring - steepest) < found.critical_spring_error < 1.0
-
-
 def test_what_is_not_known_well_enough_says_so() -> None:
     contacts = origins.Contacts(origins.gaussian(1.0, 0.3))
     found = master.propensity(contacts, 1e-6)

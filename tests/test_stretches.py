@@ -97,7 +97,12 @@ QUADRATURE = 2e-9  # what the halved integrals may leave, or a thirtieth of the 
 REFUSED = {"turning, ageing", "turning, grains"}  # there Q(x;X) is not told
 
 
-@pytest.mark.parametrize("name", KINDS)
+SLOW = {"turning, heat", "holds, heat", "holds, heat, paper's closure", "holds, re-forming, heat"}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in KINDS]
+)
 def test_stretches_add_up_to_what_holds_and_to_the_force(name: str) -> None:
     kind = KINDS[name]
     forward = min(np.diff(kind.turns)) > 0.0
