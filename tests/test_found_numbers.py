@@ -215,6 +215,7 @@ def test_few_that_live_for_thousands_of_means_are_told() -> None:
     assert abs(found.static_to_kinetic - static) < found.static_to_kinetic_error < 1.0
 
 
+@pytest.mark.slow
 def test_large_and_small_slips_in_turn_do_not_fade() -> None:
     """A line through the logarithms of their drops falls or rises by where the path ends."""
     peaks = mixture([gaussian(0.3, 0.003), gaussian(1.0, 0.03)], [0.3, 0.7])

@@ -55,7 +55,7 @@ BACK = Contacts(gaussian(1.0, 0.05), thermal=Thermal("soft", 10.0, 1e3), reformi
 LATE = Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.1), 1e-2))
 STEEP = Contacts(lubricated(1.0, power=-0.96))
 
-CALLS: list[tuple[Callable[[], object], str]] = [
+CALLS = [
     # paths, tolerances and times
     *((partial(solve, PLAIN, [0.0, 1.0], t), "tolerance = ") for t in (0.0, np.nan, "1e-8", True)),
     (partial(propensity, ONE, 0.0), "tolerance = "),
@@ -64,10 +64,18 @@ CALLS: list[tuple[Callable[[], object], str]] = [
     (partial(solve, PLAIN, [0.0, 1e300]), r"path\[-1\] = 1e\+300: is 1e\+300 mean thresholds"),
     (partial(solve, PLAIN, [-1e50, 1e50]), r"path\[0\] = .*turn round within 1e\+06"),
     (partial(solve, PLAIN, [0.0, 1.0], wall_time=0.0), "wall_time"),
-    (partial(solve, Contacts(PAIR), [0.0, 1000.0]), ".*exact values break together more often"),
+    pytest.param(
+        partial(solve, Contacts(PAIR), [0.0, 1000.0]),
+        ".*exact values break together more often",
+        marks=pytest.mark.slow,
+    ),
     (partial(solve, HOT, [1.0, 2.0]), "delay = 0.3: contacts hold for .*, too short to follow"),
     (partial(solve, FIERCE, [3.0, -3.0, 3.0]), r".*attempt_frequency = 10+\.0: .* on the way"),
-    (partial(solve, LATE, [1e3, -1e3]), r"ageing: a move of .* in time needs more than \d+ steps"),
+    pytest.param(
+        partial(solve, LATE, [1e3, -1e3]),
+        r"ageing: a move of .* in time needs more than \d+ steps",
+        marks=pytest.mark.slow,
+    ),
     # Q(x;X)
     *((partial(distribution, PLAIN, [0.0, 3.0], at), "position = ") for at in (3.1, np.nan, "1")),
     (partial(distribution, ONE, [0.7, -0.6], 0.3), ".*is passed on legs 0, 1; say which"),

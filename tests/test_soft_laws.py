@@ -49,8 +49,11 @@ MOVED: dict[str, tuple[Contacts, float, float]] = {
 }
 
 
+SLOW = {"ageing", "room temperature"}
+
+
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "ageing")) for n in MOVED]
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in MOVED]
 )
 def test_the_force_is_that_of_a_rigid_slider_on_the_same_way(name: str) -> None:
     """Where nothing slips; straight between the points, which the slider's own motion is not."""

@@ -99,7 +99,7 @@ def largest(function: Callable[[np.ndarray], np.ndarray], grid: np.ndarray) -> f
 def test_claimed_errors_bound_the_true_ones() -> None:
     spring, static = [], []
     rng = np.random.default_rng(20100902)
-    for case in range(24):
+    for case in range(12):
         low, high = ((2.2, 60.0), (0.005, 0.11))[case % 2]
         parameter = float(np.exp(rng.uniform(np.log(low), np.log(high))))
         exact = (gamma, gaussian)[case % 2](parameter)
@@ -112,7 +112,7 @@ def test_claimed_errors_bound_the_true_ones() -> None:
         assert found.critical_spring_error <= 1.1e-8 * (1.0 + true_spring)
         assert found.static_to_kinetic_error <= 3e-8
     for ratio in (np.array(spring), np.array(static)):
-        assert (ratio <= 1.0).sum() >= 23 and ratio.max() <= 2.0
+        assert (ratio <= 1.0).sum() >= 11 and ratio.max() <= 2.0
 
 
 CLOSED = {
