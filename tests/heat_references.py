@@ -14,7 +14,6 @@ STEP = 0.08
 SINH = 0.5 * np.pi * np.sinh(STEP * np.arange(-44, 45))
 FROM_0, FROM_1 = 1.0 / (1.0 + np.exp(-2.0 * SINH)), 1.0 / (1.0 + np.exp(2.0 * SINH))
 TANH_SINH = STEP * 0.25 * np.pi * np.cosh(STEP * np.arange(-44, 45)) / np.cosh(SINH) ** 2
-
 LAWS = {
     "gaussian": gaussian(1.0, 0.2),
     "gw_elastic": gw_elastic(1.6),
@@ -28,8 +27,6 @@ PATHS = {
     "turns": ([0.0, 1.0, 3.0, 5.0], [0.0, 0.8, -0.5, 0.9]),
     "across zero": ([0.0, 1.0], [0.6, -0.6]),
 }
-
-
 HEAT = {
     "soft": (Thermal("soft", 0.1), lambda g, s, k: np.exp(-k * g * (2 * s - g) / 0.2)),
     "cooler": (

@@ -37,7 +37,6 @@ ROOMS = {
     "origins": Room(4500, 10_060, 120, 281),
     "toolkit": Room(4000, 5610, 100, 148),
 }
-
 Graph = dict[str, set[str]]
 
 

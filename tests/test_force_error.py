@@ -30,7 +30,6 @@ from promise.references import Reference, kept, load, scene
 import origins
 
 Array = npt.NDArray[np.float64]
-
 CASES, ALL = int(os.environ.get("FORCE_ERROR_CASES", "13")), 1000
 FIRST = int(os.environ.get("FORCE_ERROR_FIRST", "0"))
 SEED = int(os.environ.get("FORCE_ERROR_SEED", str(KEPT_SEED)))

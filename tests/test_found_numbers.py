@@ -161,7 +161,7 @@ def test_a_step_between_the_nodes_is_found() -> None:
 
 
 THERMALS = [
-    (Thermal("soft", 4.5), 3.4e-8, {"stiffness": "linked"}),
+    pytest.param(Thermal("soft", 4.5), 3.4e-8, {"stiffness": "linked"}, marks=pytest.mark.slow),
     (Thermal("soft", 6.8), 0.2, {}),
 ]
 

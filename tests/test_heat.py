@@ -22,8 +22,6 @@ from origins import (
 )
 
 TABLE = Path(__file__).with_name("thermal_table.csv")
-
-
 WIDE = gaussian(1.0, 0.2)
 
 
@@ -91,9 +89,6 @@ def test_a_hold_without_end_leaves_thresholds_in_balance() -> None:
     assert np.abs(found.force[1:] - x * balance.sf(x) - later).max() < 3e-5
 
 
-WIDE = gaussian(1.0, 0.2)
-
-
 @pytest.mark.parametrize("kind", ["soft", "stiff"])
 def test_a_hold_of_years_breaks_in_the_logarithm_of_time(kind: str) -> None:
     """Broken ones stay out: what holds is a sum over thresholds, of which each has spent what rates tell."""
@@ -153,9 +148,6 @@ def test_one_threshold_breaks_alike_under_both_closures_but_for_starts() -> None
     np.testing.assert_allclose(
         exact.force, paper.force, atol=exact.force_error + paper.force_error + 1e-11
     )
-
-
-PATH = np.linspace(0.05, 4.0, 21) + 0.013
 
 
 def test_only_the_ratio_of_rate_and_speed_counts_and_lengths_only_scale() -> None:

@@ -37,7 +37,6 @@ PAIR = mixture([identical(0.95), identical(1.05)], [0.5, 0.5])
 LOMAX = scipy.stats.lomax
 UNEVEN = [origins.rectangular(0.5, 1.0), origins.rectangular(0.5, 1.5)]
 AWAY = gaussian_start(0.0, 0.05)
-
 solve, steady, propensity = master.solve, master.steady_state, master.propensity
 curve, line, spectrum = master.kinetic_curve, master.phase_line, master.decoherence_spectrum
 v_c = master.critical_velocity
@@ -54,7 +53,6 @@ WARM = Contacts(WIDE, thermal=SOFT)
 BACK = Contacts(gaussian(1.0, 0.05), thermal=Thermal("soft", 10.0, 1e3), reforming=-0.3)
 LATE = Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.1), 1e-2))
 STEEP = Contacts(lubricated(1.0, power=-0.96))
-
 CALLS = [
     # paths, tolerances and times
     *((partial(solve, PLAIN, [0.0, 1.0], t), "tolerance = ") for t in (0.0, np.nan, "1e-8", True)),

@@ -47,8 +47,6 @@ MOVED: dict[str, tuple[Contacts, float, float]] = {
     "ageing": (A06, 6.0, 60.0),
     "grains": (Contacts(growing_grains(1.0, 1.0, age=4.0)), 1.0, 6.0),
 }
-
-
 SLOW = {"ageing", "room temperature"}
 
 
@@ -65,9 +63,6 @@ def test_the_force_is_that_of_a_rigid_slider_on_the_same_way(name: str) -> None:
     assert np.abs(soft.force - spring * (path - soft.position)).max() < 1e-12
     clock = np.cumsum(np.diff(path, prepend=begin)) / velocity
     held_to_claim(contacts, soft.position, 1e-3, soft, more=5e-4, time=clock)
-
-
-WIDE = gaussian(1.0, 0.2)
 
 
 FRESH, FINAL = gaussian(0.5, 0.1), gaussian(0.8, 0.08)
@@ -125,7 +120,6 @@ def test_a_slider_that_creeps_as_fast_as_the_drive_is_smooth_below_the_rigid_cri
     )
 
 
-WIDE = gaussian(1.0, 0.2)
 BOUNDED: dict[str, tuple[Contacts, dict[str, Any]]] = {
     "soft, instant": (Contacts(WIDE, thermal=Thermal("soft", 0.05)), {"slip": "instant"}),
     "stiff": (Contacts(WIDE, thermal=Thermal("stiff", 0.05)), {}),
@@ -168,9 +162,6 @@ def test_a_solution_ends_with_what_it_has() -> None:
     assert cut.regime.verdict == "undecided"
     aged = Contacts(WIDE, ageing=Ageing(gaussian(1.2, 0.1), 1e-2))
     assert not master.solve(aged, path, 1e-3, spring=0.4, wall_time=1e-9).success
-
-
-WIDE = gaussian(1.0, 0.2)
 
 
 @pytest.mark.slow

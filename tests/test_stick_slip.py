@@ -2,118 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
-import mpmath
 import numpy as np
 import pytest
 import scipy.stats
-from scipy.special import gammainc, gammaln, ndtr
 
 import master
 import origins
 from origins import Ageing, Contacts, Thermal
-
-Function = Callable[[int, np.ndarray], np.ndarray]
-
-
-@dataclass(frozen=True)
-class Summed:
-    """A law whose sums of n thresholds are known: from a relaxed start
-
-    F'(X) = 1 - X sum over n of p_n(X)/n and F(X) = X - sum over n of <S_n; S_n < X>/n,
-
-    since of n equal summands that add up to X each is X/n on average.
-    """
-
-    law: object
-    mean: float
-    square: float
-    density: Function
-    released: Function
-
-    def force(self, x: np.ndarray) -> np.ndarray:
-        return x - sum(self.released(n, x) / n for n in range(1, self._most(x)))
-
-    def fall(self, x: np.ndarray) -> np.ndarray:
-        return x * sum(self.density(n, x) / n for n in range(1, self._most(x))) - 1.0
-
-    def _most(self, x: np.ndarray) -> int:
-        variation = np.sqrt(self.square / self.mean**2 - 1.0)
-        several = x.max() / self.mean
-        return int(several + 9.0 * variation * (np.sqrt(several) + 9.0 * variation) + 4.0)
-
-
-def gamma(shape: float) -> Summed:
-    def density(n: int, x: np.ndarray) -> np.ndarray:
-        return np.exp((n * shape - 1.0) * np.log(x) - x - gammaln(n * shape))
-
-    def released(n: int, x: np.ndarray) -> np.ndarray:
-        return n * shape * gammainc(n * shape + 1.0, x)
-
-    return Summed(scipy.stats.gamma(shape), shape, shape * (shape + 1.0), density, released)
-
-
-mp = mpmath.MPContext()
-mp.dps = 22
-
-
-def bell(mean: float, std: float) -> Callable[[mp.mpc], mp.mpc]:
-    return lambda s: mp.exp(-s * mp.mpf(mean) + (s * mp.mpf(std)) ** 2 / 2)
-
-
-def gaussian(std: float) -> Summed:
-    def parts(n: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        z = (x - n) / (std * np.sqrt(n))
-        return z, np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi)
-
-    def density(n: int, x: np.ndarray) -> np.ndarray:
-        return parts(n, x)[1] / (std * np.sqrt(n))
-
-    def released(n: int, x: np.ndarray) -> np.ndarray:
-        z, bell = parts(n, x)
-        return n * ndtr(z) - std * np.sqrt(n) * bell
-
-    return Summed(origins.gaussian(1.0, std), 1.0, 1.0 + std**2, density, released)
-
-
-def largest(function: Callable[[np.ndarray], np.ndarray], grid: np.ndarray) -> float:
-    """By brackets around the best points of a fine grid."""
-    values = function(grid)
-    best = float(values.max())
-    for i in np.argsort(-values)[:4]:
-        low, high = grid[max(i - 1, 0)], grid[min(i + 1, grid.size - 1)]
-        for _ in range(8):
-            finer = np.linspace(low, high, 21)
-            values_here = function(finer)
-            j = int(values_here.argmax())
-            best, low, high = (
-                max(best, float(values_here[j])),
-                finer[max(j - 1, 0)],
-                finer[min(j + 1, 20)],
-            )
-    return best
-
-
-def test_claimed_errors_bound_the_true_ones() -> None:
-    spring, static = [], []
-    rng = np.random.default_rng(20100902)
-    for case in range(12):
-        low, high = ((2.2, 60.0), (0.005, 0.11))[case % 2]
-        parameter = float(np.exp(rng.uniform(np.log(low), np.log(high))))
-        exact = (gamma, gaussian)[case % 2](parameter)
-        found = master.propensity(origins.Contacts(exact.law))
-        grid = np.linspace(0.0, 3.2 * exact.mean, 1201)[1:]
-        true_spring = max(largest(exact.fall, grid), 0.0)
-        true_static = max(largest(exact.force, grid) * 2.0 * exact.mean / exact.square, 1.0)
-        spring.append(abs(found.critical_spring - true_spring) / found.critical_spring_error)
-        static.append(abs(found.static_to_kinetic - true_static) / found.static_to_kinetic_error)
-        assert found.critical_spring_error <= 1.1e-8 * (1.0 + true_spring)
-        assert found.static_to_kinetic_error <= 3e-8
-    for ratio in (np.array(spring), np.array(static)):
-        assert (ratio <= 1.0).sum() >= 11 and ratio.max() <= 2.0
-
 
 CLOSED = {
     # law, start, K*, F_s/F_k

@@ -28,7 +28,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from phase_type import gaussian_force
 
 Array = npt.NDArray[np.float64]
-
 PATH = np.linspace(0.0, 5.0, 501)
 MEAN, STD, START_STD = 1.0, 0.05, 0.025
 GOAL_TIME, GOAL_ERROR = 5e-3, 1e-10

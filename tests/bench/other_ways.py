@@ -17,7 +17,6 @@ from eq_model.closest import closest, draw_start
 
 CONTACTS = 10_000
 LAW = origins.gaussian(mean=1.0, std=0.05)
-
 Array = npt.NDArray[np.float64]
 
 

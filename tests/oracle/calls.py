@@ -12,7 +12,6 @@ import master
 import origins
 
 Array = npt.NDArray[np.float64]
-
 VERDICTS = ("smooth", "stick-slip", "decaying transient", "undecided")
 STRETCHES = np.linspace(-1.05, 1.55, 27)  # in mean thresholds, where Q(x;X) is read
 SCHEME_CLAIM = 1e-9  # the paper's schemes are sums of a fixed order: only round-off may differ

@@ -13,7 +13,6 @@ from promise.draw import Draw, Scene
 from promise.kinds import KINDS
 
 Array = npt.NDArray[np.float64]
-
 SEED = 20100902
 ANSWERS = Path(__file__).parent / "answers.npz"
 KEPT = 12  # points of a path whose forces are kept
