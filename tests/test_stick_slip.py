@@ -1,4 +1,4 @@
-"""K*, F_s/F_k and X* against closed forms, many digits and a second road; the phase line; v_c."""
+"""K*, F_s/F_k and X* against closed forms and a second road; the phase line; v_c."""
 
 from __future__ import annotations
 

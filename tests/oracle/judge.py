@@ -58,7 +58,9 @@ def load(file: str | Path = ANSWERS) -> dict[str, Given]:
             bytes(rows["reasons"][k]).decode("ascii"),
             float(rows["seconds"][k]),
         )
-        for k, (name, call) in enumerate(zip(rows["names"], str(rows["calls"]).split("\n")))
+        for k, (name, call) in enumerate(
+            zip(rows["names"], str(rows["calls"]).split("\n"), strict=True)
+        )
     }
 
 
