@@ -131,7 +131,12 @@ FORCES = {
 }
 
 
-@pytest.mark.parametrize("name", FORCES)
+SLOW = {"a dozen velocity steps before a turn", "ageing right after a turn"}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in FORCES]
+)
 def test_forces(name: str) -> None:
     row = FORCES[name]
     path = np.asarray(row.path, float)

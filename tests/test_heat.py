@@ -30,7 +30,7 @@ WIDE = gaussian(1.0, 0.2)
 def test_what_holds_and_its_force_are_those_of_the_definition(law, path):
     """Of the first contacts alone: broken ones stay out."""
     times, positions = (np.array(part) for part in PATHS[path])
-    for heat in HEAT if law == "gaussian" else ("soft", "cooler stiff"):
+    for heat in ("cooler", "stiff", "tilted") if law == "gaussian" else ("soft", "cooler stiff"):
         thermal, rate = HEAT[heat]
         linked = heat == "soft"
         more = {"stiffness": "linked"} if linked else {}
