@@ -84,19 +84,19 @@ def test_identical_thresholds_are_a_sawtooth_for_ever():
 def test_two_commensurate_values_are_a_sawtooth_for_ever():
     law = origins.mixture([origins.identical(0.95), origins.identical(1.05)], [0.5, 0.5])
     # whole numbers of their common divisor 0.05, one by one: 19 and 21 of them are the thresholds
-    births, released = np.eye(1, 401)[0], np.zeros(401)
+    births, released = np.eye(1, 241)[0], np.zeros(241)
     for j in range(19, births.size):
         births[j] = 0.5 * (births[j - 19] + (births[j - 21] if j >= 21 else 0.0))
         released[j] = 0.5 * (0.95 * births[j - 19] + (1.05 * births[j - 21] if j >= 21 else 0.0))
     released = np.cumsum(released)
     for beyond in (0.0, 0.0123):
-        path = 0.05 * np.arange(400) + beyond
+        path = 0.05 * np.arange(240) + beyond
         held_to_claim(origins.Contacts(law), path, 1e-9, path - released[:-1])
 
 
 # width of Gaussian thresholds, path, tolerance
 NARROW = [
-    (1e-3, np.linspace(0.0, 15.0, 601), 1e-8),
+    (1e-3, np.linspace(0.0, 8.0, 321), 1e-8),
     (0.01, np.append(np.linspace(0.0, 60.0, 301), 4000.3), 1e-6),
     (0.002, np.linspace(3e4 - 3.0, 3e4, 60), 1e-4),
     (0.004, np.array([4000.0, 4000.5]), 1e-8),

@@ -95,7 +95,13 @@ def integrals(density, low: float, high: float, leave: float) -> np.ndarray:
 POINTS = 20
 QUADRATURE = 2e-9  # what the halved integrals may leave, or a thirtieth of the error claimed
 REFUSED = {"turning, ageing", "turning, grains"}  # there Q(x;X) is not told
-SLOW = {"turning, heat", "holds, heat", "holds, heat, paper's closure", "holds, re-forming, heat"}
+SLOW = {
+    "turning, from a width",
+    "turning, heat",
+    "holds, heat",
+    "holds, heat, paper's closure",
+    "holds, re-forming, heat",
+}
 
 
 @pytest.mark.parametrize(
