@@ -56,6 +56,7 @@ def test_hold_at_the_mean_of_the_final_law(start):
     assert found.success and np.abs(found.holding - exact).max() < found.force_error
 
 
+@pytest.mark.slow
 def test_contacts_that_hardly_age_are_those_that_do_not():
     """Forward, with heat, and under a spring."""
     path, final = 0.05 * np.arange(1, 31), origins.gaussian(0.8, 0.1)

@@ -122,6 +122,7 @@ WIDE = gaussian(1.0, 0.2)
 SOFT, STIFF = Thermal("soft", 0.1), Thermal("stiff", 0.1)
 
 
+@pytest.mark.slow
 def test_long_ways_between_turns_end_in_steady_sliding() -> None:
     """Each leg but its end is as long as one wishes: contacts forget how it began."""
     contacts = Contacts(WIDE, thermal=SOFT)
