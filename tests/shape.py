@@ -37,7 +37,6 @@ ROOMS = {
     "origins": Room(4500, 9570, 120, 278),
     "toolkit": Room(4000, 4489, 100, 116),
 }
-
 Graph = dict[str, set[str]]
 
 
