@@ -115,12 +115,8 @@ def test_a_dry_run_foretells_the_run_and_writes_nothing(capsys: Any) -> None:
     write("other", **big, eq=eq | {"seed": 3, "wall_time": 1e-9})
     write("rest", **big, eq=eq)
     told = "\n".join(said(capsys, "run", "rest.toml", "--dry-run")[1])
-    assert (
-        "contacts        1,200,000" in told
-        and "standard error" in told
-       
+    assert "contacts        1,200,000" in told and "standard error" in told
     assert not Path("rest-output").exists()
-    )
     assert said(capsys, "run", "cut.toml", "--out", "out")[0] == 1
     done = toolkit.load("out").eq.contacts
     before = sorted(Path().rglob("*"))
@@ -158,7 +154,9 @@ def test_contacts_breaks_and_error_are_as_foretold(wanted: dict[str, float]) -> 
 def test_work_of_over_a_minute_says_so_first(capsys: Any) -> None:
     file = write(master=None, eq={"contacts": 10**11, "replicas": 1, "wall_time": 4.0})
     status, _, (line, *_) = said(capsys, "run", file)
-    assert status == 1 and "of 100,000,000,000 contacts (0%)" in line and " left, after 0:00:0" in line
+    assert (
+        status == 1 and "of 100,000,000,000 contacts (0%)" in line and " left, after 0:00:0" in line
+    )
 
 
 @pytest.mark.parametrize("what", ["master", "sweep", "compare", "thresholds", "precision"])
