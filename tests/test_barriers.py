@@ -89,20 +89,6 @@ def test_inversion_symmetric_islands_on_three_cosines() -> None:
         assert np.abs(origins.barrier(island, angle, HEXAGONAL) - expected).max() < 1e-10
 
 
-@pytest.mark.parametrize("beyond", [0.0, -1e-9])
-def test_where_minima_split(beyond: float) -> None:
-    """Beside 1/a_3 = 1/a_1 + 1/a_2 the lowest point has no curvature in one direction."""
-    rng = np.random.default_rng(2)
-    a = rng.uniform(0.3, 1.0, size=(40, 3))
-    a[:, 2] = (1.0 + beyond) / (1.0 / a[:, 0] + 1.0 / a[:, 1])
-    a /= a.max(-1, keepdims=True)
-    signs = rng.choice([-1.0, 1.0], size=a.shape)
-    waves = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
-    found = searched(waves, a, np.where(signs > 0.0, 0.0, np.pi))
-    expected = [inversion_symmetric(row) for row in a * signs]
-    assert np.abs(found - expected).max() < 1e-10
-
-
 def flooded(substrate: origins.Substrate, factors: np.ndarray, n: int) -> float:
     """The barrier by raising the water on a grid of n x n points a cell, until the lowest pool reaches a copy of
     itself: a way round the torus that is simple reaches one within two cells by two."""
@@ -138,15 +124,6 @@ def test_random_islands_on_random_substrates_against_a_flood() -> None:
             assert abs(flooded(substrate, factors, 96) - exact) < 0.25 * h * h * scale
 
 
-def test_commensurate_islands() -> None:
-    """phi = 0 exactly: every atom in the same place of the cell, and a barrier per atom."""
-    square = origins.square_island(2.0 * np.pi, 40, 41)
-    assert origins.barrier(square, 0.0) == pytest.approx(2.0 * len(square), rel=1e-13)
-    for rows, columns in ((1, 2), (2500, 4000)):
-        found = origins.triangular_barrier(2.0 * np.pi, rows, columns, 0.0, HEXAGONAL)
-        assert found == pytest.approx(0.5 * rows * columns, rel=1e-12)
-
-
 def test_barriers_that_vanish() -> None:
     # rows of 4 at a quarter of the period: the waves along x cancel
     assert origins.triangular_barrier(np.pi / 2, 4, 3, 0.0) < 1e-14
@@ -180,22 +157,6 @@ def random_substrate(seed: int, waves: int) -> origins.Substrate:
     return origins.fourier_substrate(
         indices @ basis, rng.normal(size=waves) + 1j * rng.normal(size=waves)
     )
-
-
-def test_random_rigid_islands_climb_what_the_closed_form_says() -> None:
-    rng = np.random.default_rng(7)
-    for _ in range(4):
-        a, angle = float(rng.uniform(1.5, 7.0)), float(rng.uniform(0.0, 2.0 * np.pi))
-        n_i, n_j = (int(n) for n in rng.integers(1, 21, 2))
-        island = turned(origins.triangular_island(a, n_i, n_j), angle)
-        found = relaxed_barrier(island, substrate_calculator(SQUARE))
-        off = abs(found.barrier - origins.triangular_barrier(a, n_i, n_j, angle))
-        assert off <= found.barrier_error < 1e-9
-        for place in (found.minimum, found.saddle):
-            # what forces remain are promised to cost no more; curvatures are at most 1 for each atom
-            assert (place.get_forces().sum(0) ** 2).sum() <= 2.0 * len(island) * found.barrier_error
-            shift = place.positions - island.positions
-            assert np.abs(shift - shift[0]).max() < 1e-12 and not shift[:, 2].any()
 
 
 @pytest.mark.parametrize("seed", [51, 106])

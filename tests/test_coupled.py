@@ -127,28 +127,6 @@ def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
             assert (getattr(other.slips, name) == getattr(whole.slips, name)).all()
 
 
-def test_what_is_held_agrees_with_the_force():
-    """K (X_T - X) = F, and the force falls by K times the slip."""
-    for slip in RULES:
-        result = pulled(CONTACTS["narrow"], np.linspace(0.0, 9.0, 91), slip=slip, replicas=3)
-        assert np.abs(0.7 * (result.path - result.positions) - result.forces).max() < 1e-7
-        slips = result.slips
-        assert np.abs(slips.drop - 0.7 * (slips.after - slips.before)).max() < 1e-7
-        assert np.abs(0.7 * (slips.drive - slips.before) - slips.force_before).max() < 1e-7
-        mean, error = slips.mean("drop", 0)
-        assert mean == slips.drop[slips.number == 0].mean() and 0.0 < error < 0.1
-
-
-def test_contacts_that_form_again_stretched_are_the_rigid_ones_on_a_stiff_spring():
-    """On a spring far above K* the force is that of a rigid slider at X, which the master equation knows."""
-    contacts = origins.Contacts(NARROW, reforming=origins.gaussian_start(0.1, 0.2))
-    path = np.linspace(1.0, 5.0, 9)
-    coupled = pulled(contacts, path, spring=1e4, slip="instant", n=20_000, replicas=40)
-    rigid = master.solve(contacts, coupled.position, 1e-8)
-    error = coupled.force_standard_error
-    assert np.abs((coupled.force - rigid.force) / error).max() < 5.0 and error.max() < 1e-3
-
-
 # -- beside the master equation, extrapolated to infinitely many contacts --------------------------
 
 

@@ -5,14 +5,13 @@ from pathlib import Path
 import ase.io
 import numpy as np
 import pytest
+from scenes import scene
 from scipy import stats
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 import master
 import origins
 import toolkit
-from toolkit.scene.peaks import longest_slip, of_islands
-from toolkit.scene.scene import load_scene
 
 A = 2.5
 SETTINGS = {"lattice_constant": A, "mean_atoms": 60.0, "stiffness": 1.0, "samples": 2000, "seed": 3}
@@ -158,48 +157,15 @@ def test_what_it_means_for_sliding(island_law: origins.Thresholds) -> None:
     assert steady.force == pytest.approx((exact**2).mean() / (2.0 * exact.mean()), rel=1e-7)
 
 
-@pytest.mark.parametrize("scaling", ["area", "paper"])
-def test_two_sizes_have_their_shares(scaling: str) -> None:
-    """The barrier of a single atom is the same at all angles: an exact value among those of the others."""
-    scale = {"coefficient": 4.0} if scaling == "paper" else {"stiffness": 1.0}
-    sizes, weights = [(5, 4), (1, 1)], np.array([0.8, 0.2])
-    mixed = origins.domains(A, sizes=sizes, weights=weights, law=scaling, samples=100, **scale)
-    atoms = np.array([20.0, 1.0])
-    forces = [counted(*size, number=200_001) for size in sizes]
-    relative = np.sqrt(atoms / (weights @ atoms))
-    exact = [
-        np.sqrt(f / 4.0) if scaling == "paper" else f / r
-        for f, r in zip(forces, relative, strict=True)
-    ]
-    x = np.linspace(0.05, 0.95, 40) * max(part[-1] for part in exact)
-    share = sum(
-        w * np.searchsorted(part, x) / part.size for w, part in zip(weights, exact, strict=True)
-    )
-    assert np.abs(mixed.cdf(x) - share).max() < 2e-4
-    assert mixed.mean() == pytest.approx(
-        sum(w * part.mean() for w, part in zip(weights, exact, strict=True)), rel=2e-5
-    )
-    np.testing.assert_allclose(mixed.atoms, [[exact[1][0]], [0.2]], rtol=1e-12)
-    assert not mixed.knows_breakpoints and np.isinf(mixed.pdf(mixed.breakpoints)).any()
-
-
 # -- in scenes -------------------------------------------------------------------------------------
 
 
 SMALL = {"kind": "triangular", "lattice_constant": 2.5, "n_i": 2, "n_j": 2}
 
 
-def scene(**table: object) -> dict:
-    thresholds = {"kind": "domains", "stiffness": 1.0, "samples": 200, **table}
-    return {
-        "contacts": {"thresholds": thresholds},
-        "drive": {"to": 0.5, "points": 6},
-        "eq": {"contacts": 1000, "replicas": 1, "seed": 1},
-    }
-
-
 def thresholds_of(**table: object) -> origins.Thresholds:
-    return load_scene(scene(**table), solved=False).contacts.thresholds
+    law = {"kind": "domains", "stiffness": 1.0, "samples": 200, **table}
+    return toolkit.load_scene(scene(law, drive={"to": 0.5, "points": 6})).contacts.thresholds
 
 
 def test_any_structure_that_ase_reads(tmp_path: Path) -> None:
@@ -221,25 +187,3 @@ def test_islands_whose_atoms_follow() -> None:
         for k in (5.0, 200.0)
     )
     assert 5.0 * abs(stiff[0] - rigid) < abs(soft[0] - rigid)
-
-
-def test_the_slip_at_a_peak_in_closed_form() -> None:
-    """P_c = 1/(2 (1 - x)^(1/2)): int_0^X x P_c = 2/3 - (1 - X)^(1/2) (X + 2)/3, and the slip ends beyond 1."""
-    spring = 10.0
-    onset = brentq(lambda x: 0.5 * x - (1.0 + spring) * np.sqrt(1.0 - x), 0.0, 1.0)
-    end = onset + np.sqrt(1.0 - onset) * (onset + 2.0) / 3.0 / (1.0 + spring)
-    law = origins.mixture([stats.beta(1, 0.5)], [1.0])
-    assert longest_slip(law, np.ones(1), spring) == pytest.approx(
-        end - onset, rel=1e-2
-    )  # told to two digits
-
-
-def test_the_result_says_what_peaks_do_and_draws_the_barriers(tmp_path: Path) -> None:
-    result = toolkit.run(scene(island=SMALL))
-    assert sum("K* is infinite" in note and "K = 100 N<k>" in note for note in result.notes) == 1
-    toolkit.save(result, tmp_path / "out")
-    assert (tmp_path / "out" / "barriers.png").stat().st_size > 10_000
-    smoothed = thresholds_of(lattice_constant=2.5, mean_atoms=20.0)
-    assert "K* hangs on the smoothing" in of_islands(smoothed)[0]
-    assert of_islands(thresholds_of(island=SMALL, angles=[0.1, 0.2])) == []
-    assert of_islands(origins.gaussian(1.0, 0.1)) == []

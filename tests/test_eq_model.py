@@ -95,20 +95,6 @@ def test_what_reaches_its_threshold_has_broken_whatever_comes_later(value: float
                 assert np.abs(found.force - value * np.array(force)).max() < 1e-6 * value
 
 
-@pytest.mark.parametrize("value", [1.0, -1.6])
-def test_a_start_among_the_thresholds_is_conditional(value: float) -> None:
-    contacts = Contacts(NARROW, start=value)
-    # up to where the survivors of the start run out; their second break is still far
-    path = np.linspace(0.0, 0.4, 41) + (0.0 if value > 0.0 else 2.0 * abs(value) - 0.01)
-    run = eq_model.simulate(contacts, path, n_contacts=40_000, seed=1)
-    # x_0 + X less the thresholds broken so far, whose law is the normal one between |x_0| and x_0 + X
-    low, high = (abs(value) - 1.0) / 0.05, (np.maximum(abs(value), value + path) - 1.0) / 0.05
-    lost = ndtr(-low) - ndtr(-high)
-    lost -= 0.05 * (scipy.stats.norm.pdf(high) - scipy.stats.norm.pdf(low))
-    exact = value + path - lost / ndtr(-low)
-    assert (np.abs(run.force - exact) < 5.0 * run.force_standard_error + 1e-12).all()
-
-
 def test_the_steady_state_holds_length_biased_thresholds() -> None:
     """P_xs = x P_c/<x_s> and Q_s = S/C; breaks as renewal theory counts them."""
     law, n = origins.gw_elastic(1.0), 1_000_000
@@ -243,29 +229,6 @@ def test_bits_hang_on_no_threads_nor_histograms(contacts: Contacts, path: np.nda
     assert not np.array_equal(other.force, whole.force)
 
 
-@pytest.mark.parametrize("start", [None, START], ids=["relaxed", "gaussian"])
-def test_the_quick_way_forward_and_the_one_life_by_life_agree(start: Any) -> None:
-    """A path that turns in the end is followed by the loop for all laws; forces, errors and histograms."""
-    path, n = np.linspace(0.05, 7.0, 36), 200_000
-    asked: dict[str, Any] = {"n_contacts": n, "histograms": [2, 35]}
-    one = eq_model.simulate(Contacts(GAP, start), path, **asked, seed=1)
-    other = eq_model.simulate(
-        Contacts(GAP, start), np.append(path, path[-1] - 0.1), **asked, seed=2
-    )
-    error = np.hypot(one.force_standard_error, other.force_standard_error[:-1])
-    assert (np.abs(one.force - other.force[:-1]) <= 5.0 * error + 1e-15).all()
-    late = one.force_standard_error > 1e-4
-    ratio = one.force_standard_error[late] / other.force_standard_error[:-1][late]
-    assert late.sum() > 20 and np.abs(ratio - 1.0).max() < 0.03
-    for first, second in zip(one.histograms, other.histograms, strict=True):
-        for name, edges in (("stretches", "stretch_edges"), ("thresholds", "threshold_edges")):
-            below, again = (
-                np.cumsum(getattr(h, name) * np.diff(getattr(h, edges))) for h in (first, second)
-            )
-            apart = below - np.interp(getattr(first, edges)[1:], getattr(second, edges)[1:], again)
-            assert np.abs(apart).max() < 2.2 * np.sqrt(2.0 / n)
-
-
 def test_error_from_the_variance_between_contacts() -> None:
     """Two contacts whose stretches are known by the histogram; and steady sliding after a million breaks."""
     contacts = Contacts(NARROW, start=origins.gaussian_start(mean=0.0, std=0.1))
@@ -294,22 +257,6 @@ def test_scaling_all_lengths_changes_the_scale_only(factor: float) -> None:
     assert np.abs(scaled.force / factor - base.force).max() < 1e-9
     assert np.abs(scaled.force_standard_error / factor - base.force_standard_error).max() < 1e-9
     assert scaled.breaks == base.breaks
-
-
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-def test_cold_contacts_break_at_their_thresholds(law: Any) -> None:
-    """One contact at a time, so that all go the same way through the same draws."""
-    path, thresholds = np.append(np.linspace(0.1, 3.0, 12), 2.9), origins.lubricated(1.0)
-
-    def forces(**laws: Any) -> np.ndarray:
-        contacts = Contacts(thresholds, **laws)
-        return np.array(
-            [eq_model.simulate(contacts, path, n_contacts=1, seed=seed).force for seed in range(30)]
-        )
-
-    cold = forces()
-    for temperature in (1e-5, 1e-19):
-        assert np.abs(forces(thermal=Thermal(law, temperature)) - cold).max() < 1e-9
 
 
 # -- standard errors: z over many seeds has variance 1 where breaks are many, and not much more where they are few

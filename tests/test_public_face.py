@@ -1,8 +1,6 @@
 """What users have: names, commands, keys and kinds of scenes; what is imported for it, and what is not."""
 
-import inspect
 import json
-import re
 import subprocess
 import sys
 from importlib import import_module
@@ -11,10 +9,6 @@ from typing import Any
 import pytest
 from conftest import HANGS, clean_environment
 
-import eq_model
-import master
-import origins
-import toolkit
 from toolkit.command import COMMANDS
 from toolkit.scene import laws, tables
 from toolkit.scene.scene import shipped_scenes
@@ -170,22 +164,3 @@ for room in ("origins", "eq_model", "master"):
         {"origins", "eq_model"},
         {"origins", "master"},
     ], done.stderr
-
-
-def test_help_of_the_public_face_is_readable() -> None:
-    """numpy's aliases are unions of protocols, which help() writes out unless annotations stay as written."""
-    unreadable = []
-    unions = re.compile(r"_Supports|_Nested|dtype\[|_Buffer")
-
-    def visit(name: str, thing: object) -> None:
-        if inspect.isclass(thing):
-            for key, member in vars(thing).items():
-                if key == "__init__" or not key.startswith("_"):
-                    visit(f"{name}.{key}", member.fget if isinstance(member, property) else member)
-        elif inspect.isfunction(thing) and unions.search(str(inspect.signature(thing))):
-            unreadable.append(name)
-
-    for room in (origins, master, eq_model, toolkit):
-        for name in room.__all__:
-            visit(f"{room.__name__}.{name}", getattr(room, name))
-    assert unreadable == []

@@ -103,12 +103,6 @@ def test_what_is_saved_is_the_solvers_own_and_is_what_is_loaded() -> None:
         assert len(arrays) == 16 and all("units" in array.attrs for array in arrays)
 
 
-def test_only_named_solvers_run() -> None:
-    alone = toolkit.run(scene(master=None, eq=EQ))
-    assert alone.master is None and alone.eq is not None and alone.success
-    assert toolkit.run(scene()).eq is None
-
-
 def test_a_soft_slider_tells_its_slips_beside_those_of_contacts(capsys: Any) -> None:
     drive = {"to": 7.0, "points": 71, "spring": 0.7, "slip": "reform-after"}
     eq = {"contacts": 400, "replicas": 12, "seed": 5, "slip_fraction": 0.3}
@@ -135,17 +129,6 @@ def test_a_soft_slider_tells_its_slips_beside_those_of_contacts(capsys: Any) -> 
     assert told["eq"]["slips"] == 36 and len(told["eq"]["slips_beside"]) == 3
     assert told["master"]["period_error"] == 2.0 * soft.slips.drive_error
     assert told["master"]["verdict"] == soft.regime.verdict
-
-
-def test_a_soft_slider_begins_in_balance_where_the_scene_says() -> None:
-    contacts = {"thresholds": NARROW, "start": {"kind": "identical", "value": 0.2}}
-    drive = {"from": 0.4, "to": 1.0, "points": 4, "spring": 0.5, "velocity": 0.1}
-    result = toolkit.run(scene(contacts=contacts, drive=drive))
-    # no contact breaks before X = 0.4: K (X_T - X) = 0.2 + X
-    np.testing.assert_allclose(
-        result.master.force, 0.2 + (0.5 * result.master.path - 0.2) / 1.5, atol=1e-6
-    )
-    np.testing.assert_allclose(result.time, [0.0, 2.0, 4.0, 6.0])
 
 
 def test_a_sweep_is_what_the_master_equation_says_and_comes_back() -> None:

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
+import master
 import origins
 import toolkit
-from origins import InputError
+from origins import Contacts, InputError
 from toolkit.scene.measured import from_samples
 
 LAWS = {
@@ -51,6 +52,17 @@ def test_density_is_several_times_nearer_than_interpolation(name: str, n: int) -
         [squared_error(name, origins.from_samples(draws(name, n, seed))) for seed in range(2)]
     )
     assert error < 0.3 * INTERPOLATED[name, n]
+
+
+def test_forces_and_springs_are_near_those_of_the_law_drawn_from() -> None:
+    """Wiggles of the density come out as instability: 0.05 too much for interpolated quantiles, of 0.115."""
+    truth, law = (
+        Contacts(one)
+        for one in (LAWS["weibull 2.5"], origins.from_samples(draws("weibull 2.5", 20_000)))
+    )
+    springs = [master.propensity(contacts, 1e-6).critical_spring for contacts in (truth, law)]
+    forces = [master.steady_state(contacts).force for contacts in (truth, law)]
+    assert abs(springs[1] - springs[0]) < 0.025 and forces[1] == pytest.approx(forces[0], rel=0.01)
 
 
 def test_how_it_begins_and_ends() -> None:
@@ -173,14 +185,6 @@ def test_rounded_values_stay_smooth(how: str) -> None:
     assert origins.from_samples(ROUNDED[how](x)).atoms[0].size == 0
 
 
-def test_barriers_at_listed_angles_are_exact() -> None:
-    angles = np.array([0.02, 0.05, 0.1, 0.13])
-    few = origins.domains(2.5, sizes=[(9, 8)], angles=angles, stiffness=1.0, samples=400)
-    exact = np.sort(origins.triangular_barrier(2.5, 9, 8, angles)) / (2.0 * np.pi)
-    assert few.atoms[0] == pytest.approx(exact, rel=1e-9)
-    assert few.atoms[1].tolist() == pytest.approx([0.25] * 4)
-
-
 # -- sampling errors -------------------------------------------------------------------------------
 
 
@@ -189,25 +193,6 @@ WEIBULL = stats.weibull_min(2.5)
 
 def sampled(n: int, seed: int = 0) -> origins.Thresholds:
     return origins.from_samples(WEIBULL.rvs(n, random_state=seed))
-
-
-def steepest_fall(law: origins.Thresholds) -> float:
-    """max x P_c - 1: K* of a relaxed start as far as no contact breaks twice."""
-    x = law.ppf(np.linspace(0.002, 0.998, 1000))
-    return float((x * law.pdf(x)).max()) - 1.0
-
-
-@pytest.mark.slow  # 160 laws are fitted
-def test_interval_of_the_steepest_fall_holds_the_truth() -> None:
-    """95 % intervals of 16 data sets: at 95 % fewer than 14 hold the truth once in 23 times; at 75 % as a rule."""
-    x = WEIBULL.ppf(np.linspace(0.002, 0.998, 1000))
-    truth = float((x * WEIBULL.pdf(x)).max()) - 1.0
-    held = near = 0
-    for seed in range(16):
-        found = origins.bootstrap(sampled(150, seed), steepest_fall, resamples=10, seed=seed)
-        held += found.interval[0] <= truth <= found.interval[1]
-        near += abs(found.value - truth) <= found.error
-    assert held >= 14 and 6 <= near <= 15
 
 
 def test_errors_are_the_scatter_of_fresh_samples() -> None:

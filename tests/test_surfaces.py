@@ -149,36 +149,6 @@ def test_stresses_against_sums_over_the_stress_distribution(law: str, pressure: 
     assert float(found.pdf(0.0)) == 0.0 and found.std() > 0.0
 
 
-@pytest.mark.parametrize(("model", "law"), [("gw", "strength"), ("persson", "amontons")])
-def test_lengths_and_moduli_scale(model: str, law: str) -> None:
-    shape, pixels = (48, 40), np.array([1e-7, 2e-7])
-    h = origins.self_affine_surface(
-        shape, tuple(pixels), hurst=0.8, rms_slope=0.1, seed=1, short_cutoff=8e-7
-    )
-
-    def made(length: float, modulus: float) -> origins.Thresholds:
-        names = ("contact_modulus", "shear_modulus", "hardness", "shear_strength")
-        moduli = dict(zip(names, modulus * np.array([E_STAR, G, H, TAU]), strict=True))
-        return origins.from_topography(
-            h * length,
-            tuple(pixels * length),
-            model=model,
-            law=law,
-            material=origins.Material(**moduli, local_friction=MU),
-            pressure=1e5 * modulus,
-            patch_area=PATCH * length**2 if model == "persson" else None,
-        )
-
-    one, other = made(1.0, 1.0), made(1e9, 1e-3)
-    q = np.array([1e-6, 0.1, 0.5, 0.999])
-    assert other.isf(q) == pytest.approx(one.isf(q) * 1e9, rel=1e-9)
-    a, b = one.interface, other.interface
-    assert b.contact_density == pytest.approx(a.contact_density / 1e18, rel=1e-9)
-    assert b.mean_stiffness == pytest.approx(a.mean_stiffness * 1e6, rel=1e-9)
-    for name in ("area_fraction", "friction_coefficient", "plasticity_index", "plastic_fraction"):
-        assert getattr(b, name) == pytest.approx(getattr(a, name), rel=1e-8)
-
-
 def test_resolution_study_is_the_same_call_at_each_step() -> None:
     h = origins.self_affine_surface((96, 80), 1e-7, hurst=0.7, rms_slope=0.1, seed=2)
     options = {"model": "gw", "law": "amontons", "material": MATERIAL, "pressure": 1e5}
@@ -237,35 +207,6 @@ def test_one_strain_at_a_time_is_said(calm: dict, change: dict, says: str) -> No
 SUMMITS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 
 
-@pytest.mark.parametrize(("z", "index"), [(-1.0, 7.0), (0.5, 0.3), (0.5, 40.0), (37.0, 7.0)])
-def test_mixed_load_against_mpmath(z: float, index: float) -> None:
-    """Load (4/3) E* r^(1/2) delta^(3/2) up to delta_c, then pi r delta H, each an integral of its own."""
-    std, radius = SUMMITS.summit_std, SUMMITS.summit_radius
-    hardness = 3.0 * E_STAR / index * np.sqrt(std / radius)
-    at, step = (2.25 * np.pi / index) ** 2, 1.0 / max(abs(z), 1.0)
-    with mpmath.workdps(30):
-        marks = sorted(
-            {0.0, at, max(-z, 0.0), *(max(-z, 0.0) + k * step for k in (-9, -3, 1, 3, 9, 30))}
-        )
-        below = [mark for mark in marks if 0.0 <= mark <= at]
-        beyond = [mark for mark in marks if mark >= at] + [at + 40.0 * step, at + 80.0]
-        elastic = mpmath.quad(lambda t: t**1.5 * mpmath.npdf(z + t), below)
-        plastic = mpmath.quad(lambda t: t * mpmath.npdf(z + t), sorted(beyond))
-        load = (
-            4.0 / 3.0 * E_STAR * np.sqrt(radius * std) * elastic
-            + np.pi * radius * hardness * plastic
-        )
-        exact = float(SUMMITS.summit_density * std * load)
-    options = {
-        "material": origins.Material(contact_modulus=E_STAR, hardness=hardness),
-        "regime": "mixed",
-    }
-    pressure = origins.pressure_of_separation(SUMMITS, z * std, **options)
-    assert pressure == pytest.approx(exact, rel=1e-11)
-    again = origins.separation_of_pressure(SUMMITS, pressure, **options)
-    assert again == pytest.approx(z * std, rel=1e-11)
-
-
 # -- stiffness of contacts -------------------------------------------------------------------------
 
 
@@ -304,18 +245,6 @@ def test_another_power_of_the_area_shapes_the_law() -> None:
         assert i is not None and i.separation is not None
         beyond = mpmath.ncdf(-(i.separation + 1e-7) / 0.2e-6) / mpmath.ncdf(-i.separation / 0.2e-6)
         assert float(found.sf(x)) == pytest.approx(float(beyond), rel=1e-11)
-        adds_up(found)
-
-
-def adds_up(found: origins.Thresholds) -> None:
-    """<f_s> and <k> of the record are the averages of f_s(x) and of f_s(x)/x over P_c."""
-    # f_s(x)/x may begin as a root of x: in s = x^(1/4) all of it is smooth
-    x, weights = root_rule(*found.isf(np.array([1.0, 0.9, 0.5, 0.1, 1e-3, 1e-6, 1e-9, 1e-15])))
-    weights *= found.pdf(x)
-    i = found.interface
-    force, stiffness = weights @ i.force_threshold(x), weights @ (i.force_threshold(x) / x)
-    assert i.mean_force_threshold == pytest.approx(float(force), rel=1e-9)
-    assert i.mean_stiffness == pytest.approx(float(stiffness), rel=1e-9)
 
 
 def test_kelvin_and_joules_become_the_temperature_of_a_contact() -> None:
@@ -374,19 +303,6 @@ def by_loops(h: np.ndarray, dx: float, dy: float, step: int) -> list[float]:
             curvatures.append([along / (step * dx) ** 2, across / (step * dy) ** 2])
     known = ([pair for pair in pairs if np.isfinite(pair).all()] for pairs in (slopes, curvatures))
     return [float(mean) for pairs in known for mean in np.mean(np.square(pairs), axis=0)]
-
-
-def test_a_periodic_sine_has_its_exact_moments() -> None:
-    pixels, shape = np.array([1e-7, 3.7e-7]), (48, 60)
-    phases, amplitudes = 2 * np.pi / np.array([12, 15]), np.array([3e-8, 1.5e-8])
-    i, j = np.ogrid[: shape[0], : shape[1]]
-    h = amplitudes[0] * np.sin(phases[0] * i) + amplitudes[1] * np.cos(phases[1] * j)
-    moments = origins.spectral_moments(h, tuple(pixels), detrend="centre", periodic=True)
-    slopes, squares = 2 * np.sin(phases / 2) / pixels, amplitudes**2 / 2
-    assert moments.m0 == pytest.approx(squares.sum(), rel=1e-13)
-    assert moments.m2_axes == pytest.approx(squares * slopes**2, rel=1e-12)
-    assert moments.m4_axes == pytest.approx(squares * slopes**4, rel=1e-12)
-    assert moments.rms_slope == pytest.approx(np.sqrt(sum(moments.m2_axes)), rel=1e-14)
 
 
 @pytest.mark.parametrize(("step", "missing"), [(1, 0.0), (3, 0.05)])
@@ -492,35 +408,6 @@ def test_height_and_slope_after_removing_curvature(scan) -> None:  # type: ignor
 
 
 HURST, LONG, SHORT = 0.8, 4e-6, 0.1e-6
-
-
-def self_affine(q: np.ndarray) -> np.ndarray:
-    """C(q) in m⁴, flat below the roll-off."""
-    return 1e-31 * np.maximum(q * LONG / (2 * np.pi), 1.0) ** (-2 - 2 * HURST)
-
-
-def test_self_affine_spectrum_in_closed_form() -> None:
-    """A power law is integrated exactly, by however few points it is given."""
-    points = 3
-    low, bend, high = 1e3, 2 * np.pi / LONG, 2 * np.pi / SHORT
-    q = np.unique(
-        np.concatenate([np.geomspace(low, bend, points + 1), np.geomspace(bend, high, points + 1)])
-    )
-    found = origins.moments_of_spectrum(q, self_affine(q))
-    flat, c = (lambda n: (bend ** (n + 2) - low ** (n + 2)) / (n + 2)), 1e-31 / (2 * np.pi)
-
-    def falling(n: int) -> float:
-        power = n - 2 * HURST
-        return float(bend ** (2 + 2 * HURST) * (high**power - bend**power) / power)
-
-    m0, slope2, curvature2 = (c * (flat(n) + falling(n)) for n in (0, 2, 4))
-    assert found.m0 == pytest.approx(m0, rel=1e-12)
-    assert found.rms_slope**2 == pytest.approx(slope2, rel=1e-12)
-    assert found.m4 == pytest.approx(3 / 8 * curvature2, rel=1e-12)
-    # the paper's R = ∫ q³ C dq/(4 pi) is half the mean square slope
-    assert (
-        found.m2 == pytest.approx(0.5 * slope2, rel=1e-12) and found.m2_axes[0] == found.m2_axes[1]
-    )
 
 
 @pytest.mark.parametrize("kind", ["isotropic", "profile"])
