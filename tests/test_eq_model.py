@@ -164,9 +164,8 @@ def test_a_life_is_that_of_the_plain_twin(thermal: Any, path: Any, time: Any) ->
         when, stretch = life(contacts, drive, born, x, threshold, bears)
         assert np.isinf(then) == np.isinf(when)
         if not np.isinf(when):
-            assert there == pytest.approx(stretch, abs=1e-8) and then == pytest.approx(
-                when, abs=1e-7 * end
-            )
+            assert there == pytest.approx(stretch, abs=1e-8)
+            assert then == pytest.approx(when, abs=1e-7 * end)
 
 
 def test_a_growing_contact_breaks_where_its_hazard_is_met() -> None:

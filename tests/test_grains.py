@@ -35,14 +35,11 @@ def test_sizes_are_the_printed_density() -> None:
                 < 1e-13
             )
         second = mp.quad(lambda u: u * u * sizes(u), [0, 1.1, 1.3, 1.5])
-    assert (
-        law.support() == (0.0, 1.5)
-        and law.pdf(1.5) == 0.0 == law.pdf(0.0)
-        and law.logsf(1.4999) < -1e3
-    )
-    assert law.mean() == 1.0 and super(LifshitzSlyozov, law)._moment(1) == pytest.approx(
-        1.0, abs=1e-14
-    )
+    assert law.support() == (0.0, 1.5)
+    assert law.pdf(1.5) == 0.0 == law.pdf(0.0)
+    assert law.logsf(1.4999) < -1e3
+    assert law.mean() == 1.0
+    assert super(LifshitzSlyozov, law)._moment(1) == pytest.approx(1.0, abs=1e-14)
     assert law.moment(2) == pytest.approx(float(second), rel=1e-13)
     # coalescence keeps the shape: <u^n> (1 - n/3) = (9n/4) (<u^(n-3)> - <u^(n-2)>)
     assert law.moment(4) == pytest.approx(27.0 * (law.moment(2) - 1.0), rel=1e-12)

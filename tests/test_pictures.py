@@ -27,9 +27,8 @@ def test_lengths_of_a_surface_have_a_prefix_and_data_stay_in_metres() -> None:
     plot_force(
         axes := Figure().subplots(), toolkit.run(scene(ROUGH, drive={"to": 5e-8, "points": 51}))
     )
-    assert "20 nm" in labels(axes.xaxis) and all(
-        one.endswith(("m", "nm")) for one in labels(axes.yaxis)
-    )
+    assert "20 nm" in labels(axes.xaxis)
+    assert all(one.endswith(("m", "nm")) for one in labels(axes.yaxis))
     assert axes.get_lines()[0].get_xdata().max() == 5e-8
 
 
@@ -68,9 +67,8 @@ def test_a_drive_in_time_is_drawn_against_time_and_its_holds_in_decades() -> Non
     ):
         axes = draw(Figure().subplots(), result)
         line = axes.get_lines()[0]
-        assert line.get_xdata() == pytest.approx(result.time) and np.array_equal(
-            line.get_ydata(), values
-        )
+        assert line.get_xdata() == pytest.approx(result.time)
+        assert np.array_equal(line.get_ydata(), values)
         assert axes.get_xlabel() == "time $t$"
     long = {
         "turns": [1.0, 1.0, 2.0],

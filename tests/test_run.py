@@ -91,10 +91,8 @@ def test_what_is_saved_is_the_solvers_own_and_is_what_is_loaded() -> None:
     assert written["eq"]["breaks"] == result.eq.breaks
     assert np.array_equal(toolkit.run(tomllib.loads(back.text)).eq.force, result.eq.force)
     with h5py.File("out/result.h5") as store:  # any program of HDF5 reads it
-        assert (
-            store.attrs["seed"] == 1
-            and tomllib.loads(store.attrs["scene"])["eq"]["contacts"] == 400
-        )
+        assert store.attrs["seed"] == 1
+        assert tomllib.loads(store.attrs["scene"])["eq"]["contacts"] == 400
         assert store["thresholds/density"].attrs["units"].startswith("1 / ")
         arrays: list[Any] = []
         store.visititems(
@@ -167,10 +165,8 @@ def test_defects_of_the_papers_ageing_are_kept_and_told(capsys: Any) -> None:
     before = aged.path < aged.outrun
     assert np.abs(aged.mass_defect[before]).max() < 1e-5 < 1e-3 < aged.mass_defect[-1]
     line = next(line for line in out if line.startswith("(Q15)"))
-    assert (
-        f"mass off by up to {aged.mass_defect.max():.1e}" in line
-        and f"X = {aged.outrun:.4g}" in line
-    )
+    assert f"mass off by up to {aged.mass_defect.max():.1e}" in line
+    assert f"X = {aged.outrun:.4g}" in line
     assert np.isinf(toolkit.run("ageing-paper").master.outrun)
 
 
@@ -239,9 +235,8 @@ def test_no_damage_of_a_result_goes_unseen(capsys: Any) -> None:
         with pytest.raises(InputError, match=r"is a link|are in another file"):
             toolkit.load("out")
     # and in the way of a new run it is replaced
-    assert (
-        said(capsys, "run", write(), "--out", "out")[0] == 0 and toolkit.load("out").name == "mine"
-    )
+    assert said(capsys, "run", write(), "--out", "out")[0] == 0
+    assert toolkit.load("out").name == "mine"
     for folder, told in (
         (".", "holds no result"),
         ("out/result.h5", ": is a file; give the folder"),

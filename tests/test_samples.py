@@ -118,9 +118,8 @@ def test_recovers_the_law_within_the_stated_errors() -> None:
 def test_weights_count_like_repeated_samples() -> None:
     samples, counts = draws("gamma", 200), np.random.default_rng(1).integers(1, 4, 200)
     law = origins.from_samples(samples, weights=0.1 * counts)
-    assert law.n_samples == 200 and law.effective_samples == pytest.approx(
-        counts.sum() ** 2 / (counts**2).sum()
-    )
+    assert law.n_samples == 200
+    assert law.effective_samples == pytest.approx(counts.sum() ** 2 / (counts**2).sum())
     assert law.cdf_error == pytest.approx(np.sqrt(np.log(40.0) / (2.0 * law.effective_samples)))
     assert law.mean() == pytest.approx((counts * samples).sum() / counts.sum(), rel=1e-10)
     q = np.array([1e-12, 0.1, 0.9])
@@ -158,9 +157,8 @@ def test_a_repeated_value_is_exact(share: float, value: float) -> None:
     assert law.atoms[0].tolist() == [value] and law.atoms[1][0] == pytest.approx(share, rel=1e-12)
     alone, x = origins.from_samples(others), np.linspace(0.1, 2.5, 40)
     np.testing.assert_allclose(law.pdf(x), (1.0 - share) * alone.pdf(x), rtol=1e-9)
-    assert law.cdf_misfit < law.cdf_error and law.onset_power == pytest.approx(
-        alone.onset_power, rel=1e-9
-    )
+    assert law.cdf_misfit < law.cdf_error
+    assert law.onset_power == pytest.approx(alone.onset_power, rel=1e-9)
 
 
 @pytest.mark.parametrize("values", [[1.0, 1.5], [0.3, 0.7, 1.0, 1.1, 1.45, 1.9]])

@@ -193,11 +193,9 @@ def test_laws_of_contacts_and_their_exchange() -> None:
     bare = contacts.replace(**dict.fromkeys(given))
     assert bare.laws == () and contacts.laws != () and bare.start is contacts.start
     again = bare.replace(**given)
-    assert (
-        again.laws == contacts.laws
-        and again.waiting_time == 0.2
-        and again.reforming.law.mean() == 0.1
-    )
+    assert again.laws == contacts.laws
+    assert again.waiting_time == 0.2
+    assert again.reforming.law.mean() == 0.1
     # all is checked again, also against what stays
     with pytest.raises(InputError, match="stiffness = 'linked': not defined with ageing"):
         contacts.replace(stiffness="linked")

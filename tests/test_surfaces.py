@@ -364,9 +364,8 @@ def test_objects_are_converted_by_their_unit_and_masks_are_missing_points() -> N
         ("mm", 1e-6),
     ):
         scan = origins.spectral_moments(Scan(h * factor, (5.0 * factor, 7.0 * factor), unit))
-        assert scan.m0 == pytest.approx(plain.m0, rel=1e-12) and scan.pixel_size == pytest.approx(
-            (5e-9, 7e-9)
-        )
+        assert scan.m0 == pytest.approx(plain.m0, rel=1e-12)
+        assert scan.pixel_size == pytest.approx((5e-9, 7e-9))
         assert scan.m4_axes == pytest.approx(plain.m4_axes, rel=1e-12)
     mask = np.random.default_rng(5).random(h.shape) < 0.05
     masked, lost = np.ma.array(h, mask=mask), np.where(mask, np.nan, h)
@@ -395,9 +394,8 @@ def test_height_and_slope_after_removing_curvature(scan) -> None:  # type: ignor
     name, topography = scan
     moments = origins.spectral_moments(topography)
     height, slope = SCANS[name]
-    assert (
-        float(f"{moments.rms_height:.3g}") == height and float(f"{moments.rms_slope:.3g}") == slope
-    )
+    assert float(f"{moments.rms_height:.3g}") == height
+    assert float(f"{moments.rms_slope:.3g}") == slope
     assert moments.rms_slope == pytest.approx(
         float(topography.detrend("curvature").rms_gradient()), rel=1e-8
     )

@@ -237,14 +237,12 @@ def test_a_disk_that_refuses_checkpoints_or_results_loses_nothing(
     file = write(**SMALL)
     with monkeypatch.context() as patch:
         patch.setattr("toolkit.results.files.write_json", full)
-        assert said(capsys, "run", file, "--out", "out")[0] == 2 and os.listdir("out") == [
-            "checkpoint"
-        ]
+        assert said(capsys, "run", file, "--out", "out")[0] == 2
+        assert os.listdir("out") == ["checkpoint"]
     assert said(capsys, "run", file, "--out", "out")[0] == 0
     found = toolkit.load("out")
-    assert (
-        found.success and f"went on from a checkpoint of {3 * BLOCK:,} contacts" in found.notes[-1]
-    )
+    assert found.success
+    assert f"went on from a checkpoint of {3 * BLOCK:,} contacts" in found.notes[-1]
 
 
 def test_interrupted_in_a_notebook_the_finished_blocks_are_the_result(
@@ -258,9 +256,7 @@ def test_interrupted_in_a_notebook_the_finished_blocks_are_the_result(
         toolkit.run(SMALL, progress=interrupting)
     monkeypatch.setattr("sys.ps1", ">>> ", raising=False)
     result = toolkit.run(SMALL, progress=interrupting).eq
-    assert (
-        BLOCK <= result.contacts < 3 * BLOCK
-        and not result.success
-        and result.message.startswith("interrupted: ")
-    )
+    assert BLOCK <= result.contacts < 3 * BLOCK
+    assert not result.success
+    assert result.message.startswith("interrupted: ")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
