@@ -75,18 +75,11 @@ SLOW = {
         tolerance=1e-4,
         number=300,
     ),
-    "ageing, re-forming, delay": Case(
-        Contacts(YOUNG, 0.1, ageing=AGEING, reforming=0.15, delay=Delay(0.1)),
-        tolerance=1e-4,
-        number=300,
-    ),
     "ageing, hold": Case(
         Contacts(YOUNG, ageing=AGEING), HELD[:4] * 0.6, {"time": WHEN[:4] * 0.1}, 1e-4, 400
     ),
     "growing grains, delay": Case(Contacts(GRAINS, 0.1, delay=Delay(0.2)), tolerance=1e-5),
-    "growing grains, loop": Case(Contacts(GRAINS), LOOP, tolerance=1e-4),
     "loop, soft": Case(Contacts(WIDE, thermal=SOFT), LOOP, tolerance=1e-5),
-    "loop, delay": Case(Contacts(WIDE, delay=Delay(0.3)), LOOP, tolerance=1e-5),
 }
 
 

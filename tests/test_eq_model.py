@@ -258,47 +258,6 @@ def test_scaling_all_lengths_changes_the_scale_only(factor: float) -> None:
     assert scaled.breaks == base.breaks
 
 
-# -- standard errors: z over many seeds has variance 1 where breaks are many, and not much more where they are few
-
-SCENES: dict[str, tuple[Contacts, np.ndarray, np.ndarray | None]] = {
-    "start": (
-        Contacts(GAUSSIAN, origins.gaussian_start(0.1, 0.1)),
-        np.array([0.02, 0.1, 0.4, 0.9, 1.6, 3.0]),
-        None,
-    ),
-    "turning": (Contacts(GAUSSIAN), np.array([0.3, 1.1, 1.9, 1.0, -0.3, -1.0, 0.4]), None),
-    "all": (ALL, np.array([0.3, 1.1, 1.9, 1.0, -0.3, -1.0, 0.4]), None),
-    "hold": (
-        Contacts(GAUSSIAN, thermal=SOFT),
-        np.array([0.5, 0.9, 0.9, 1.4]),
-        np.array([0.5, 0.9, 9.0, 9.5]),
-    ),
-    "ageing": (
-        Contacts(origins.rectangular(0.6, 1.0), ageing=Ageing(scipy.stats.uniform(0.5, 1.0), 0.05)),
-        np.array([0.1, 0.4, 0.9, 1.6, 3.0]),
-        None,
-    ),
-    "grains": (Contacts(GRAINS), np.array([0.1, 0.4, 0.9, 1.6, 3.0]), None),
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
-def test_standard_errors_over_many_seeds(name: str) -> None:
-    contacts, path, time = SCENES[name]
-    runs = [
-        eq_model.simulate(contacts, path, time=time, n_contacts=300, seed=seed)
-        for seed in range(300)
-    ]
-    force, errors = (
-        np.array([getattr(run, one) for run in runs]) for one in ("force", "force_standard_error")
-    )
-    off = force - force.mean(axis=0)
-    std = np.sqrt(np.square(off / np.maximum(errors, 1e-15)).mean(axis=0))
-    # 300 seeds know it to 4 %, and less well where forces are not normal
-    assert (std < 1.5).all() and 0.85 < std[-1] < 1.15 and runs[0].breaks > 100, std
-
-
 def test_the_ends_of_sharp_drops_are_in_the_error() -> None:
     """Where all contacts but one in a thousand have broken, or none but one, most ensembles see no such contact."""
     path, width = 1.0 + np.linspace(-5e-3, 5e-3, 21), 1e-3

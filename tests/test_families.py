@@ -167,12 +167,9 @@ def test_onset_power(case: Reference) -> None:
 
 
 SCALED = {
-    "gw_elastic": lambda s, u: origins.gw_elastic((1.0 + u) * s ** (-4.0 / 3.0)),
-    "gw_plastic": lambda s, u: origins.gw_plastic((1.0 + u) * s**-2.0),
     "gw_gaussian": lambda s, u: origins.gw_gaussian(
         6.0 * u - 3.0, s, regime="mixed", plasticity_index=1.0 + 20.0 * u
     ),
-    "rectangular": lambda s, u: origins.rectangular(u * s, (u + 0.7) * s),
     "generalised gamma": lambda s, u: origins.lubricated(
         (0.1 + u) * s, power=4.0 * u, decay=1.0 + u
     ),
@@ -182,11 +179,9 @@ SCALED = {
     ),
     "persson": lambda s, u: origins.persson(s, (0.2 + 2.0 * u) * s),
     "gaussian": lambda s, u: origins.gaussian(s, (0.01 + u) * s),
-    "gaussian below 0": lambda s, u: origins.gaussian(-s, (0.1 + u) * s),
     "chord": lambda s, u: origins.gaussian(
         s, (0.05 + u) * s, form="paper", upper=(1.2 + 3.0 * u) * s
     ),
-    "identical": lambda s, u: origins.identical((1.0 + u) * s),
     "mixture": lambda s, u: origins.mixture(
         [origins.gaussian(s, 0.1 * s), origins.lubricated(s)], [0.5 * u, 1 - 0.5 * u]
     ),
@@ -245,13 +240,11 @@ def test_mixture_with_atoms_and_gaps() -> None:
 
 HISTOGRAM = np.array([1.0, 3.0]), np.array([0.0, 1.0, 2.0])
 FROZEN = {
-    "truncnorm": (stats.truncnorm(-2.0, 3.0, loc=1.0, scale=0.4), 0.0),
     "weibull_min, shifted": (stats.weibull_min(1.7, loc=1.0, scale=0.1), 0.7),
     "gamma 0.3": (stats.gamma(0.3), -0.7),
     "arcsine": (stats.beta(0.5, 0.5), -0.5),
     "lomax": (stats.lomax(2.5), 0.0),
     "lognorm": (stats.lognorm(0.5), np.inf),
-    "triangle": (stats.triang(0.3), 1.0),
     "expon": (stats.expon(scale=1e9), 0.0),
     "histogram": (stats.rv_histogram(HISTOGRAM, density=False), 0.0),
 }
@@ -278,7 +271,6 @@ WIDE = stats.Normal(mu=1.0, sigma=0.5)
 NEWER = {
     "Normal": (stats.Normal(mu=1.0, sigma=0.05), stats.norm(1.0, 0.05), 0.0),
     "truncated": (stats.truncate(WIDE, 0.5, 2.0), stats.truncnorm(-1, 2, 1, 0.5), 0.0),
-    "made of gamma": (stats.make_distribution(stats.gamma)(a=2.5), stats.gamma(2.5), 1.5),
     "made of lomax": (stats.make_distribution(stats.lomax)(c=2.5), stats.lomax(2.5), 0.0),
 }
 
@@ -361,7 +353,9 @@ def test_a_family_that_is_no_law_is_told_by_name() -> None:
         InputError, match=r"Wrong: its survival at x = 0\.1 is 1\.1, outside 0 to 1"
     ):
         Wrong().sf([0.5, 0.1])
-    with pytest.raises(InputError, match="Half: its density adds up to 0.5, not to 1; state it as"):
+    with pytest.raises(
+        InputError, match=r"Half: its density adds up to 0\.5, not to 1; state it as"
+    ):
         Half().sf(0.5)
 
 

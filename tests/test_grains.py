@@ -92,40 +92,28 @@ def test_growth_in_time() -> None:
     growth = origins.GrainGrowth(alpha=0.8, B=1.7)
     first = growth.first_pinning_time
     assert growth.rho(first) == pytest.approx(2.0 / 3.0, rel=1e-15)
-    times = first * np.array([0.1, 1.0, 1.01, 1.5, 27.0 / 8.0, 20.0, 1e6])
+    times = first * np.array([1.5, 27.0 / 8.0, 20.0, 1e6])
     np.testing.assert_allclose(growth.rho(times), 0.8 * times ** (1.0 / 3.0), rtol=1e-15)
-    np.testing.assert_allclose(growth.number(times), first / times, rtol=1e-15)
     fraction = growth.pinned_fraction(times)
-    assert fraction[:2].tolist() == [0.0, 0.0] and 0.0 < fraction[2] < 1e-100
-    np.testing.assert_allclose(
-        fraction[3:], LifshitzSlyozov().sf(1.0 / growth.rho(times[3:])), rtol=1e-12
-    )
+    np.testing.assert_allclose(fraction, LifshitzSlyozov().sf(1.0 / growth.rho(times)), rtol=1e-12)
     np.testing.assert_allclose(growth.pinning_number(times), fraction * first / times, rtol=1e-15)
     # grains of the mean radius neither grow nor shrink: most pin when those are as thick as the film, at rho = 1
-    around = 27.0 / 8.0 * first * (1.0 + np.array([-2e-3, -1e-3, 0.0, 1e-3, 2e-3]))
-    numbers = growth.pinning_number(around)
-    assert numbers.argmax() == 2 and numbers[1] == pytest.approx(numbers[3], rel=1e-8)
-    assert growth.thresholds(20.0 * first).sf(0.9) == pytest.approx(
-        grains(0.8 * (20.0 * first) ** (1 / 3), B=1.7).sf(0.9), rel=1e-13
-    )
-    assert growth.thresholds(20.0 * first, "paper").onset_power == 0.0
+    around = growth.pinning_number(27.0 / 8.0 * first * (1.0 + np.array([-1e-3, 0.0, 1e-3])))
+    assert around.argmax() == 1
+    same = grains(0.8 * (20.0 * first) ** (1 / 3), B=1.7)
+    assert growth.thresholds(20.0 * first).sf(0.9) == pytest.approx(same.sf(0.9), rel=1e-13)
     with pytest.raises(InputError, match=r"^time = .*: no grain pins yet"):
         growth.thresholds(0.9 * first)
 
 
 def test_growth_of_a_film() -> None:
+    """A grain of radius r breaks at tau pi (r² - d²/4) = c x², and the first as thick as the film pins."""
     thin = origins.film_growth(
         2e-9, coarsening_rate=1e-27, shear_strength=1e8, force_coefficient=3e12
     )
-    thick = origins.film_growth(
-        6e-9, coarsening_rate=1e-27, shear_strength=1e8, force_coefficient=3e12
-    )
     assert thin.first_pinning_time == pytest.approx((2e-9) ** 3 / 27e-27, rel=1e-14)
-    assert thick.first_pinning_time == pytest.approx(27.0 * thin.first_pinning_time, rel=1e-14)
-    # a grain of radius r breaks at tau pi (r² - d²/4) = c x²
     time = 5.0 * thin.first_pinning_time
-    largest = 1.5 * (1e-27 * time) ** (1 / 3)
-    force = 1e8 * np.pi * (largest**2 - 1e-18)
+    force = 1e8 * np.pi * ((1.5 * (1e-27 * time) ** (1 / 3)) ** 2 - 1e-18)
     assert thin.thresholds(time).support()[1] == pytest.approx(np.sqrt(force / 3e12), rel=1e-13)
     # k = G A^(1/2) and f_s = tau A: x = tau A^(1/2)/G
     by_modulus = origins.film_growth(2e-9, 1e-27, 1e8, shear_modulus=4e10).thresholds(time)

@@ -186,14 +186,13 @@ def test_no_spring_is_stiff_enough_where_an_island_turns() -> None:
 )
 @pytest.mark.usefixtures("no_picture")
 def test_a_tolerance_nobody_asked_for_is_not_missed(
-    table: dict[str, float], error: float, status: int, monkeypatch: pytest.MonkeyPatch, capsys: Any
+    table: Any, error: float, status: int, monkeypatch: Any, capsys: Any
 ) -> None:
-    real = master.solve
-
-    def missing(*arguments: Any, **named: Any) -> Any:
-        return dataclasses.replace(real(*arguments, **named), success=False, force_error=error)
-
-    monkeypatch.setattr(master, "solve", missing)
+    solved = master.solve(
+        *(getattr(toolkit.load_scene(scene()), name) for name in ("contacts", "path"))
+    )
+    missed = dataclasses.replace(solved, success=False, force_error=error)
+    monkeypatch.setattr(master, "solve", lambda *_, **__: missed)
     assert said(capsys, "run", write(master=table), "--out", "out")[0] == status
     found = toolkit.load("out").master
     assert found.success == (status == 0) and found.force_error == error
