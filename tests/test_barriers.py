@@ -168,6 +168,7 @@ def test_other_substrates_climb_what_the_exact_search_says(seed: int) -> None:
         )
 
 
+@pytest.mark.slow
 def test_atom_on_a_slab_of_lennard_jones_atoms() -> None:
     """By symmetry the minimum is over the hollow and the saddle over the bridge; heights follow."""
     spots = 1.1 * np.array([[i, j, 0.0] for i in range(3) for j in range(3)])

@@ -190,7 +190,7 @@ def slips(name, rule, number, contacts_each, seed=1):
     ],
 )
 def test_the_first_slip_is_that_of_the_master_equation(name, rule):
-    exact, found = slips(name, rule, 1, 8_000_000)
+    exact, found = slips(name, rule, 1, 4_000_000)
     assert abs(found[0].deviation(exact[0])) < 4.0
     assert found[0].error < 3e-4 and found[0].systematic < 2e-4 and found[0].chi_square < 12.0
 

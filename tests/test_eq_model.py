@@ -124,7 +124,7 @@ def test_the_steady_state_holds_length_biased_thresholds() -> None:
 @pytest.mark.parametrize("far", [False, True])
 def test_ages_are_those_of_the_laws_at_rest(far: bool) -> None:
     """Left alone, thresholds are those of the Ornstein-Uhlenbeck process, or of grains of that age; nothing breaks."""
-    n, time = 100_000, np.array([1.0, 5.0])
+    n, time = 30_000, np.array([1.0, 5.0])
     ageing = Ageing(origins.gaussian(3.0, 0.3), 3.0 if far else 0.01)
     aged = Contacts(origins.gaussian(0.5, 0.05), ageing=ageing)
     process = ageing.normal
@@ -211,7 +211,7 @@ def same(one: eq_model.EnsembleResult, other: eq_model.EnsembleResult, *but: str
     ids=["forward", "all", "aged"],
 )
 def test_bits_hang_on_no_threads_nor_histograms(contacts: Contacts, path: np.ndarray) -> None:
-    n = 900 if contacts is AGED else 20_700
+    n = 300 if contacts is AGED else 20_700
     asked: dict[str, Any] = {"n_contacts": n, "n_replicas": 3, "seed": 11}
     whole = eq_model.simulate(contacts, path, **asked)
     same(eq_model.simulate(contacts, path, **asked, histograms=[3, -1]), whole)

@@ -53,6 +53,7 @@ def script(name: str) -> ModuleType:
 # page: the script beside it, and how many rows it has at least
 TABLES = {"extremes.md": ("", 16), "laws.md": ("laws", 16), "sliders.md": ("sliders", 4)}
 ROW = re.compile(r"^\| ([^|]+) \| `([^`]+)` \| (refused: [^|]+|[-\d.e]+) \|$", re.MULTILINE)
+SLOW = ("static_force", "growing_grains", "PEAKS")  # a second each
 ROWS = [(page, *row) for page in TABLES for row in ROW.findall(TEXTS[page])]
 
 
@@ -65,7 +66,17 @@ def named() -> dict[str, dict[str, Any]]:
     }
 
 
-@pytest.mark.parametrize(("page", "case", "call", "answer"), ROWS, ids=[row[2] for row in ROWS])
+@pytest.mark.parametrize(
+    ("page", "case", "call", "answer"),
+    [
+        pytest.param(
+            *row,
+            id=row[2],
+            marks=[pytest.mark.slow] if any(name in row[2] for name in SLOW) else [],
+        )
+        for row in ROWS
+    ],
+)
 def test_row(page: str, case: str, call: str, answer: str, named: dict[str, Any]) -> None:
     if answer.startswith("refused: "):
         with pytest.raises(origins.InputError, match=re.escape(answer.removeprefix("refused: "))):
@@ -81,7 +92,9 @@ def test_row(page: str, case: str, call: str, answer: str, named: dict[str, Any]
     assert abs(value - float(answer)) <= allowed
 
 
-@pytest.mark.parametrize("page", ["islands.md", "rough-surfaces.md"])
+@pytest.mark.parametrize(
+    "page", [pytest.param("islands.md", marks=pytest.mark.slow), "rough-surfaces.md"]
+)
 def test_a_page_prints_what_it_says(page: str, capsys: pytest.CaptureFixture[str]) -> None:
     names = executed(page)
     assert capsys.readouterr().out.endswith(blocks(page, "text")[0])
