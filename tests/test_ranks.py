@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenes import scene, write
+from scenes import scene, to_toml, write
 
 import toolkit
 from toolkit.running.launch import Launch, read_environment
-from toolkit.scene.toml import to_toml
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 

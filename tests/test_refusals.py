@@ -81,7 +81,6 @@ EMPTY, FIXED = Atoms(), ISLAND.copy()
 FIXED.set_constraint(FixAtoms(range(4)))
 ON = origins.substrate_calculator(origins.square_substrate())
 LEVEL = origins.substrate_calculator(origins.fourier_substrate([[1.0, 0.0]], [1.0]))
-CONTACT = origins.GrainContact(origins.GrainGrowth(1.0, 1.0))
 
 CALLED = {
     "stats": stats,
@@ -170,7 +169,6 @@ origins.harmonic_bonds(ISLAND, 1.0, reach=1.0)  reach = 1.0: bonds no atoms
 origins.grains(2.0 / 3.0, B=1.0)  rho = 0.6666666666666666: no grain pins yet
 origins.grains(alpha=1.0, time=0.2, B=1.0)  time = 0.2: no grain pins yet: the first does
 origins.GrainGrowth(alpha=1.0, B=1.0).rho([1.0, 0.0])  time = 0.0: must be finite and above zero
-CONTACT.breaking(velocity=100.0)  velocity = 100.0: none holds but a fraction
 origins.identical(0.0)  value = 0.0:
 origins.gaussian(1.0, -0.1)  std = -0.1:
 origins.gaussian(1.0, 0.1, form="paper", upper=0.9)  mean = 1.0:

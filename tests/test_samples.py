@@ -1,16 +1,17 @@
 """Thresholds from samples: against the law drawn from, exact where that is possible; sampling errors; scenes."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from scenes import scene, to_toml
 from scipy import stats
 
 import master
 import origins
 import toolkit
 from origins import Contacts, InputError
-from toolkit.scene.measured import from_samples
 
 LAWS = {
     "weibull 2.5": stats.weibull_min(2.5),
@@ -224,19 +225,20 @@ def test_samples_inside_a_mixture_are_drawn_anew() -> None:
 SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
 
 
-def write(folder: Path, text: str) -> Path:
+def of_file(folder: Path, text: str, **keys: Any) -> origins.Thresholds:
+    """The law of a scene's file of samples."""
     (folder / "own.txt").write_text(text, encoding="utf-8")
-    return folder
+    law = {"kind": "from-samples", "file": "own.txt", **keys}
+    (folder / "scene.toml").write_text(to_toml(scene(law)), encoding="utf-8")
+    return toolkit.load_scene(folder / "scene.toml").contacts.thresholds
 
 
 def test_forces_and_weights_from_a_file(tmp_path: Path) -> None:
     weights = np.linspace(1.0, 3.0, SAMPLES.size)
     lines = "".join(
-        f"{force!r},{weight!r}\n"
-        for force, weight in zip(SAMPLES.tolist(), weights.tolist(), strict=True)
+        f"{force!r},{weight!r}\n" for force, weight in np.stack([SAMPLES, weights], axis=1).tolist()
     )
-    law = from_samples(write(tmp_path, lines), file="own.txt", quantity="f_s", column=1, weight_column=2,
-                       coefficient=2.0)  # fmt: skip
+    law = of_file(tmp_path, lines, quantity="f_s", column=1, weight_column=2, coefficient=2.0)
     own = origins.from_samples(f_s=SAMPLES, coefficient=2.0, weights=weights)
     assert law.mean() == own.mean() and law.sf(0.7) == own.sf(0.7)
 
@@ -264,17 +266,14 @@ def test_forces_and_weights_from_a_file(tmp_path: Path) -> None:
 )
 def test_bad_files_are_refused(tmp_path: Path, text: str, more: dict, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        from_samples(write(tmp_path, text), file="own.txt", **more)
+        of_file(tmp_path, text, **more)
 
 
 @pytest.mark.parametrize(
     "text", ["a;b\n1;1.5\n2;1.7\n", "a b\n1,5 1,5\n1,7 1,7\n", "a,b\n1,1.5\n2,1.7\n"]
 )
 def test_a_column_under_a_header_with_decimal_points_or_commas(tmp_path: Path, text: str) -> None:
-    assert from_samples(write(tmp_path, text), file="own.txt", column=2).samples.tolist() == [
-        1.5,
-        1.7,
-    ]
+    assert of_file(tmp_path, text, column=2).samples.tolist() == [1.5, 1.7]
 
 
 def test_a_run_with_samples_says_whose_errors_it_tells() -> None:
