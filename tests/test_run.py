@@ -110,7 +110,6 @@ def test_a_soft_slider_tells_its_slips_beside_those_of_contacts(capsys: Any) -> 
     found = toolkit.load("out")
     soft, many = found.master, found.eq.slips
     assert status == 0 and soft.slips.drive.size == 3 and (np.bincount(many.number) == 12).all()
-    assert sum(line.startswith("slip ") for line in out) == 3
     assert not any(line.startswith("eq less master") for line in out)
     made = toolkit.load_scene("mine.toml")
     solved = master.solve(made.contacts, made.path, 1e-8, spring=0.7, slip="reform-after")

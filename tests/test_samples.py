@@ -250,11 +250,7 @@ def test_forces_and_weights_from_a_file(tmp_path: Path) -> None:
         ("index,force\n1,0.5\n", {}, "several columns; say which of the 2 columns holds x_s"),
         ("1,5\n1,7\n", {}, "say which of the 2 columns"),  # a decimal comma alone is not guessed
         ("1 2\n", {"column": 3}, "there is no column 3"),
-        (
-            "1 2\n1 -3\n",
-            {"column": 1, "weight_column": 2},
-            "line 2 must hold 2 columns.*, the weight",
-        ),
+        ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2 must hold 2 columns"),
         ("# nothing\n", {}, "holds no numbers"),
         (
             "1.0\nnan\n",

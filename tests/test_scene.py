@@ -94,10 +94,7 @@ def test_kelvins_are_a_temperature_where_contacts_have_a_stiffness() -> None:
     ("scan", "message"),
     [
         ({"file": "text.di"}, "surface.file = 'text.di': cannot be read as a scan"),
-        (
-            {"file": "own.txt", "unit": "nm"},
-            "surface.unit = 'nm': the file holds its own; leave it",
-        ),
+        ({"file": "own.txt", "unit": "nm"}, "surface.unit = 'nm'"),
         ({"file": "own.txt"}, ""),
     ],
 )
@@ -221,7 +218,7 @@ def test_a_spring_of_a_surface_says_its_unit() -> None:
             r'has no unit; of a surface write either .*spring = "50 N/m" with area.* or spring = "50 N_c<k>"',
         ),
         ("50 N/m", {}, "needs drive.area"),
-        ("50 N/m", {"area": 1e-16}, "contacts; give the nominal area"),
+        ("50 N/m", {"area": 1e-16}, "nominal area"),
         ("50 kN", {}, "must be a number and a unit"),
         ("0.5 N_c<k>", {"area": 1.0}, "drive.area = 1.0: is for a spring in N/m"),
     ):
@@ -245,7 +242,7 @@ def test_files_dicts_and_names(tmp_path: Path) -> None:
     for wrong, told in (
         ("gausian", r"^scene = 'gausian': .* did you mean gaussian or .*\? `mesofriction "),
         (tmp_path / "min.toml", r"no shipped scene; did you mean .*mine\.toml"),
-        (tmp_path / "broken.toml", "is not TOML: 'utf-8' codec"),
+        (tmp_path / "broken.toml", "'utf-8' codec"),
         (3, r"^scene = 3: must be a dict"),
         (
             scene(GAUSSIAN | {"std": object()}),
@@ -285,7 +282,7 @@ def test_what_cannot_be_is_one_line_that_names_its_key(name: str) -> None:
         tables["contacts"]["thresholds"]["surface"]["shape"] = [16, 16]
         tables["contacts"]["thermal"] = {
             "law": "soft",
-            "temperature": 1e-20,
+            "temperature": {"kelvin": 300.0},
             "attempt_frequency": 1e12,
         }
     if name == "reforming":
