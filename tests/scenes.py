@@ -24,7 +24,9 @@ def to_toml(table: dict[str, Any]) -> str:
 
     def value(it: Any) -> str:
         if isinstance(it, dict):
-            inner = (f"{json.dumps(key)} = {value(one)}" for key, one in it.items() if one is not None)
+            inner = (
+                f"{json.dumps(key)} = {value(one)}" for key, one in it.items() if one is not None
+            )
             return f"{{{', '.join(inner)}}}"
         if isinstance(it, list | tuple):
             return f"[{', '.join(map(value, it))}]"
