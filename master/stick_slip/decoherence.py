@@ -6,9 +6,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from master.lives.life import Life
+from master.steady.steady import births_of
 from master.steady.travel import Travel
-from master.stick_slip.roots import NEAR, NO_ROOTS, leading_roots, root_errors
-from master.stick_slip.tails import Rate, crowding_rate, tail_rate
+from master.stick_slip.roots import (
+    NEAR,
+    Rate,
+    crowding_rate,
+    leading_roots,
+    root_errors,
+    tail_rate,
+)
+from master.stick_slip.transform import Transform
 from origins import Contacts
 
 # Wait, over the mean way from birth to break, beyond which roots crowd at all frequencies.
@@ -24,7 +33,7 @@ class Length(NamedTuple):
     error: float
 
 
-def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> Length:
+def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Length:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
     That is so for exact values alone (periodic, or as close to it as one likes), and for a tail
@@ -32,22 +41,21 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> Lengt
     mean the error is inf. Where exact values hold a share of the weight, no root may be slower than
     those that crowd about the rate of their own.
     """
+    wait = velocity * contacts.waiting_time
+    travel = Travel(life, births_of(contacts), velocity)
     if wait > LONGEST * travel.length:
         return _waiting(travel, wait)
-    tail, crowd = tail_rate(contacts), crowding_rate(travel, wait)
-    rate, off = min(tail, Rate(crowd, 0.0))
+    rate, off = min(tail_rate(contacts), Rate(crowding_rate(travel, wait), 0.0))
     if rate == 0.0:
         return Length(np.inf, 0.0)
-    found = NO_ROOTS
-    if travel.longest < BROAD * travel.length:
-        found = leading_roots(travel, wait, 1, NEAR * rate)
-    if not found.transforms:
+    if travel.longest > BROAD * travel.length:
         # X* hangs on the few contacts that live longest, which the table of E does not resolve
         return Length(travel.longest, np.inf)
+    transform = Transform(life, births_of(contacts), velocity)
+    found = leading_roots(transform, wait, 1, NEAR * rate)
     if found.roots.size:
-        slowest = found.roots[:1]
-        decay = -float(slowest[0].real)
-        error = float(root_errors(found.transforms[found.level[0]], wait, slowest)[0])
+        decay = -float(found.roots[0].real)
+        error = float(root_errors(transform, wait, found.roots[:1])[0])
         return Length(1.0 / decay, error / decay**2)
     if found.searched >= 0.999 * NEAR * rate:
         # between 0.9 and 1 of the rate a root could hide

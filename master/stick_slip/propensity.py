@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.forward import births_table
-from master.steady.steady import births_of, check_finite, cycle_of
-from master.steady.travel import Travel
+from master.steady.steady import check_finite, cycle_of
 from master.stick_slip.decoherence import decoherence_length
 from master.stick_slip.extremes import extremes, unit_of
 from origins import Contacts, InputError
@@ -86,8 +85,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
             "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
         )
     found, unit = extremes(contacts, life, travel, velocity, tolerance), unit_of(contacts, travel)
-    births = Travel(life, births_of(contacts), velocity)
-    length = decoherence_length(contacts, births, velocity * contacts.waiting_time)
+    length = decoherence_length(contacts, life, velocity)
     ratio = max(found.static / kinetic, 1.0)
     if not found.spring > 0.0:
         ratio = 1.0  # F(X) falls nowhere, so that F_k is its largest value
