@@ -20,8 +20,6 @@ from master.stick_slip.roots import (
 from master.stick_slip.transform import Transform
 from origins import Contacts
 
-# Wait, over the mean way from birth to break, beyond which roots crowd at all frequencies.
-LONGEST = 400.0
 # Longest lives, over the mean way, beyond which the few that live so long cannot be told from none.
 BROAD = 1e4
 
@@ -43,8 +41,6 @@ def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Lengt
     """
     wait = velocity * contacts.waiting_time
     travel = Travel(life, births_of(contacts), velocity)
-    if wait > LONGEST * travel.length:
-        return _waiting(travel, wait)
     rate, off = min(tail_rate(contacts), Rate(crowding_rate(travel, wait), 0.0))
     if rate == 0.0:
         return Length(np.inf, 0.0)
@@ -56,25 +52,11 @@ def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Lengt
     if found.roots.size:
         decay = -float(found.roots[0].real)
         error = float(root_errors(transform, wait, found.roots[:1])[0])
-        return Length(1.0 / decay, error / decay**2)
+        # a wait may be so long that rounding leaves nothing of the decay
+        return (
+            Length(1.0 / decay, error / decay**2) if error < decay else Length(1.0 / error, np.inf)
+        )
     if found.searched >= 0.999 * NEAR * rate:
         # between 0.9 and 1 of the rate a root could hide
         return Length(1.0 / rate, (off + (1.0 - NEAR) * rate) / rate**2)
     return Length(0.5 / found.searched, 0.5 / found.searched)
-
-
-def _waiting(travel: Travel, wait: float) -> Length:
-    """X* where the wait is long: that of the first wave, as the variance of the way tells.
-
-    With C the mean way from birth to break and V its variance, ln p^ = -sC + s^2 V/2 - ..., and
-    the roots are s (d + C) = 2 pi i n + s^2 V/2 - ...; the terms left out are of the order of
-    (2 pi L/(d + C))^2, L the longest way.
-    """
-    moment, whole = float(travel.table.moments()[0]), travel.length + wait
-    variance = 2.0 * moment - travel.length**2
-    if not variance > 0.0:
-        return Length(np.inf, 0.0)
-    length = whole**3 / (2.0 * np.pi**2 * variance)
-    off = (2.0 * np.pi * travel.longest / whole) ** 2
-    off += (1e-15 * travel.length**2 + 4.0 * travel.length * travel.length_error) / variance
-    return Length(length, length * off)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from master.lives.make import steady_life
 from master.outcome import judged
-from master.steady.forward import births_table
 from master.steady.steady import check_finite, cycle_of
 from master.stick_slip.decoherence import decoherence_length
 from master.stick_slip.extremes import extremes, unit_of
+from master.stick_slip.forward import births_table
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance, positive
@@ -84,7 +84,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
             f"reforming: contacts form again behind x = 0 and bear {kinetic:.3g} in steady "
             "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
         )
-    found, unit = extremes(contacts, life, travel, velocity, tolerance), unit_of(contacts, travel)
+    found, unit = extremes(contacts, travel, velocity, tolerance), unit_of(contacts, travel)
     length = decoherence_length(contacts, life, velocity)
     ratio = max(found.static / kinetic, 1.0)
     if not found.spring > 0.0:

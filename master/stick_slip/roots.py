@@ -191,7 +191,7 @@ def _grid(transform: Transform, wait: float, real: Array, step: float) -> tuple[
     whole = transform.travel.length + wait
     most = np.sqrt(MOST_WORK * step / transform.nodes_per_frequency())
     most = min(HIGHEST / whole, float(most))
-    end = min(max(HIGH / transform.grain, ROWS * step), most)
+    end = min(max(HIGH / transform.travel.grain, ROWS * step), most)
     while True:
         count = int(np.ceil(end / step)) + 2
         s = real + 1j * step * np.arange(count)[:, None]

@@ -16,10 +16,10 @@ import numpy.typing as npt
 from master.lives.life import Life
 from master.lives.make import steady_life
 from master.renewal import rule
-from master.steady.forward import Forward, births_table
 from master.steady.steady import births_of, check_finite, cycle_of
 from master.steady.travel import Travel
-from master.stick_slip.decoherence import BROAD, LONGEST
+from master.stick_slip.decoherence import BROAD
+from master.stick_slip.forward import births_table, forward_march
 from master.stick_slip.roots import (
     NEAR,
     conserved,
@@ -39,6 +39,8 @@ Complex = npt.NDArray[np.complex128]
 
 # Tolerance of the table of E and of F that the sum is held against.
 TOLERANCE = 1e-9
+# Wait, over the mean way from birth to break, beyond which roots crowd at all frequencies.
+LONGEST = 400.0
 # Rate of exact values, over the mean way, below which no root is told from those at Re s = 0.
 CROWDED = 1e-2
 # How far F is followed, in mean ways from birth to birth; and what the largest difference on the
@@ -238,9 +240,8 @@ def _left_out(
     """What the terms leave out of F, over the first few mean ways from birth to birth."""
     horizon = FOLLOWED * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
     births = births_table(contacts, life, velocity, TOLERANCE)
-    march = Forward(contacts, life, births, velocity, horizon).march(TOLERANCE)
-    width = np.array(march.width)
-    begin = np.cumsum(width) - width
+    march = forward_march(contacts, births, velocity, horizon, TOLERANCE).run()
+    begin, width = velocity * np.array(march.begin), velocity * np.array(march.width)
     x = begin[:, None] + width[:, None] * np.append(0.0, rule.NODES)
     off = (np.array(march.wrong) + march.life_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))

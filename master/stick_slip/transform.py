@@ -76,8 +76,6 @@ class Transform:
     ----------
     travel : Travel
         Of the same contacts.
-    grain : float
-        Length over which E falls.
     """
 
     def __init__(self, life: Life, born: Start, velocity: float, blur: float = 0.0) -> None:
@@ -104,8 +102,6 @@ class Transform:
         table = Table(scaled, edges, accuracy, shortest, felt=own, rounding=NOISY)
         self._table = table
         self._blur, self._known = blur * (table.begin < life.reach), dict[int, _Nodes]()
-        lost = np.maximum(-np.diff(table(table.edges)[0]), 0.0)
-        self.grain = float(table.widths @ lost / lost.sum())
 
     def _nodes(self, fastest: float, decay: float) -> _Nodes:
         """Nodes close enough for |s| up to `fastest`, where E e^(decay x) counts."""
