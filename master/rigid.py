@@ -107,20 +107,14 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     t is the time, or the way where that alone counts. Where the path turns round positions have to
     keep their digits: it may not reach far.
     """
-    if not drive.forward:
-        far = np.flatnonzero(np.abs(drive.path) > FURTHEST_TURN * mean)
-        if far.size:
-            away = f"is {np.abs(drive.path[far[0]]) / mean:.3g} mean thresholds"
-            most = f"a path may turn round within {FURTHEST_TURN:.0e} of them"
-            refuse(f"path[{far[0]}]", drive.path[far[0]], f"{away}; {most}")
-    furthest = int(np.argmax(np.abs(drive.path)))
-    if not np.abs(drive.path[furthest]) < FURTHEST * mean:
-        away = f"is {np.abs(drive.path[furthest]) / mean:.3g} mean thresholds"
-        most = f"follow at most {FURTHEST:.0e} of them"
-        last = drive.path.size - 1
-        refuse(
-            f"path[{-1 if furthest == last else furthest}]", drive.path[furthest], f"{away}; {most}"
-        )
+    most = FURTHEST if drive.forward else FURTHEST_TURN
+    away = np.abs(drive.path) / mean
+    furthest = int(np.argmax(away))
+    if not away[furthest] <= most:
+        place = -1 if furthest == away.size - 1 else furthest
+        limit = "follow at most" if drive.forward else "a path may turn round within"
+        told = f"is {away[furthest]:.3g} mean thresholds; {limit} {most:.0e} of them"
+        refuse(f"path[{place}]", drive.path[furthest], told)
     times = times_of(drive)
     if timeless:
         times = np.asarray(np.abs(np.diff(drive.path, prepend=0.0)).cumsum())
