@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from master.lives.life import Life
@@ -11,7 +9,7 @@ from master.steady.steady import births_of
 from master.steady.travel import Travel
 from master.stick_slip.roots import (
     NEAR,
-    Rate,
+    Known,
     crowding_rate,
     leading_roots,
     root_errors,
@@ -24,14 +22,7 @@ from origins import Contacts
 BROAD = 1e4
 
 
-class Length(NamedTuple):
-    """A length and its error."""
-
-    length: float
-    error: float
-
-
-def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Length:
+def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Known:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
     That is so for exact values alone (periodic, or as close to it as one likes), and for a tail
@@ -41,22 +32,20 @@ def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Lengt
     """
     wait = velocity * contacts.waiting_time
     travel = Travel(life, births_of(contacts), velocity)
-    rate, off = min(tail_rate(contacts), Rate(crowding_rate(travel, wait), 0.0))
+    rate, off = min(tail_rate(contacts), Known(crowding_rate(travel, wait), 0.0))
     if rate == 0.0:
-        return Length(np.inf, 0.0)
+        return Known(np.inf, 0.0)
     if travel.longest > BROAD * travel.length:
         # X* hangs on the few contacts that live longest, which the table of E does not resolve
-        return Length(travel.longest, np.inf)
+        return Known(travel.longest, np.inf)
     transform = Transform(life, births_of(contacts), velocity)
     found = leading_roots(transform, wait, 1, NEAR * rate)
     if found.roots.size:
         decay = -float(found.roots[0].real)
         error = float(root_errors(transform, wait, found.roots[:1])[0])
         # a wait may be so long that rounding leaves nothing of the decay
-        return (
-            Length(1.0 / decay, error / decay**2) if error < decay else Length(1.0 / error, np.inf)
-        )
+        return Known(1.0 / decay, error / decay**2) if error < decay else Known(1.0 / error, np.inf)
     if found.searched >= 0.999 * NEAR * rate:
         # between 0.9 and 1 of the rate a root could hide
-        return Length(1.0 / rate, (off + (1.0 - NEAR) * rate) / rate**2)
-    return Length(0.5 / found.searched, 0.5 / found.searched)
+        return Known(1.0 / rate, (off + (1.0 - NEAR) * rate) / rate**2)
+    return Known(0.5 / found.searched, 0.5 / found.searched)

@@ -96,7 +96,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         critical_spring_error=found.spring_error,
         static_to_kinetic=ratio,
         static_to_kinetic_error=(found.static_error + ratio * off) / kinetic,
-        decoherence_length=length.length,
+        decoherence_length=length.value,
         decoherence_length_error=length.error,
         onset_power=contacts.thresholds.onset_power,
         onset_power_error=contacts.thresholds.onset_power_error,

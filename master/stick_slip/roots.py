@@ -19,17 +19,15 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from master.steady.travel import Travel
-from master.stick_slip.transform import Transform
+from master.stick_slip.transform import NONE, Transform
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-# Rates, over the mean way from birth to birth: the first that is searched to, where nothing is left
-# after one such way, and by how much it is lowered where rounding leaves nothing of D.
-FIRST, DEEPEST, LOWER = 0.5, 40.0, 0.9
-# Error of D over what is left of 1, at which D is no longer known.
-NOISE = 1e-3
+# Knowns, over the mean way from birth to birth: the first that is searched to, and where nothing is
+# left after one such way.
+FIRST, DEEPEST = 0.5, 40.0
 # Of the rate of E's own tail, or of exact values: roots nearer to it are not looked for.
 NEAR = 0.9
 # |p^| below which no root is near, and frequencies that are looked at: over the length on which E
@@ -42,19 +40,14 @@ MOST_WORK = 1e8
 SIDE, ROWS, SHARED, COLUMNS = 0.8, 32, 8, 8
 # What a rational function may miss of D in a window, relatively.
 FOLLOWED = 1e-11
-# Steps of Newton's method, its last step over |s|, and distance of roots that are one.
-STEPS, LAST, ONE = 40, 1e-13, 1e-7
-# Ways just before and after an exact threshold, as shares of it.
-SIDES = 1.0 - 1e-11, 1.0 + 1e-11
-# Survival at which a tail of thresholds is looked at; change of its slope below which it may be an
-# exponential, and of that change, from one doubling of the way to the next; rounding of the rate.
-TAIL, LEVEL, SETTLES, ROUNDED = 1e-290, 0.25, 0.6, 1e-9
+# Steps of Newton's method, and distance of roots over |s| below which they are one.
+STEPS, ONE = 40, 1e-7
 
 
-class Rate(NamedTuple):
-    """A rate and its error, per length."""
+class Known(NamedTuple):
+    """A rate (per length) or a length, and its error."""
 
-    rate: float
+    value: float
     error: float
 
 
@@ -98,7 +91,9 @@ def jumps_of(travel: Travel) -> Jumps:
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     if not ways.size:
         return Jumps(ways, ways)
-    before, after = (travel.left(ways[:, None] * side)[0, :, 0] for side in SIDES)
+    # just before and after an exact threshold
+    sides = 1.0 - 1e-11, 1.0 + 1e-11
+    before, after = (travel.left(ways[:, None] * side)[0, :, 0] for side in sides)
     shares = np.maximum(before - after, 0.0)
     return Jumps(ways[shares > 0.0], shares[shares > 0.0])
 
@@ -113,30 +108,34 @@ def crowding_rate(travel: Travel, wait: float) -> float:
         return 0.0
     ways, shares = ways + wait, np.log(shares)
     most = -float(shares.max()) / float(ways.min())
-    return float(brentq(lambda rate: np.logaddexp.reduce(rate * ways + shares), 0.0, most))
+
+    def held(rate: float) -> float:
+        return float(np.logaddexp.reduce(rate * ways + shares))
+
+    return float(brentq(held, 0.0, most, xtol=1e-300, rtol=1e-14))
 
 
-def tail_rate(contacts: Contacts) -> Rate:
+def tail_rate(contacts: Contacts) -> Known:
     """At which log S falls far out; inf above, 0 below every exponential.
 
     Heat leaves it: the further a threshold lies beyond, the less a contact breaks before it.
     """
     law = contacts.thresholds
     if np.isfinite(law.support()[1]):
-        return Rate(np.inf, 0.0)
+        return Known(np.inf, 0.0)
     # survival is looked at on the way out: far quantiles are beyond many a distribution
     x = contacts.mean_threshold * 2.0 ** np.arange(0.0, 400.0, 0.25)
     with np.errstate(over="ignore"):
-        last = x[np.flatnonzero(law.logsf(x) > np.log(TAIL))[-1]]
+        last = x[np.flatnonzero(law.logsf(x) > np.log(NONE))[-1]]
     ends = last * np.array([0.125, 0.25, 0.5, 1.0])
     # log S = a - rate x + power log x: the slopes over doublings of the way halve their distance
     slopes = -np.diff(law.logsf(ends)) / np.diff(ends)
     change = np.diff(slopes)
-    rounded = ROUNDED * slopes[-1]
-    level = abs(slopes[-1] - slopes[0]) < LEVEL * slopes[-1]
-    if level and abs(change[1]) < max(SETTLES * abs(change[0]), rounded):
-        return Rate(slopes[-1] + change[1], abs(2.0 * change[1] - change[0]) + rounded)
-    return Rate(np.inf if slopes[-1] > slopes[0] else 0.0, 0.0)
+    rounded = 1e-9 * slopes[-1]
+    level = abs(slopes[-1] - slopes[0]) < 0.25 * slopes[-1]
+    if level and abs(change[1]) < max(0.6 * abs(change[0]), rounded):
+        return Known(slopes[-1] + change[1], abs(2.0 * change[1] - change[0]) + rounded)
+    return Known(np.inf if slopes[-1] > slopes[0] else 0.0, 0.0)
 
 
 def leading_roots(transform: Transform, wait: float, count: int, limit: float) -> Roots:
@@ -146,8 +145,9 @@ def leading_roots(transform: Transform, wait: float, count: int, limit: float) -
     """
     whole = transform.travel.length + wait
     deepest = min(limit, DEEPEST / whole)
-    while not _noise(transform, wait, deepest) < NOISE:
-        deepest *= LOWER
+    # error of D over what is left of 1, at which D is no longer known
+    while not _noise(transform, wait, deepest) < 1e-3:
+        deepest *= 0.9
     decay = min(FIRST / whole, deepest)
     while True:
         found = _roots_to(transform, wait, decay)
@@ -236,7 +236,7 @@ def _polished(transform: Transform, wait: float, s: Complex, step: float, decay:
         s[open_] -= move
         s.real = np.maximum(s.real, -1.05 * decay)
         near = np.abs(s[open_] - start[open_]) < 3.0 * step
-        open_ = open_[near & (np.abs(move) > LAST * np.abs(s[open_]))]
+        open_ = open_[near & (np.abs(move) > 1e-13 * np.abs(s[open_]))]
     value, slope = conserved(transform, wait, s)
     s = s[(np.abs(value / slope) < ONE * np.abs(s)) & (s.imag > 0.0)]
     s = s[np.lexsort([s.real, s.imag])]

@@ -210,7 +210,7 @@ def _searched(contacts: Contacts, travel: Travel, wait: float) -> float:
             )
         told = f"contacts {times}: roots are told up to {LONGEST:g} times; use a shorter one"
         refuse("delay", contacts.delay.time, told)
-    crowd, tail = crowding_rate(travel, wait), tail_rate(contacts).rate
+    crowd, tail = crowding_rate(travel, wait), tail_rate(contacts).value
     if crowd == 0.0:
         raise InputError(
             "thresholds: are exact values alone: their roots come as near to Re s = 0 as one likes and none "

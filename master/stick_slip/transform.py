@@ -23,11 +23,10 @@ WAVE = 4.0
 ACCURACY, ROUND_OFF = 1e-13, 4e-16
 # Fall of E over a panel that is told from none, and such coefficients at which E's own rounding begins.
 FALL, NOISY = 1e-4, 1e2
-# Share of contacts below which floating point has none, doublings of the way to find where, and
-# share of what is summed below which it is left out.
-NONE, DOUBLINGS, UNFELT = 1e-290, 40, 1e-20
-# Frequencies whose waves are made together, and numbers of nodes times waves.
-BLOCK, TOGETHER = 32, 2_000_000
+# Share of contacts below which floating point has none, and of what is summed that is left out.
+NONE, UNFELT = 1e-290, 1e-20
+# Frequencies whose waves are made together.
+BLOCK = 32
 
 
 class Values(NamedTuple):
@@ -81,7 +80,8 @@ class Transform:
     def __init__(self, life: Life, born: Start, velocity: float, blur: float = 0.0) -> None:
         self.travel = travel = Travel(life, born, velocity)
         edges = travel.table.edges
-        for _ in range(DOUBLINGS):
+        # doublings of the way, at most
+        for _ in range(40):
             last = float(edges[-1])
             if not travel.left(np.array([[last * (1.0 - 1e-12)]]))[0, 0, 0] > NONE:
                 break
@@ -132,7 +132,8 @@ class Transform:
         """The transforms at s (per length) of shape (n,)."""
         s = np.asarray(s, dtype=complex)
         nodes = self._nodes(float(np.abs(s).max(initial=0.0)), -float(s.real.min(initial=0.0)))
-        parts = np.array_split(s, max(1, s.size * nodes.way.size // TOGETHER))
+        # numbers of nodes times numbers s that are summed together
+        parts = np.array_split(s, max(1, s.size * nodes.way.size // 2_000_000))
         found = (self._some(nodes, part) for part in parts)
         return Values(*(np.concatenate(row) for row in zip(*found, strict=True)))
 
