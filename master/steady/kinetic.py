@@ -14,11 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from master.outcome import WELL, judged
-from master.steady.points import Points, changed
+from master.steady.points import Along, Points, changed
 from master.steady.steady import check_finite, steady_state
 from master.steady.sums import summed
 from origins import Contacts
-from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import refuse
 
@@ -30,44 +29,24 @@ GOOD = 1e-9
 ROUND_OFF = 4e-16
 
 
-@dataclass(frozen=True)
-class KineticCurve:
-    """Smooth sliding at many points; arrays have the shape of the quantities asked for together.
+@dataclass(frozen=True, repr=False)
+class KineticCurve(Along):
+    """Smooth sliding at many points, known well enough where it is to a thousandth of itself.
 
-    Attributes
+    Attributes, beside those of `Along`
     ----------
-    velocity : array
-        v, length per time.
-    temperature, rate, delay : array or None
-        T = k_BT/<k> (a length squared), D (a length squared per time) and tau_m (a time); None
-        where there is none.
     force : array
         F_k/(N_c <k>), a length.
     force_error : array
         Its error in units of the mean threshold, as a tolerance is.
     holding, holding_error : array
         Fraction of the contacts that hold, C/(C + v tau_m), and its error.
-    run_time : float
-        Seconds.
-    success : array of bool
-        Whether the force is known to a thousandth of itself at each point: no tolerance is asked.
-    message : str
-        In words: what was reached, and at how many points not that.
     """
 
-    velocity: Array
-    temperature: Array | None
-    rate: Array | None
-    delay: Array | None
     force: Array
     force_error: Array
     holding: Array
     holding_error: Array
-    run_time: float
-    success: npt.NDArray[np.bool_]
-    message: str
-
-    __repr__ = brief
 
 
 def kinetic_curve(
@@ -105,17 +84,17 @@ def kinetic_curve(
     force, force_error, holding, holding_error = rows
     success, message = judged("F_k", force_error / force, WELL)
     return KineticCurve(
-        points.velocity,
-        points.temperature,
-        points.rate,
-        points.delay,
-        force,
-        force_error / contacts.mean_threshold,
-        holding,
-        holding_error,
-        time.perf_counter() - began,
-        success,
-        message,
+        velocity=points.velocity,
+        temperature=points.temperature,
+        rate=points.rate,
+        delay=points.delay,
+        run_time=time.perf_counter() - began,
+        success=success,
+        message=message,
+        force=force,
+        force_error=force_error / contacts.mean_threshold,
+        holding=holding,
+        holding_error=holding_error,
     )
 
 

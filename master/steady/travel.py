@@ -115,7 +115,7 @@ class Travel:
         later = np.append(edges[1:], ways[-1])
         edges = np.append(edges[later - edges > SAME * later], ways[-1])
         shortest = SHORTEST * min(self.typical, float(edges[1]))
-        self.table = Table(self._scaled, edges, accuracy, shortest, ends=ENDS)
+        self.table = Table(self.scaled, edges, accuracy, shortest, ends=ENDS)
         held, borne = self.table(self.table.edges)
         self.most = float(np.abs(borne).max()) * self.scale
         lost = np.maximum(-np.diff(held), 0.0)
@@ -141,7 +141,7 @@ class Travel:
 
         ways : array of shape (2,), the last two of the ladder
         """
-        before, last = np.abs(self._scaled(ways[:, None])[:, :, 0]).T
+        before, last = np.abs(self.scaled(ways[:, None])[:, :, 0]).T
         fall = np.full(2, 2.0)
         held = last > 0.0
         fall[held] = np.log(before[held] / last[held]) / np.log(ways[1] / ways[0])
@@ -154,7 +154,8 @@ class Travel:
         history = motion.history(way / self._velocity, np.zeros((1, 1)))
         return self.life.left(self.born, history)
 
-    def _scaled(self, way: Array) -> Array:
+    def scaled(self, way: Array) -> Array:
+        """E and K over `scale` after ways (lengths) of shape (rows, columns)."""
         found = self.left(way)
         found[1] /= self.scale
         return found

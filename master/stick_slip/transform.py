@@ -89,17 +89,12 @@ class Transform:
         # where heat breaks contacts born at many stretches each survival takes long
         accuracy = ACCURACY if born.is_single or life.quick else travel.accuracy
 
-        def scaled(way: Array) -> Array:
-            found = travel.left(way)
-            found[1] /= travel.scale
-            return found
-
         def own(values: Array, _: Array) -> Array:
             held = np.abs(values[0])
             return np.maximum(held.min(axis=1), np.maximum(FALL * held.max(axis=1), NONE))
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
-        table = Table(scaled, edges, accuracy, shortest, felt=own, rounding=NOISY)
+        table = Table(travel.scaled, edges, accuracy, shortest, felt=own, rounding=NOISY)
         self._table = table
         self._blur, self._known = blur * (table.begin < life.reach), dict[int, _Nodes]()
 
