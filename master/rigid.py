@@ -11,13 +11,12 @@ from master.lives.life import Life
 from master.motion.motion import Motion
 from master.outcome import Progress, outcome
 from master.renewal import reading, rule
-from master.renewal.births import Births
+from master.renewal.births import Births, births_of
 from master.renewal.edges import edges
 from master.renewal.march import March
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
-from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
@@ -135,8 +134,7 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     """
     if life.timeless or contacts.thermal is None:
         return
-    again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
-    mean, scale = contacts.mean_threshold, contacts.thermal.rates.scale
+    again, mean, scale = births_of(contacts), contacts.mean_threshold, contacts.thermal.rates.scale
     fastest = float(np.abs(motion.speeds).max())
     if not scale * mean < FURTHEST * fastest and fastest > 0.0:
         share = f"{fastest / scale / mean:.1g} of a mean threshold"
@@ -173,7 +171,7 @@ def march_of(
 
     most : the longest |x| that any contact that holds has, where that is known
     """
-    again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
+    again = births_of(contacts)
     stretch = min(longest_stretch(contacts, motion, life), most)
     # what rounding and the life take of the tolerance is not the panels' any more
     taken = round_off(motion, contacts.mean_threshold)
@@ -196,8 +194,9 @@ def march_of(
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
     """The longest |x| that a contact may have on the way: what an error of the number weighs."""
     first = max(abs(end) for end in contacts.start.span)
-    again = contacts.reforming.law.span if contacts.reforming is not None else (0.0, 0.0)
-    most = max(first, *(abs(end) for end in again)) + float(np.ptp(motion.positions))
+    most = max(first, *(abs(end) for end in births_of(contacts).span)) + float(
+        np.ptp(motion.positions)
+    )
     return max(min(life.reach, most), 1e-3 * contacts.mean_threshold)
 
 

@@ -9,8 +9,9 @@ from rate_laws import Tilted
 from scipy.special import gamma as gamma_function
 
 from master.lives.make import life_of
+from master.renewal.births import births_of
 from master.steady.kinetic import kinetic_curve
-from master.steady.steady import SteadyState, births_of, steady_state
+from master.steady.steady import SteadyState, steady_state
 from master.steady.travel import Travel
 from origins import (
     Contacts,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from master.lives.life import Life
-from master.steady.steady import births_of
+from master.renewal.births import births_of
 from master.steady.travel import Travel
 from master.stick_slip.roots import (
     NEAR,

@@ -6,9 +6,9 @@ import numpy as np
 
 from master.lives.life import Life
 from master.motion.motion import Motion
+from master.renewal.births import births_of
 from master.renewal.march import March
 from master.rigid import FINEST, GRAINS, longest_stretch, march_of
-from master.steady.steady import births_of
 from master.steady.travel import Travel
 from origins import Contacts
 

@@ -16,7 +16,8 @@ import numpy.typing as npt
 from master.lives.life import Life
 from master.lives.make import steady_life
 from master.renewal import rule
-from master.steady.steady import births_of, check_finite, cycle_of
+from master.renewal.births import births_of
+from master.steady.steady import check_finite, cycle_of
 from master.steady.travel import Travel
 from master.stick_slip.decoherence import BROAD
 from master.stick_slip.forward import births_table, forward_march
