@@ -38,7 +38,7 @@ def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Known
     if travel.longest > BROAD * travel.length:
         # X* hangs on the few contacts that live longest, which the table of E does not resolve
         return Known(travel.longest, np.inf)
-    transform = Transform(life, births_of(contacts), velocity)
+    transform = Transform(travel)
     found = leading_roots(transform, wait, 1, NEAR * rate)
     if found.roots.size:
         decay = -float(found.roots[0].real)

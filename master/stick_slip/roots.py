@@ -146,7 +146,7 @@ def leading_roots(transform: Transform, wait: float, count: int, limit: float) -
     whole = transform.travel.length + wait
     deepest = min(limit, DEEPEST / whole)
     # error of D over what is left of 1, at which D is no longer known
-    while not _noise(transform, wait, deepest) < 1e-3:
+    while not transform.noise(deepest) * deepest * np.exp(min(deepest * wait, 700.0)) < 1e-3:
         deepest *= 0.9
     decay = min(FIRST / whole, deepest)
     while True:
@@ -154,12 +154,6 @@ def leading_roots(transform: Transform, wait: float, count: int, limit: float) -
         if found.size >= count or decay >= deepest:
             return Roots(found, decay)
         decay = min(2.0 * decay, deepest)
-
-
-def _noise(transform: Transform, wait: float, decay: float) -> float:
-    """Error of p^ where e^(-sx) grows at a rate."""
-    off = transform(np.array([complex(-decay)])).held_off[0]
-    return float(off * decay * np.exp(min(decay * wait, 700.0)))
 
 
 def _roots_to(transform: Transform, wait: float, decay: float) -> Complex:

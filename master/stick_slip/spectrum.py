@@ -167,12 +167,12 @@ def decoherence_spectrum(
     limit = _searched(contacts, travel, wait)
     # error of the force of linked contacts, per mean stretch: a table of the life's own
     blur = 1e-12 if contacts.stiffness == "linked" else 0.0
-    transform = Transform(life, again, velocity, blur)
+    transform = Transform(travel, blur)
     found = leading_roots(transform, wait, n_roots + 1, limit)
     s, next_root = found.roots[:n_roots], found.roots[n_roots : n_roots + 1]
     gamma = float(-next_root[0].real) if next_root.size else found.searched
     alike = start.is_single and start.span == again.span
-    begins = transform if alike else Transform(life, start, velocity)
+    begins = transform if alike else Transform(Travel(life, start, velocity))
     values, first = transform(s), begins(s)
     broken = 1.0 / s - first.held
     amplitude = 2.0 * values.force * np.exp(-s * wait) * broken / conserved(transform, wait, s)[1]

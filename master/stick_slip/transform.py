@@ -7,11 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import Life
 from master.renewal import rule
 from master.renewal.table import Table
 from master.steady.travel import FEW, SHORTEST, Travel
-from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -63,22 +61,19 @@ class Transform:
 
     Parameters
     ----------
-    life : Life
-    born : Start
-        The stretches at birth.
-    velocity : float
-        v > 0, length per time.
+    travel : Travel
+        Of these contacts.
     blur : float
         Error of K, in units of the table's scale, where that is known by tables of its own.
 
     Attributes
     ----------
     travel : Travel
-        Of the same contacts.
+        As given.
     """
 
-    def __init__(self, life: Life, born: Start, velocity: float, blur: float = 0.0) -> None:
-        self.travel = travel = Travel(life, born, velocity)
+    def __init__(self, travel: Travel, blur: float = 0.0) -> None:
+        self.travel, life = travel, travel.life
         edges = travel.table.edges
         # doublings of the way, at most
         for _ in range(40):
@@ -87,7 +82,7 @@ class Transform:
                 break
             edges = np.append(edges, last * np.array([1.25, 1.5, 1.75, 2.0]))
         # where heat breaks contacts born at many stretches each survival takes long
-        accuracy = ACCURACY if born.is_single or life.quick else travel.accuracy
+        accuracy = ACCURACY if travel.born.is_single or life.quick else travel.accuracy
 
         def own(values: Array, _: Array) -> Array:
             held = np.abs(values[0])
@@ -144,6 +139,13 @@ class Transform:
                 np.asarray(wave @ (way**power * nodes.held), dtype=complex) for power in (0, 1, 2)
             )
             return Values(held, -slope, bend, wave @ nodes.force, held_off, force_off)
+
+    def noise(self, decay: float) -> float:
+        """Error of the transform of E where e^(-sx) grows at a rate (per length)."""
+        nodes = self._nodes(0.0, decay)
+        off = nodes.held_off + ROUND_OFF * decay * nodes.way * nodes.held
+        with np.errstate(over="ignore", invalid="ignore"):
+            return float(np.exp(decay * nodes.way) @ off)
 
     def grid(self, real: Array, step: float, count: int) -> Complex:
         """The transform of E at real + i step k for k < count, shape (count, real.size)."""
