@@ -32,7 +32,7 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 12811, 200, 407),
+    "master": Room(7500, 12818, 200, 407),
     "eq_model": Room(2200, 3751, 60, 149),
     "origins": Room(4500, 9576, 120, 278),
     "toolkit": Room(4000, 4489, 100, 116),
