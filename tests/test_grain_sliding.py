@@ -5,7 +5,7 @@ import pytest
 from grain_references import psi
 from growing_contacts import along, deviation
 from references import mp
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 import master
 import origins
@@ -16,10 +16,9 @@ from origins import Contacts, Delay, growing_grains
 def test_steady_sliding_against_contacts_one_by_one(velocity: float) -> None:
     growth = origins.GrainGrowth(alpha=1.0, B=1.0)
     grains, first = origins.GrainContact(growth), growth.first_pinning_time
-    law = grains.breaking(velocity)
     steady = master.steady_state(Contacts(origins.GrainContact(growth, age=4.0)), velocity=velocity)
     # each life is a wait and a quantile for good; thresholds by the age, met on a fine grid of stretches
-    x = np.linspace(0.0, law.support()[1], 1001)
+    x = np.linspace(0.0, last_stretch(velocity), 1001)
     ranks = np.random.default_rng(3).random(2_000)
     above = grains.quantile(ranks[:, None], first + x[1:] / velocity) > x[1:]
     reached = np.where(above.all(axis=1), x[-1], x[np.argmin(above, axis=1)])
@@ -35,6 +34,17 @@ def test_steady_sliding_against_contacts_one_by_one(velocity: float) -> None:
 
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
+
+
+def last_stretch(velocity: float, age: float = GRAINS.growth.first_pinning_time) -> float:
+    """Stretch at which the strongest contact breaks that slides from `age` on."""
+
+    def left(x: float) -> float:
+        return float(GRAINS.quantile(1.0, age + x / velocity)) - x
+
+    return float(brentq(left, 1e-6, 100.0))
+
+
 STARTS = [
     (Contacts(GRAINS, delay=Delay(0.2)), 1.0),
     (Contacts(GRAINS, origins.gaussian_start(0.0, 0.1)), 2.0),
@@ -79,14 +89,16 @@ def test_the_first_fall_of_the_force_in_closed_form() -> None:
 def test_decay_to_steady_sliding() -> None:
     """With those that never hold, the travel from break to break has the transform e^(-sd) [lost + held p^(s)]."""
     velocity, contacts = 1.0, Contacts(GRAINS)
-    law, wait = GRAINS.breaking(velocity), velocity * contacts.waiting_time
+    wait = velocity * contacts.waiting_time
     spectrum = master.decoherence_spectrum(contacts, velocity=velocity, n_roots=3)
     nodes, weights = np.polynomial.legendre.leggauss(400)
-    x = 0.5 * law.support()[1] * (nodes + 1.0)
-    weights = 0.5 * law.support()[1] * weights * law.pdf(x)
+    last = last_stretch(velocity)
+    x, weights = 0.5 * last * (nodes + 1.0), 0.5 * last * weights
+    left = np.exp(-GRAINS.hazard(x, GRAINS.growth.first_pinning_time + x / velocity))
+    share = float(np.exp(-GRAINS.lost_hazard(velocity)))
     for root in spectrum.roots:
-        lost = 1.0 - law.held_fraction
-        held = law.held_fraction * (weights @ np.exp(-root * x))
+        # the transform of -dE/dx by parts, from that of the survival E
+        lost, held = 1.0 - share, share - root * (weights * left) @ np.exp(-root * x)
         assert abs(np.exp(-root * wait) * (lost + held) - 1.0) < 1e-9
     told = master.propensity(contacts, velocity=velocity)
     assert told.decoherence_length == pytest.approx(spectrum.decay_length[0], rel=1e-9)
@@ -104,7 +116,7 @@ def test_the_start_of_old_contacts_is_followed_to_its_end(age: float, velocity: 
     """Those that form later break at a small part of the stretch of those that were there."""
     contacts = Contacts(growing_grains(1.0, 1.0, age=age))
     told = master.propensity(contacts, velocity=velocity)
-    last = GRAINS.breaking(velocity, age - GRAINS.growth.first_pinning_time).support()[1]
+    last = last_stretch(velocity, age)
     path = np.linspace(0.0, 1.2 * last, 2001)[1:]
     solved = master.solve(contacts, path, 1e-8, velocity=velocity)
     falls = -np.gradient(solved.force, path)

@@ -238,9 +238,6 @@ origins.GrainGrowth(alpha=-1.0, B=1.0)                      alpha = -1.0: must b
 origins.GrainGrowth(alpha=1.0, B=1.0).rho([1.0, 0.0])       time = 0.0: must be finite and above zero
 origins.film_growth(2e-9, 1e-27, 1e8)                       give either force_coefficient or shear_modulus
 origins.film_growth(-1.0, 1e-27, 1e8, 1.0)                  film_thickness = -1.0: must be above zero
-CONTACT.survival(1.0, velocity=0.0)                         velocity = 0.0: must be above zero
-CONTACT.breaking(velocity=100.0)                            velocity = 100.0: none holds but a fraction
-CONTACT.survival(1.0, velocity=1.0, rest=-1.0)              rest = -1.0: must be zero or above
 CONTACT.quantile([0.5, np.nan], 1.0)                        u = nan: must be a quantile
 CONTACT.quantile(0.5, [1.0, 0.1])                           age = 0.1: no grain pins before the age
 origins.GrainContact(1.0)                                   growth = 1.0: must be growth

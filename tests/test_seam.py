@@ -42,7 +42,6 @@ FAMILIES = {
     "grains": lambda: origins.grains(2.0, B=1.0),
     "grains, printed": lambda: origins.grains(1.0, B=1.0, jacobian="paper"),
     "grains, pinning": lambda: GRAINS.at_start,
-    "grains, sliding": lambda: GRAINS.breaking(0.1, rest=1.0),
     "mixture": lambda: origins.mixture([origins.identical(0.9), GAUSSIAN], [0.25, 0.75]),
     "continuous mixture": lambda: origins.continuous_mixture(origins.gw_plastic, 1.0, 3.0),
     "samples": lambda: origins.from_samples(np.random.default_rng(0).gamma(3.0, size=400)),
