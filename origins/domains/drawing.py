@@ -38,6 +38,7 @@ class Island:
 
     atoms: int
     reach: float
+    sizes: Callable[[Array], Array]
     climb: Callable[[Array], Climb]
     energy: float
     rounding: float
@@ -84,12 +85,18 @@ def triangular(a: float, substrate: Substrate) -> Callable[..., Island]:
     energy = float(np.abs(substrate.coefficients).sum())
 
     def make(n_i: int, n_j: int) -> Island:
-        def found(angle: Array) -> Climb:
-            waves = substrate.wavevectors
-            return climb(substrate, triangular_structure_factors(a, n_i, n_j, angle, waves))
+        def factors(angle: Array) -> Array:
+            return triangular_structure_factors(a, n_i, n_j, angle, substrate.wavevectors)
 
         reach = 0.5 * a * float(np.hypot(n_i - 0.5, np.sqrt(0.75) * (n_j - 1.0)))
-        return Island(n_i * n_j, reach, found, n_i * n_j * energy, 1e-14)
+        return Island(
+            n_i * n_j,
+            reach,
+            lambda a: np.abs(substrate.coefficients * factors(a)),
+            lambda a: climb(substrate, factors(a)),
+            n_i * n_j * energy,
+            1e-14,
+        )
 
     return make
 
@@ -104,12 +111,22 @@ def given(
         atoms = islands[number]
         points = positions_of(atoms)
 
+        def factors(angle: Array) -> Array:
+            return structure_factors(atoms, angle, substrate.wavevectors)
+
         def rigid(angle: Array) -> Climb:
-            return climb(substrate, structure_factors(atoms, angle, substrate.wavevectors))
+            return climb(substrate, factors(angle))
 
         found = rigid if bonds is None else _flexible(atoms, substrate, bonds)
         reach = float(np.hypot(*points.T).max())
-        return Island(len(points), reach, found, len(points) * energy, 1e-12)
+        return Island(
+            len(points),
+            reach,
+            lambda a: np.abs(substrate.coefficients * factors(a)),
+            found,
+            len(points) * energy,
+            1e-12,
+        )
 
     return cache(make)
 

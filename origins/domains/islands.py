@@ -44,7 +44,9 @@ def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms
 def square_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
     """n_j rows of n_i atoms of a square lattice; parameters as triangular_island."""
     a, n_i, n_j = _sizes(lattice_constant, n_i, n_j)
-    return _atoms(a * np.column_stack([np.tile(np.arange(n_i), n_j), np.repeat(np.arange(n_j), n_i)]))
+    return _atoms(
+        a * np.column_stack([np.tile(np.arange(n_i), n_j), np.repeat(np.arange(n_j), n_i)])
+    )
 
 
 def rectangular_island(
@@ -62,7 +64,9 @@ def rectangular_island(
     return _cut(lattice_constant, lattice, half, inside)
 
 
-def hexagonal_island(lattice_constant: float, radius: float, *, lattice: str = "triangular") -> "ase.Atoms":
+def hexagonal_island(
+    lattice_constant: float, radius: float, *, lattice: str = "triangular"
+) -> "ase.Atoms":
     """The atoms within a regular hexagon about one atom, its corners at `radius` (a length), one of them along x.
 
     On the triangular lattice radius = n lattice_constant gives 3n(n + 1) + 1 atoms. Otherwise as rectangular_island.
@@ -76,10 +80,17 @@ def hexagonal_island(lattice_constant: float, radius: float, *, lattice: str = "
     return _cut(lattice_constant, lattice, (radius, radius), inside)
 
 
-def circular_island(lattice_constant: float, radius: float, *, lattice: str = "triangular") -> "ase.Atoms":
+def circular_island(
+    lattice_constant: float, radius: float, *, lattice: str = "triangular"
+) -> "ase.Atoms":
     """The atoms at most `radius` (a length, at least zero) from one atom; otherwise as rectangular_island."""
     radius = non_negative("radius", radius)
-    return _cut(lattice_constant, lattice, (radius, radius), lambda x, y, edge: np.hypot(x, y) <= radius + edge)
+    return _cut(
+        lattice_constant,
+        lattice,
+        (radius, radius),
+        lambda x, y, edge: np.hypot(x, y) <= radius + edge,
+    )
 
 
 def irregular_island(
@@ -118,9 +129,17 @@ def irregular_island(
 
 
 def _sizes(lattice_constant: object, n_i: object, n_j: object) -> tuple[float, int, int]:
-    a, n_i, n_j = positive("lattice_constant", lattice_constant), whole("n_i", n_i, 1), whole("n_j", n_j, 1)
+    a, n_i, n_j = (
+        positive("lattice_constant", lattice_constant),
+        whole("n_i", n_i, 1),
+        whole("n_j", n_j, 1),
+    )
     if n_i * n_j > _MOST_ATOMS:
-        refuse("n_i", n_i, f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms at any size")
+        refuse(
+            "n_i",
+            n_i,
+            f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms at any size",
+        )
     return a, n_i, n_j
 
 
@@ -141,7 +160,11 @@ def _cut(
     row = a * (sqrt(3.0) / 2.0 if lattice == "triangular" else 1.0)
     shift = (0.0, 0.0) if offset is None else (float(offset[0]), float(offset[1]))
     if not 4.0 * (reach[0] / a + 2.0) * (reach[1] / row + 2.0) <= _MOST_ATOMS:
-        refuse("lattice_constant", lattice_constant, f"gives more than {_MOST_ATOMS} atoms; take a smaller island")
+        refuse(
+            "lattice_constant",
+            lattice_constant,
+            f"gives more than {_MOST_ATOMS} atoms; take a smaller island",
+        )
     j = np.arange(-ceil(reach[1] / row) - 1, ceil(reach[1] / row) + 2)
     i = np.arange(-ceil(reach[0] / a) - 2, ceil(reach[0] / a) + 2)
     slant = 0.5 * (j % 2) * float(lattice == "triangular")
@@ -156,7 +179,9 @@ def _atoms(points: Array) -> "ase.Atoms":
 
     # element 0 is ASE's own dummy, of mass 1
     flat = np.zeros(len(points))
-    return ase.Atoms(numbers=np.zeros(len(points), dtype=int), positions=np.column_stack([points, flat]))
+    return ase.Atoms(
+        numbers=np.zeros(len(points), dtype=int), positions=np.column_stack([points, flat])
+    )
 
 
 def positions_of(atoms: object) -> Array:
@@ -167,12 +192,18 @@ def positions_of(atoms: object) -> Array:
     try:
         points, masses = atoms.get_positions(), atoms.get_masses()  # type: ignore[attr-defined]
     except AttributeError:
-        refuse("atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
+        refuse(
+            "atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)"
+        )
     if len(points) == 0:
         refuse("atoms", atoms, "must hold at least one atom")
     if not np.isfinite(points).all():
         refuse("atoms", atoms, "must stand at finite positions")
     if not masses.sum() > 0.0:
-        refuse("atoms", atoms, "must have masses that add up to more than zero: the island turns about their centre")
+        refuse(
+            "atoms",
+            atoms,
+            "must have masses that add up to more than zero: the island turns about their centre",
+        )
     flat = points[:, :2] - points[:, :2].mean(axis=0)
     return flat - (masses / masses.sum()) @ flat

@@ -175,7 +175,7 @@ def _of_curves(
     for _, numbers in family.all:
         island = family.make(*numbers)
         gain = float(per_energy(island.atoms))
-        law = angle_thresholds(island.climb, fastest * island.reach, gain)
+        law = angle_thresholds(island.sizes, fastest * island.reach, gain)
         if law is None:
             return None
         laws.append(law if exponent == 1.0 else Powered(law, 1.0, exponent))
