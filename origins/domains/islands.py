@@ -184,26 +184,31 @@ def _atoms(points: Array) -> "ase.Atoms":
     )
 
 
-def positions_of(atoms: object) -> Array:
-    """x and y of an island's atoms about their centre of mass, shape (N_a, 2), lengths.
+def points_of(atoms: object) -> Array:
+    """Where an island's atoms are, shape (N_a, 3), lengths.
 
     Raises InputError unless `atoms` is an ase.Atoms with at least one atom at finite positions.
     """
     try:
-        points, masses = atoms.get_positions(), atoms.get_masses()  # type: ignore[attr-defined]
+        points: Array = np.array(atoms.get_positions())  # type: ignore[attr-defined]
     except AttributeError:
         refuse(
             "atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)"
         )
-    if len(points) == 0:
-        refuse("atoms", atoms, "must hold at least one atom")
-    if not np.isfinite(points).all():
-        refuse("atoms", atoms, "must stand at finite positions")
+    if len(points) == 0 or not np.isfinite(points).all():
+        refuse("atoms", atoms, "must hold at least one atom, all at finite positions")
+    return points
+
+
+def positions_of(atoms: "ase.Atoms") -> Array:
+    """x and y of an island's atoms about their centre of mass, shape (N_a, 2), lengths.
+
+    Raises InputError as points_of, and for masses that do not add up to more than zero.
+    """
+    points, masses = points_of(atoms), atoms.get_masses()
     if not masses.sum() > 0.0:
-        refuse(
-            "atoms",
-            atoms,
-            "must have masses that add up to more than zero: the island turns about their centre",
-        )
+        rule = "must have masses that add up to more than zero: the island turns about their centre"
+        refuse("atoms", atoms, rule)
     flat = points[:, :2] - points[:, :2].mean(axis=0)
-    return flat - (masses / masses.sum()) @ flat
+    centred: Array = flat - (masses / masses.sum()) @ flat
+    return centred
