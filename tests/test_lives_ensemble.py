@@ -37,15 +37,15 @@ def test_rate_its_integral_and_inverse_are_those_of_origins(law: Any, temperatur
     for _ in range(200):
         limit = generator.uniform(0.3, 1.7)
         near, far = np.sort(generator.uniform(0.0, limit, 2))
-        expected = float(thermal.cumulative(far, limit, near, stiffness))
-        assert passed(own.law, near, far, limit, stiffness) == pytest.approx(expected, rel=1e-9, abs=1e-300)
+        expected = float(thermal.cumulative(far, limit, 0.0, stiffness))
+        assert passed(own.law, far, limit, stiffness) == pytest.approx(expected, rel=1e-9, abs=1e-300)
         there = float(thermal.rate(near, limit, stiffness))
         assert rate(own.law, near, limit, stiffness) == pytest.approx(there, rel=1e-9, abs=1e-300)
         assert there <= most(own.law, 0.5 * near, near, limit, 1.5 * limit, stiffness) * (1.0 + 1e-12) + 1e-300
         amount = expected * generator.uniform(0.05, 0.95)
         if amount > 1e-280:
-            out = reached(own.law, np.log(amount), near, limit, stiffness)
-            assert out == pytest.approx(float(thermal.inverse(amount, limit, near, stiffness)), abs=1e-8 * limit)
+            out = reached(own.law, np.log(amount), limit, stiffness)
+            assert out == pytest.approx(float(thermal.inverse(amount, limit, 0.0, stiffness)), abs=1e-8 * limit)
 
 
 @pytest.mark.parametrize("thermal", [None, Thermal("soft", 0.05, 0.4), Thermal("stiff", 0.05, 0.4), Tilted(0.1, 0.4)])
