@@ -186,25 +186,21 @@ def _shortest_basis(vectors: Array) -> Array:
     least = np.hypot(*vectors.T).min() / _LARGEST_DENOMINATOR
     rest = vectors
     while True:
-        rest = rest[np.argsort((rest * rest).sum(-1), kind="stable")]
-        first, others = rest[0], rest[1:]
+        first = rest[np.argmin((rest * rest).sum(-1))]
         if np.hypot(*first) < least:
-            refuse(
-                "wavevectors",
-                vectors,
-                "must be whole multiples of two vectors; this substrate never repeats",
-            )
-        reduced = (
-            others - np.rint(others @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
-        )
-        left = reduced[np.hypot(*reduced.T) > nothing]
-        if len(left) == 1 and (left == others).all():
-            return np.array([first, left[0]])
-        if len(left) > 1:
-            # take out of the others what the second shortest holds of them
-            second = left[np.argmin((left * left).sum(-1))]
-            if second @ second >= first @ first * (1.0 - 1e-12):
-                whole = np.rint(left @ np.linalg.inv(np.array([first, second])))
-                away = left - whole @ np.array([first, second])
-                left = np.vstack([second, away[np.hypot(*away.T) > nothing]])
-        rest = np.vstack([first, left])
+            rule = "must be whole multiples of two vectors; this substrate never repeats"
+            refuse("wavevectors", vectors, rule)
+        multiples = np.rint(rest @ first / (first @ first) * (1.0 - 1e-12))
+        left = rest - multiples[:, None] * first
+        left = left[np.hypot(*left.T) > nothing]
+        second = left[np.argmin((left * left).sum(-1))]
+        if second @ second < first @ first * (1.0 - 1e-12):
+            rest = np.vstack([first, left])
+            continue
+        # what the others hold beside whole multiples of the two shortest
+        basis = np.array([first, second])
+        left -= np.rint(left @ np.linalg.inv(basis)) @ basis
+        left = left[np.hypot(*left.T) > nothing]
+        if not len(left):
+            return basis
+        rest = np.vstack([basis, left])
