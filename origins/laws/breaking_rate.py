@@ -13,6 +13,7 @@ from origins.laws.rate_law import Array, RateLaw
 # ln(h/ω): above it no contact holds, and its exponential times ω is still a number
 _LARGEST = 50.0
 _POSITIVE = "must be finite and above zero"
+_HALVINGS = 60  # of the way from -x_s to x_s: down to the last bit of x_s
 
 
 class BreakingRate:
@@ -114,18 +115,21 @@ class BreakingRate:
         with np.errstate(divide="ignore"):
             log_amount = np.log(goal)
         out = self.rates.reached(log_amount, np.maximum(begin, 0.0), limit, spring)
-        back = begin < 0.0
-        if back.any():
-            log_amount, begin, limit, spring = (
-                each[back] for each in (log_amount, begin, limit, spring)
-            )
-            # on the way to 0 the integral falls from this to 0, and then it rises from there
-            log_before = self.rates.log_passed(0.0, -begin, limit, spring)
-            sign, apart = np.sign(log_amount - log_before), np.abs(log_amount - log_before)
-            with np.errstate(divide="ignore"):
-                log_rest = np.maximum(log_amount, log_before) + np.log(-np.expm1(-apart))
-            out[back] = np.maximum(sign * self.rates.reached(log_rest, 0.0, limit, spring), begin)
+        back = np.flatnonzero(begin < 0.0)
+        if back.size:
+            behind = log_amount[back], begin[back], limit[back], spring[back]
+            out[back] = self._from_behind(*behind)
         return out.reshape(shape)[()]
+
+    def _from_behind(self, log_amount: Array, begin: Array, limit: Array, spring: Array) -> Array:
+        """Stretch at which contacts that move forward from begin < 0 have spent the amount, by halving."""
+        low, high = begin, limit
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            short = self._log_between(middle, begin, limit, spring) < log_amount
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        never = self._log_between(limit, begin, limit, spring) < log_amount
+        return np.where(never, limit, low)
 
 
 def _prepare(
