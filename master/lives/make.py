@@ -26,8 +26,6 @@ _AGED, _FINEST = 0.2, 1e-10
 _STEPPED = 1e-7
 # Hazard of growing grains as they pin at which the fraction that holds, e^-300, is a number.
 _MOST_LOST = 300.0
-# Speed over that at which thresholds grow, and its inverse, beyond which its powers are no numbers.
-_FASTEST = 1e50
 # The change of the share that holds of growing grains with heat at which no finer nodes are tried,
 # in units of the tolerance, and its least and most.
 _WARM, _WARM_ENDS = 0.02, (1e-11, 1e-6)
@@ -88,11 +86,7 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 
 def _check_some_hold(grains: GrainContact, velocity: float) -> None:
     """Refuse speeds at which so few of the contacts that pin hold that their lives are no numbers."""
-    growth = grains.growth
-    share = velocity * growth.first_pinning_time * float(np.sqrt(growth.B))
-    if not 1.0 / _FASTEST < share < _FASTEST:
-        rule = f"take between {1.0 / _FASTEST:g} and {_FASTEST:g} of it"
-        refuse("velocity", velocity, f"is {share:.3g} of that at which thresholds grow; {rule}")
+    grains.check_speed(velocity)
     lost = grains.lost_hazard(velocity)
     if lost > _MOST_LOST:
         few = f"none holds but a fraction exp(-{lost:.4g})"

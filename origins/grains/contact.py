@@ -10,6 +10,10 @@ from origins.grains.growth import GrainGrowth
 from origins.grains.lifshitz_slyozov import hazard_beyond, invert_beyond
 from origins.thresholds.law import Array, Thresholds
 
+_FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m): powers of speeds must stay numbers
+# of the stretches, times B^(1/2), at which contacts break that slide at B^(1/2) v tau_m = 1
+_QUICK_WIDTH = 0.0504
+
 
 class GrainContact:
     """Contacts that keep their quantile u for life: the threshold is Q(u; age), Q the quantile of P_c then.
@@ -80,6 +84,19 @@ class GrainContact:
         way = np.float64(velocity * self.growth.first_pinning_time)
         with np.errstate(over="ignore"):
             return float(4.5 * self.growth.B * way**2)
+
+    def check_speed(self, velocity: float) -> None:
+        """InputError for speeds so far from that at which thresholds grow that their powers are no numbers."""
+        share = velocity * self.growth.first_pinning_time * float(np.sqrt(self.growth.B))
+        if not 1.0 / _FASTEST < share < _FASTEST:
+            rule = f"take between {1.0 / _FASTEST:g} and {_FASTEST:g} of it"
+            refuse("velocity", velocity, f"is {share:.3g} of that at which thresholds grow; {rule}")
+
+    @property
+    def quick_width(self) -> float:
+        """Width (a length) of the sharpest tenth of the stretches at which contacts break that slide as fast as
+        grains grow: few hold, and at small stretches."""
+        return _QUICK_WIDTH / float(np.sqrt(self.growth.B))
 
     def quantile(self, u: npt.ArrayLike, age: npt.ArrayLike) -> Array:
         """Threshold (a length) of the contact of quantile u in [0, 1] at `age`; shapes broadcast.

@@ -1,15 +1,15 @@
-"""The rate of stiff contacts for compiled loops, by the formulas of stiff.py."""
+"""The rate of stiff contacts for compiled loops, by the formulas of stiff_formulas.py."""
 
 import numpy as np
 
-from origins.laws import stiff
+from origins.laws import stiff_formulas
 from origins.laws.compiled import CompiledRates, inlined
 
-_log_rate, _log_passed = inlined(stiff.log_rate), inlined(stiff.log_passed)
-_reached_from = inlined(stiff.reached)
+_log_rate, _log_passed = inlined(stiff_formulas.log_rate), inlined(stiff_formulas.log_passed)
+_reached_from = inlined(stiff_formulas.reached)
 
 
-def stiff_compiled(law: stiff.StiffLaw) -> CompiledRates:
+def stiff_compiled(law: stiff_formulas.StiffLaw) -> CompiledRates:
     """Of StiffRates."""
     return CompiledRates(law, _rate, _passed, _reached, _most)
 

@@ -25,9 +25,6 @@ WORST, FIRST, SINCE, SPENT = range(4)
 CELLS, CHANGE, GONE = 16, 2.0, 90.0
 # Grid in the logarithm of the time since pinning, over the pinning time, of the quantiles' thresholds.
 EARLIEST, LATEST, TIMES = 1e-5, 1e7, 400
-# Width of the sharpest tenth of the stretches, times B^(1/2), at which contacts break that slide as
-# fast as grains grow, B^(1/2) v tau_m = 1: few hold, at small stretches. One number for all grains.
-QUICK = 0.0504
 
 
 class GrainMemory(Memory):
@@ -43,7 +40,7 @@ class GrainMemory(Memory):
         self._start_since, self.reach = life.start_since, life.start_reach
         self.starts = FEW_STARTS + MORE_STARTS * level
         # length over which births change, in the narrowest widths of the laws of thresholds
-        length = 2.0 * min(width_of(contacts), QUICK / float(np.sqrt(grains.growth.B)))
+        length = 2.0 * min(width_of(contacts), grains.quick_width)
         # the first step of a hold, in pinning times
         self.scales = Scales(length, 0.05 * self._first)
 
