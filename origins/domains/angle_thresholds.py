@@ -64,31 +64,42 @@ class _Pieces:
     def __init__(self, sizes: Sizes, fastest: float, period: float) -> None:
         from scipy.optimize.elementwise import find_minimum, find_root
 
-        def both(angle: Array) -> Array:
-            return (
-                sizes(angle.ravel()).T.reshape(2, *angle.shape) if angle.size else np.ones((2, 0))
-            )
+        def each(angle: Array) -> Array:
+            """|c_1 S_1|, |c_2 S_2| and the difference of the two, shape (3, ...)."""
+            if not angle.size:
+                return np.ones((3, 0))
+            one, other = sizes(angle.ravel()).T.reshape(2, *angle.shape)
+            return np.stack([one, other, one - other])
 
         def barrier(angle: Array) -> Array:
-            return 2.0 * both(angle).min(0)
+            return 2.0 * each(angle)[:2].min(0)
+
+        def turn(angle: Array, which: Array, sign: Array) -> Array:
+            return sign * np.take_along_axis(each(angle), which.astype(int)[None], 0)[0]
 
         self._barrier, self._find_root = barrier, find_root
-        angle = _START + np.linspace(0.0, period, int(period * fastest * _PER_RADIAN) + 64)
-        b, apart = barrier(angle), np.subtract(*both(angle))
-        k = np.flatnonzero(apart[1:] * apart[:-1] < 0.0)
-        bends = find_root(
-            lambda a: np.subtract(*both(a)), (angle[k], angle[k + 1]), tolerances=_TIGHT
-        ).x
-        rise = np.diff(np.append(b, b[1]))
-        k = np.flatnonzero(rise[:-1] * rise[1:] <= 0.0) + 1
-        step = angle[1] - angle[0]
+        count = int(period * fastest * _PER_RADIAN) + 64
+        step = period / count
+        angle: Array = _START + step * np.arange(count + 2.0)
+        values = each(angle)
+        near = _SAME * values.max()
+        alike = np.abs(values[2]).max() <= near  # as for square islands on squares
+        falls = np.diff(values[: 2 if alike else 3]) < 0.0
+        which, k = np.nonzero(falls[:, 1:] != falls[:, :-1])
+        middle, sign = angle[k + 1], np.where(falls[which, k], 1.0, -1.0)
         still = find_minimum(
-            lambda a, sign: sign * barrier(a),
-            (angle[k] - step, angle[k], angle[k] + step),
-            args=(np.sign(rise[k]),),
-            tolerances=_TIGHT,
+            turn, (middle - step, middle, middle + step), args=(which, sign), tolerances=_TIGHT
         ).x
-        # a ridge is a bend, and no place where b stands still
+        which, still = which[np.isfinite(still)], still[np.isfinite(still)]
+        still = _START + (still - _START) % period
+        # a wave that vanishes is the smaller one for a moment only: look there, too
+        looked = np.unique(np.concatenate([angle[:-1], still]))
+        ahead = (each(looked)[2] < 0.0) & (not alike)
+        k = np.flatnonzero(ahead[1:] != ahead[:-1])
+        bends = find_root(lambda a: each(a)[2], (looked[k], looked[k + 1]), tolerances=_TIGHT).x
+        there, own = each(still), np.arange(which.size)
+        still = still[(which < 2) & (there[which, own] <= there[:2].min(0) + near)]
+        # at a ridge nothing stands still
         still = still[np.abs(still[:, None] - bends).min(-1, initial=np.inf) > 1e-9]
         cuts = np.append(bends, still)
         order = np.argsort(cuts)
