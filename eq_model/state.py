@@ -72,7 +72,8 @@ class State:
     def arrays(self) -> dict[str, Any]:
         """All of it, for a file."""
         done = np.array([(part.start, part.stop) for part in self.done], np.int64)
-        return {name: np.asarray(value) for name, value in vars(self).items()} | {
+        rest = {name: value for name, value in vars(self).items() if name != "done"}
+        return {name: np.asarray(value) for name, value in rest.items()} | {
             "done": done.reshape(-1, 2)
         }
 

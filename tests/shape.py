@@ -34,8 +34,8 @@ class Room(NamedTuple):
 ROOMS = {
     "master": Room(7500, 13_072, 200, 411),
     "eq_model": Room(2200, 4415, 60, 161),
-    "origins": Room(4500, 10_060, 120, 281),
-    "toolkit": Room(4000, 5610, 100, 148),
+    "origins": Room(4500, 9570, 120, 278),
+    "toolkit": Room(4000, 4489, 100, 116),
 }
 
 Graph = dict[str, set[str]]

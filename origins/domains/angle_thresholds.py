@@ -154,9 +154,11 @@ class _Pieces:
     def mean(self, function: Callable[[Array], Array]) -> float:
         """Mean of function(b) over all angles."""
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        # so placed that a root of b is smooth where b vanishes, too
+        place, weights = np.sin(0.25 * np.pi * (1.0 + nodes)) ** 2, 0.25 * np.pi * weights
         bottom, top = self._ends[:2, :, None]
-        values = function(self._barrier(bottom + (top - bottom) * (0.5 + 0.5 * nodes)))
-        return float(self._shares @ values @ weights) / 2.0
+        values = function(np.maximum(self._barrier(bottom + (top - bottom) * place), 0.0))
+        return float(self._shares @ values @ (weights * np.cos(0.5 * np.pi * nodes)))
 
 
 def _together(values: Array) -> tuple[Array, Array]:
@@ -255,7 +257,7 @@ class AngleThresholds(Thresholds):
         on_peak = np.isin(np.asarray(x), self._peaks)
         return np.where(on_peak, np.inf, np.maximum(slope / per_length, 0.0))
 
-    def _moment(self, n: int) -> float:
+    def _moment(self, n: float) -> float:
         return self._scale**n * self._pieces.mean(lambda b: b**n)
 
     def _variance(self) -> float:

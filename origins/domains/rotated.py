@@ -24,6 +24,7 @@ from origins.domains.drawing import (
 )
 from origins.domains.substrates import Substrate
 from origins.errors import InputError, finite_array, one_of, positive, refuse, whole
+from origins.roughness.power_law import PowerLaw
 from origins.samples.from_samples import from_samples
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import mixture
@@ -165,7 +166,7 @@ def _at_all_angles(island: Island, gain: float, exponent: float) -> Thresholds |
     law = angle_thresholds(island.sizes, island.phase, gain)
     if law is None or exponent == 1.0:
         return law
-    powered = Powered(law, 1.0, exponent)
+    powered = Powered(law, PowerLaw(1.0, exponent))
     powered.knows_breakpoints = law.knows_breakpoints
     return powered
 
