@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.stats
-from eq_model.plain import life
 from lane_contacts import Lane
 from rate_laws import Tilted
 from scipy.special import ndtr
 
 import eq_model
 import origins
+from eq_model.plain import life
 from origins import Ageing, Contacts, Delay, Drive, Thermal
 
 NARROW, GAUSSIAN = origins.gaussian(1.0, 0.05), origins.gaussian(1.0, 0.2)

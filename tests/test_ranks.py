@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 from scenes import scene, to_toml, write
-from toolkit.running.launch import Launch, read_environment
 
 import toolkit
+from toolkit.running.launch import Launch, read_environment
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 
