@@ -24,4 +24,4 @@ def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:
         return MeanRateMemory(contacts)
     if thermal.rates.separable and contacts.stiffness == "independent":
         return ProportionalMemory(contacts)
-    return SpentMemory(contacts)
+    return SpentMemory(contacts, level)
