@@ -1,7 +1,8 @@
 """Contacts that break by heat at rates of any form, closure "exact": A of a strand in cells of thresholds.
 
-A, the integral of the rate h(|x|; x_s) over time, is kept at the middle of each cell; of the cell in
-which the largest |x| lies only the share of the thresholds above it still holds.
+A, the integral of the rate h(|x|; x_s) over time, is kept at the ends of cells, between which e^-A is
+taken for straight. Where the largest |x| has come into a cell, only the thresholds above it still
+hold: there the line through the next cell goes on.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ MOST_CELLS = 8_000
 
 
 class SpentMemory(Memory):
-    """A in each cell; cells are halved with each level, and their errors fall as the square.
+    """A at the ends of cells; these are halved with each level, their errors fall as the square.
 
     Raises InputError where it is so cold that cells are too many.
     """
@@ -41,9 +42,12 @@ class SpentMemory(Memory):
         self._law, self._rates = contacts.thresholds, rates_of(contacts)
         linked = contacts.stiffness == "linked"
         self._stiffness = contacts.relative_stiffness if linked else None
-        edges = _cells(contacts, self._rates, level)
-        self._low, self._high, self._beyond = edges[:-1], edges[1:], self._law.sf(edges)
-        self.width, self.starts = self._low.size, FEW_STARTS + MORE_STARTS * level
+        self._edges = _cells(contacts, self._rates, level)
+        self._beyond, self._kappa = (
+            self._law.sf(self._edges),
+            contacts.relative_stiffness(self._edges),
+        )
+        self.width, self.starts = self._edges.size, FEW_STARTS + MORE_STARTS * level
         self.reach, self.scales = reach_of(contacts), scales_of(contacts)
 
     def advance(self, kept: Array, leg: Leg) -> Array:
@@ -51,27 +55,41 @@ class SpentMemory(Memory):
         if not leg.duration:
             return kept
         replay = replay_of(leg, self._rates, self._stiffness)
-        return np.asarray(kept + replay.spent(np.arange(leg.end.size), self._middle(leg.furthest)))
+        at = np.maximum(self._edges, leg.furthest[:, None])
+        return np.asarray(kept + replay.spent(np.arange(leg.end.size), at))
 
     def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
-        above = np.minimum(self._law.sf(furthest)[:, None], self._beyond[:-1]) - self._beyond[1:]
-        held = np.maximum(above, 0.0) * np.exp(-kept)
-        stiff = held if self._stiffness is None else held * self._stiffness(self._middle(furthest))
-        return np.stack([held.sum(axis=1), stretch * stiff.sum(axis=1)])
-
-    def _middle(self, furthest: Array) -> Array:
-        """Of what holds of each cell, by the largest |x|; shape (n, cells)."""
-        least = furthest[:, None]
-        return np.maximum(0.5 * (np.maximum(self._low, least) + self._high), least)
+        edges, survived = self._edges, np.exp(-kept)
+        # the cell that the largest |x| has come into, and one that ends above it
+        cut = np.clip(np.searchsorted(edges, furthest, "right") - 1, 0, edges.size - 3)
+        inside, every = furthest > edges[cut], np.arange(cut.size)
+        # a cell that holds one exact threshold tells no slope
+        next_width = edges[cut + 2] - edges[cut + 1]
+        next_width[next_width < 1e-9 * edges[cut + 2]] = np.inf
+        weight = np.minimum(self._law.sf(furthest * (1.0 + TIE))[:, None], self._beyond[:-1])
+        weight = np.maximum(weight - self._beyond[1:], 0.0)
+        sums = []
+        for each in (survived, survived * self._kappa):
+            mean = 0.5 * (each[:, 1:] + each[:, :-1])
+            near, far = each[every, cut + 1], each[every, cut + 2]
+            slope = (far - near) / next_width
+            onward = np.clip(near - 0.5 * (edges[cut + 1] - furthest) * slope, 0.0, None)
+            mean[every, cut] = np.where(inside, onward, mean[every, cut])
+            sums.append((weight * mean).sum(axis=1))
+        return np.stack([sums[0], stretch * sums[1]])
 
 
 def _cells(contacts: Contacts, rates: RateLaw, level: int) -> Array:
     """Edges of the cells: the law's panels, cut so that ln h changes little over each cell."""
     law = contacts.thresholds
-    ends = np.append(np.clip(law_edges(law), float(law.ppf(TAIL)), float(law.isf(TAIL))), reach_of(contacts))
+    ends = np.append(
+        np.clip(law_edges(law), float(law.ppf(TAIL)), float(law.isf(TAIL))), reach_of(contacts)
+    )
     # a cell of next to no width for each exact threshold
-    ends = np.unique(np.concatenate([ends, *(law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -1.0, 0.0))]))
+    ends = np.unique(
+        np.concatenate([ends, *(law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5))])
+    )
     pieces: list[Array] = []
     for low, high in pairwise(ends.tolist()):
         near = np.array([[max(low, 1e-3 * high)], [high]])
