@@ -10,7 +10,7 @@ import numpy.typing as npt
 from master.soft.curve import Curve
 from master.soft.pull import Held, Matter, Past, Pull, StoppedError
 from master.soft.slips import LettingGo, landing, letting_go
-from origins.drive import SlipRule
+from origins.drive import Drive
 
 Array = npt.NDArray[np.float64]
 
@@ -34,8 +34,10 @@ class Ride:
         That of X_T at slips (a length).
     """
 
-    def __init__(self, matter: Matter, spring: float, rule: SlipRule, path: Array) -> None:
-        self.matter, self.spring, self.rule, self.path = matter, spring, rule, path
+    def __init__(self, matter: Matter, drive: Drive) -> None:
+        self.matter, self.rule, path = matter, drive.slip, drive.path
+        self.path, self.spring = path, float(drive.spring or 0.0)
+        spring = self.spring
         start = matter.start.mean()
         self.balance, self._rest = start / spring, matter.again.mean()
         self.position, self.force = np.zeros(path.size), np.full(path.size, start)

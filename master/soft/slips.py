@@ -55,6 +55,28 @@ class Slips:
         return abs(float(self.drive[-1] - self.drive[-2])) if self.drive.size > 1 else None
 
 
+class Followed(NamedTuple):
+    """What was found of a slider as far as it was followed; lengths, and `error` in mean thresholds.
+
+    balance, force_error, drive_error, nodes : see SoftSolution and Slips
+    position, force, holding : arrays of shape (k,), at the first k points of the path
+    slips : array of shape (5, m), X_T, X before and after, F before and after
+    reason : why the error is no smaller
+    over : what ended it, where that is before the path's end
+    """
+
+    balance: float
+    position: Array
+    force: Array
+    holding: Array
+    slips: Array
+    drive_error: float
+    error: float
+    nodes: int
+    reason: str
+    over: str
+
+
 class LettingGo(NamedTuple):
     """Where a slider lets go on a move.
 

@@ -85,6 +85,9 @@ class Pulled:
 
     def run(self) -> None:
         """Follow the drive to its end."""
+        if not self._task.pieces:
+            self.tracks.append(Track())
+            self._write(self.tracks[0], 0.0)
         for piece in self._task.pieces:
             self.contacts.mark_later(piece.begin)
             self._follow(piece, piece is self._task.pieces[-1])
