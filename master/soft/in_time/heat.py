@@ -90,9 +90,8 @@ def scales_of(contacts: Contacts) -> Scales:
     # stretch below the threshold over which ln h changes by 1
     below = unit * (1.0 - np.array([0.1, 0.11]))
     rise = -float(np.diff(rates.log_rate(below, mean, 1.0))[0]) / (0.01 * unit)
-    # widths of P_c over which the rate changes by less than a factor e are a thin skin
-    skin = 1.0 / rise if rise * width * 0.005 > 1.0 else 0.0
-    return Scales(width, 1.0 / rates.scale, fresh_rate, skin=skin)
+    # a thin skin: 0.005 widths of P_c over which the rate changes by more than a factor e
+    return Scales(width, 1.0 / rates.scale, fresh_rate, rise * width > 200.0)
 
 
 def reach_of(contacts: Contacts) -> float:

@@ -151,8 +151,8 @@ class Pulled:
                 trial = steps.to(end, trial.travel)
             if trial.now <= here.now or steps.past(trial, size):
                 let_go = True
-                # where none stand right at their thresholds the last step is halved, to be near
-                for _ in range(4 if steps.fuzzy else 0):
+                # the last step is halved, to be near
+                for _ in range(4):
                     half = steps.balanced(0.5 * steps.onset(trial.travel).travel)
                     total += self._take(half, track, total)
                     trial = trial._replace(travel=trial.travel - half.travel)
@@ -216,7 +216,7 @@ class Pulled:
         here.bend()
         begin, broken, travel = here.place, here.breaks, 0.0
         # where heat has broken the weakest those that are left hold again when they are pushed
-        away = steps.scales.skin == 0.0
+        away = not steps.scales.thin
         for _ in range(MOST_SLIPS):
             trial = here.tried(travel + size, here.now, out)
             lack = steps.lack(trial)

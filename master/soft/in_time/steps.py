@@ -2,10 +2,8 @@
 
 A step is so long in X and in time together, dX/length + d(count of the clock), that it is even where
 the slider creeps and where it runs ahead of a slip, in which dX/dt grows without end: there X_T is
-smooth in X. The slider lets go where the force falls faster than the spring's as it moves in no
-time, F'(X) = -K. Where thresholds fluctuate, or heat has broken the weakest, none stand right at a
-stretch, and motion in no time breaks none at first: there it lets go where X_T, as a function of X,
-has come furthest.
+smooth in X. The slider lets go where X_T, as a function of X, has come furthest: where the force
+falls as fast as the spring's.
 """
 
 from __future__ import annotations
@@ -22,8 +20,8 @@ COARSEST = 0.5
 # What the way of the drive counts less than that of the slider in a step: it is the slider that must
 # be followed.
 LESS = 0.25
-# Where none stand right at their thresholds: share of a step from which on it is looked for where
-# the slider lets go, and nodes of the polynomial that tells how the drive goes on.
+# Share of a step from which on it is looked for where the slider lets go, and nodes of the polynomial
+# that tells how the drive goes on.
 LEAST_WAY, SLOPE_NODES = 0.01, 5
 # Share of a step's time to which a balance is found where the slider is about to let go.
 CLOSE = 1e-10
@@ -51,7 +49,6 @@ class Steps:
         self.contacts, self._spring, self._unit, self._close = contacts, spring, unit, close
         self.scales = contacts.cohorts.memory.scales
         self.length = COARSEST * self.scales.length
-        self.fuzzy = self.scales.fuzzy or self.scales.skin > 0.0
         # how fast the spring's force less F grows with the count of the clock
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
         self._rise = (1.0 + spring) * self.length / LESS
@@ -119,25 +116,10 @@ class Steps:
         # it runs ahead of its drive before
         time = self.clock.count(trial.now) - self.clock.count(self.contacts.now)
         # share of a step's usual time that it takes where the slider may be about to let go
-        return time < 0.3 * LESS * size and self._falls(trial) <= 0.0
-
-    def _falls(self, trial: Trial) -> float:
-        """Of the sign of K + F'(X) at the end of a step, in motion that takes no time."""
-        if self.fuzzy:
-            return self._drive_slope(trial)
-        # share of the length over which births change by which the slider moves to see how F
-        # changes
-        ahead, beside = self.contacts.after(trial), 1e-4 * self.scales.length
-        way = self.sign * beside
-        near, far = (ahead.tried(k * way, ahead.now).force for k in (1.0, 2.0))
-        return self._spring + (2.0 * near - 0.5 * far - 1.5 * ahead.force) / way
+        return time < 0.3 * LESS * size and self._drive_slope(trial) <= 0.0
 
     def _drive_slope(self, trial: Trial) -> float:
-        """How fast the drive goes on at the end of a step, by a polynomial through those before.
-
-        Where thresholds fluctuate, or heat has broken the weakest, none stand right at a stretch:
-        motion in no time breaks none at first, and X_T tells where the slider lets go.
-        """
+        """How fast the drive goes on at the end of a step, by a polynomial through those before."""
         track, clock = self._track, self.clock
         now = clock.count(trial.now)
         nodes = np.array(track.step[-SLOPE_NODES:])
@@ -156,9 +138,9 @@ class Steps:
             trial = self.balanced(way)
             # else the drive would have to come back
             gone = self.clock.count(trial.now) - self.clock.count(here.now)
-            return -1.0 if self.fuzzy and gone < 2.0 * NO_TIME else self._falls(trial)
+            return -1.0 if gone < 2.0 * NO_TIME else self._drive_slope(trial)
 
-        way, low = travel, LEAST_WAY * travel if self.fuzzy else 0.0
+        way, low = travel, LEAST_WAY * travel
         if slope(travel) <= 0.0:
             way = low  # by rounding, or by what a coarse step before it has wrong
             if slope(low) > 0.0:
@@ -175,11 +157,10 @@ class Steps:
             found[:] = [here.tried(way, max(clock.time(begin + count), here.now))]
             return self.lack(found[0])
 
-        least = NO_TIME if self.fuzzy else 0.0
-        short = lack(least)
+        short = lack(NO_TIME)
         if short >= 0.0:
             return found[0]
-        rise = secant(lack, -short / self._rise, self._rise, CLOSE, least)
+        rise = secant(lack, -short / self._rise, self._rise, CLOSE, NO_TIME)
         if abs(self.lack(found[0])) <= BALANCED * self._unit:
             self._rise = rise
             return found[0]
@@ -187,7 +168,7 @@ class Steps:
         most = max(2.0 * CLOSE, -1.5 * short / self._rise)
         for _ in range(DOUBLINGS):
             if lack(most) >= 0.0:
-                brentq(lack, least, most, xtol=CLOSE)
+                brentq(lack, NO_TIME, most, xtol=CLOSE)
                 return found[0]
             most *= 2.0
         raise TooLongError
