@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
 from scipy.optimize import brentq
 
 from master.soft.in_time.carried import Allowed, Carried, TooLongError, Trial
@@ -58,29 +57,21 @@ class Pulled:
         All contacts at X = 0.
     task : Task
     level : int
-    plan : list of float
-        Lengths, in steps of the coarsest, of the smooth stretches as coarser steps found them; empty
-        on the coarsest.
     allowed : Allowed
         TooLongError says how far they came.
 
     Attributes
     ----------
     tracks : list of Track
-    stretches : list of float
-        Their lengths in steps, and those of instant slips, as `plan` has them.
     slips : list of Slip
     contacts : Carried
     """
 
-    def __init__(
-        self, cohorts: Cohorts, task: Task, level: int, plan: list[float], allowed: Allowed
-    ) -> None:
-        self._task, self._level, self._plan = task, level, plan
+    def __init__(self, cohorts: Cohorts, task: Task, level: int, allowed: Allowed) -> None:
+        self._task, self._step = task, 0.5**level
         self.contacts = Carried(cohorts, task.delay, allowed)
         self._steps = Steps(self.contacts, task.spring, task.unit, task.close)
         self.tracks: list[Track] = []
-        self.stretches: list[float] = []
         self.slips: list[Slip] = []
 
     def run(self) -> None:
@@ -115,13 +106,12 @@ class Pulled:
         Whether to the end of the path.
         """
         here, tracks, end = self.contacts, self.tracks[since:], self._steps.piece.end
-        slip, length = self.slips[-1], self.stretches[-1]
+        slip = self.slips[-1]
         period = here.now - tracks[0].clock[0]
         way = slip.after - tracks[0].place[0]
         while last or here.now + period < end:
             tracks = [track.later(period, way) for track in tracks]
             self.tracks += tracks
-            self.stretches.append(length)
             if here.now + period > end:
                 return True
             lengths = slip.drive + way, slip.before + way, slip.after + way
@@ -140,13 +130,9 @@ class Pulled:
         here.bend()
         self._write(track, 0.0)
         steps.start(end, track)
-        number, size = self._planned()
-        total, share, taken, let_go = 0.0, 0.5, 0, False
+        size, total, share, let_go = self._step, 0.0, 0.5, False
         while not let_go and here.now < end:
-            taken += 1
-            # the last of the planned steps takes what is left
-            late = taken >= number
-            trial = steps.step(1.5 * size if late else size, share)
+            trial = steps.step(size, share)
             if trial.now >= end:
                 trial = steps.to(end, trial.travel)
             if trial.now <= here.now or steps.past(trial, size):
@@ -157,14 +143,11 @@ class Pulled:
                     total += self._take(half, track, total)
                     trial = trial._replace(travel=trial.travel - half.travel)
                 trial = steps.onset(trial.travel)
-            elif trial.now < end and late:
-                trial = steps.step(size, share)
             time = steps.clock.count(trial.now) - steps.clock.count(here.now)
             stretch = self._take(trial, track, total)
             if stretch > 0.0:
                 total += stretch
                 share = time / stretch
-        self.stretches.append(total)
         return let_go
 
     def _take(self, trial: Trial, track: Track, total: float) -> float:
@@ -174,18 +157,6 @@ class Pulled:
             self.contacts.take(trial)
             self._write(track, total + size)
         return size
-
-    def _planned(self) -> tuple[float, float]:
-        """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take.
-
-        How many, inf where that is not known, and their size.
-        """
-        number, finer = len(self.stretches), 2**self._level
-        length = self._plan[number] if number < len(self._plan) else 0.0
-        if not length:
-            return np.inf, 1.0 / finer
-        count = int(np.ceil(length)) * finer
-        return count, length / count
 
     def _write(self, track: Track, total: float) -> None:
         here = self.contacts
@@ -211,7 +182,7 @@ class Pulled:
         """On to the first balance; where `out` what breaks is born no sooner than that."""
         here, unit = self.contacts, self._task.unit
         steps = self._steps
-        step = SCAN * steps.scales.length if out else self._planned()[1] * steps.length
+        step = SCAN * steps.scales.length if out else self._step * steps.length
         size = steps.sign * step
         here.bend()
         begin, broken, travel = here.place, here.breaks, 0.0
@@ -239,10 +210,8 @@ class Pulled:
             low = float(brentq(lacks, low, travel + size, xtol=1e-15 * unit))
         here.take(here.tried(low, here.now, out))
         here.bend()
-        if not out:
-            self.stretches.append(abs(here.place - begin) / self._steps.length)
-            return
-        fresh = here.breaks - broken
-        here.mark_later(here.now, fresh)
-        if not here.delay:
-            here.born_at_once(fresh)
+        if out:
+            fresh = here.breaks - broken
+            here.mark_later(here.now, fresh)
+            if not here.delay:
+                here.born_at_once(fresh)

@@ -51,7 +51,7 @@ def refined(
     fastest, spring = max((one.speed for one in course), default=0.0), float(drive.spring or 0.0)
     answers, best = Answers(contacts, drive, balance), None
     close = float(np.clip(CLOSE * tolerance, *CLOSEST))
-    plan, before = list[float](), 0.0
+    before = 0.0
     for level in count():
         memory = memory_of(contacts, level, fastest)
         cohorts, again = (Cohorts.of(contacts, memory, level, reset) for reset in (False, True))
@@ -61,7 +61,7 @@ def refined(
         more = 1.0 if best is None or np.isfinite(best.error) else MORE
         allowed = Allowed(more * MOST_STEPS * share, more * MOST_WORK * share**2, until)
         task = Task(course, spring, drive.slip, contacts.waiting_time, unit, again, close)
-        pulled = Pulled(cohorts, task, level, plan, allowed)
+        pulled = Pulled(cohorts, task, level, allowed)
         here = pulled.contacts
         try:
             pulled.run()
@@ -87,7 +87,7 @@ def refined(
             told = f"error estimate {best.error:.1e} with {best.nodes} steps"
             told += f", above the tolerance {tolerance:.1e}"
             return best._replace(reason=f"{told}; shorten the path or loosen the tolerance")
-        plan, before = pulled.stretches, here.work
+        before = here.work
     raise AssertionError
 
 
