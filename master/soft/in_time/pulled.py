@@ -92,42 +92,33 @@ class Pulled:
             if self._slide(end):
                 self.slips.append(self._slip())
                 since.append(len(self.tracks))
-                repeats = self._task.rule == "reset" and len(since) == 3
-                if repeats and self._repeat(last, since[1]):
-                    return
+                if last and self._task.rule == "reset" and len(since) == 3:
+                    return self._repeat(self.tracks[since[1] :])
             elif end < piece.end:
                 here.born_now()
             else:
-                return
+                return None
 
-    def _repeat(self, last: bool, since: int) -> bool:
-        """After a reset all is as after the one before, on the tracks since then, again and again.
-
-        Whether to the end of the path.
-        """
-        here, tracks, end = self.contacts, self.tracks[since:], self._steps.piece.end
-        slip = self.slips[-1]
-        period = here.now - tracks[0].clock[0]
-        way = slip.after - tracks[0].place[0]
-        while last or here.now + period < end:
-            tracks = [track.later(period, way) for track in tracks]
+    def _repeat(self, tracks: list[Track]) -> None:
+        """After a reset all is as after the one before, on the tracks since then: to the end."""
+        here, before, slip = self.contacts, *self.slips[-2:]
+        period, way = here.now - tracks[0].clock[0], slip.after - before.after
+        while True:
+            tracks = [track.later(period) for track in tracks]
             self.tracks += tracks
-            if here.now + period > end:
-                return True
+            if here.now + period > self._steps.piece.end:
+                return
             lengths = slip.drive + way, slip.before + way, slip.after + way
             slip = Slip(*lengths, slip.force_before, slip.force_after)
             self.slips.append(slip)
-            here.now, here.place = here.now + period, slip.after
+            here.now += period
             if len(self.slips) > MOST_SLIPS:
                 raise TooLongError
-        here.settle(self._task.again)
-        return False
 
     def _slide(self, end: float) -> bool:
         """Until `end`, or until the slider lets go: which of them."""
         here, steps, track = self.contacts, self._steps, Track()
         self.tracks.append(track)
-        here.bend()
         self._write(track, 0.0)
         steps.start(end, track)
         size, total, share, let_go = self._step, 0.0, 0.5, False
@@ -162,7 +153,6 @@ class Pulled:
         here = self.contacts
         track.step.append(total)
         track.clock.append(here.now)
-        track.place.append(here.place)
         track.force.append(here.force)
         track.holding.append(here.holding)
 
@@ -184,7 +174,6 @@ class Pulled:
         steps = self._steps
         step = SCAN * steps.scales.length if out else self._step * steps.length
         size = steps.sign * step
-        here.bend()
         begin, broken, travel = here.place, here.breaks, 0.0
         # where heat has broken the weakest those that are left hold again when they are pushed
         away = not steps.scales.thin
@@ -209,7 +198,6 @@ class Pulled:
             # accuracy of a slip's end, in mean thresholds
             low = float(brentq(lacks, low, travel + size, xtol=1e-15 * unit))
         here.take(here.tried(low, here.now, out))
-        here.bend()
         if out:
             fresh = here.breaks - broken
             here.mark_later(here.now, fresh)
