@@ -9,6 +9,7 @@ falls as fast as the spring's.
 from __future__ import annotations
 
 import numpy as np
+from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
 from master.soft.in_time.carried import Carried, TooLongError, Trial
@@ -120,15 +121,10 @@ class Steps:
 
     def _drive_slope(self, trial: Trial) -> float:
         """How fast the drive goes on at the end of a step, by a polynomial through those before."""
-        track, clock = self._track, self.clock
-        now = clock.count(trial.now)
-        nodes = np.array(track.step[-SLOPE_NODES:])
-        counts = np.array([clock.count(one) for one in track.clock[-SLOPE_NODES:]])
-        last = track.step[-1] + self.size(trial)
-        apart = np.append(nodes, last)[:, None] - np.append(nodes, last)
-        np.fill_diagonal(apart, 1.0)
-        weights = 1.0 / apart.prod(axis=1)
-        return float(weights[:-1] / weights[-1] / (last - nodes) @ (counts - now))
+        track, count = self._track, self.clock.count
+        steps = [*track.step[-SLOPE_NODES:], track.step[-1] + self.size(trial)]
+        counts = [*map(count, track.clock[-SLOPE_NODES:]), count(trial.now)]
+        return float(KroghInterpolator(steps, counts).derivative(steps[-1]))
 
     def onset(self, travel: float) -> Trial:
         """The step that ends where the slider lets go, within one that goes beyond."""
