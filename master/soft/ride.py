@@ -96,9 +96,8 @@ class Ride:
                     return
                 if self.rule != "instant":
                     break
-                caught = landing(pull, self.spring, go.travel, go.level, go.beside)
-                self._note(pull, go, begin, begin + caught.travel, caught.force)
-                y = caught.travel
+                curve, y = landing(pull, self.spring, go.travel, go.level, go.beside)
+                self._note(pull, go, begin, begin + y, curve.force_at(y))
                 go = letting_go(pull, self.spring, y, target)
             jump = self._reset if self.rule == "reset" else self._reform_after
             self._leave(pull)
@@ -143,23 +142,22 @@ class Ride:
         """Broken contacts stay out until the slider stands again."""
         spring, d = self.spring, pull.direction
         held = Held(pull.matter, d, pull.after(go.travel, go.error))
-        caught = landing(held, spring, 0.0, go.level - spring * go.travel, go.beside)
-        after = begin + go.travel + caught.travel
-        self._note(pull, go, begin, after, caught.force)
+        curve, y = landing(held, spring, 0.0, go.level - spring * go.travel, go.beside)
+        after = begin + go.travel + y
+        self._note(pull, go, begin, after, curve.force_at(y))
         # contacts that are taken for out, or for born, as it is not known where the slip begins
-        error = (1.0 + spring) * go.misplaced * caught.travel / self.matter.unit
-        landed = np.array([caught.travel])
-        self._shift += float(caught.curve.misplaced(landed, 0.0, go.error + error)[0])
+        error = (1.0 + spring) * go.misplaced * y / self.matter.unit
+        landed = np.array([y])
+        self._shift += float(curve.misplaced(landed, 0.0, go.error + error)[0])
         # those that broke have nothing left of the past
-        error += float(caught.curve.error[caught.curve.panel(landed)[0]])
-        error *= held.holding(caught.travel)
-        return Pull(pull.matter, d, held.stands(caught.travel, error))
+        error += float(curve.error[curve.panel(landed)[0]])
+        error *= held.holding(y)
+        return Pull(pull.matter, d, held.stands(y, error))
 
     def _note(self, pull: Pull, go: LettingGo, begin: float, after: float, force: float) -> None:
         """A slip of a move that begins at `begin` along the motion, which the force after it ends."""
         drive = begin + go.level / self.spring
-        before = float(go.curve.force(np.array([go.travel]))[0])
-        row = drive, begin + go.travel, after, before, force
+        row = drive, begin + go.travel, after, go.curve.force_at(go.travel), force
         self.slips.append(pull.direction * np.array(row))
         self.drive_error = max(self.drive_error, go.error / self.spring + self._shift)
         self.error = max(self.error, self.spring * self.drive_error)

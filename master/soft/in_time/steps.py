@@ -8,12 +8,13 @@ falls as fast as the spring's.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
 from master.soft.in_time.carried import Carried, TooLongError, Trial
-from master.soft.in_time.secants import secant
 from master.soft.in_time.track import Clock, Piece, Track
 
 # A step on the coarsest level, as a share of the length over which births change.
@@ -30,6 +31,8 @@ CLOSE = 1e-10
 BALANCED, DOUBLINGS = 1e-9, 60
 # A time that is none, as a share of a step: in truly none thresholds that fluctuate are not met.
 NO_TIME = 1e-11
+ITERATIONS = 40  # of secants
+Function = Callable[[float], float]
 
 
 class Steps:
@@ -61,16 +64,13 @@ class Steps:
 
     def start(self, end: float, track: Track) -> None:
         """A smooth stretch begins, the next bend being at `end`."""
-        self.clock, self._track = self._clock_to(end), track
-
-    def _clock_to(self, end: float) -> Clock:
-        """The clock between two bends."""
-        piece, spring = self.piece, self._spring
+        self._track, piece, spring = track, self.piece, self._spring
         # while contacts hold, the slider follows a soft spring's drive from far
         even = self.scales.rate / COARSEST
         even += LESS * piece.speed * spring / (self.length * (1.0 + spring))
         held = piece.travel == 0.0
-        return Clock(self.contacts.now, end, held, 0.0 if held else even, self.scales.time)
+        even = 0.0 if held else even
+        self.clock = Clock(self.contacts.now, end, held, even, self.scales.time)
 
     def size(self, trial: Trial) -> float:
         """Of a step."""
@@ -168,3 +168,33 @@ class Steps:
                 return found[0]
             most *= 2.0
         raise TooLongError
+
+
+def secant(
+    function: Function, guess: float, slope: float, close: float, least: float = -np.inf
+) -> float:
+    """Ask for the root by secants from guesses of it and of the slope there, which is returned.
+
+    Asked last is the root, or `least` where a function that rises has none above. Where the
+    function turns on the way secants may leave what is known to hold the root: then that is halved.
+    """
+    given, rises = slope, float(np.sign(slope))
+    low, high = -np.inf, np.inf
+    a, fa = guess, function(guess)
+    if abs(fa / slope) <= close and a >= least:
+        return slope
+    for _ in range(ITERATIONS):
+        low, high = (max(low, a), high) if rises * fa < 0.0 else (low, min(high, a))
+        b = max(a - fa / slope, least) if slope != 0.0 else np.inf
+        if not low < b < high and np.isfinite(high - low):
+            b = 0.5 * (low + high)
+        fb = function(b)
+        if abs(b - a) <= close or (b == least and fb >= 0.0) or fb == 0.0:
+            break
+        if fb != fa:
+            slope = (fb - fa) / (b - a)
+        # what is left is the error of the slope, not worth another step
+        if rises * slope > 0.0 and abs(fb / slope) <= close:
+            break
+        a, fa = b, fb
+    return slope if rises * slope > 0.0 else given
