@@ -77,6 +77,12 @@ class Matter:
         """The same contacts, all just formed again."""
         return replace(self, start=self.again)
 
+    def force_of(self, born: Start) -> float:
+        """F/(N_c <k>) of contacts that stand at these stretches (a length)."""
+        still = np.zeros((1, 3))
+        history = Motion.along(np.array([0.0, self.unit])).history(still, still)
+        return float(self.life.left(born, history)[1, 0, 0])
+
 
 @dataclass(frozen=True)
 class Past:

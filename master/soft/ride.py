@@ -38,8 +38,8 @@ class Ride:
         self.matter, self.rule, path = matter, drive.slip, drive.path
         self.path, self.spring = path, float(drive.spring or 0.0)
         spring = self.spring
-        start = matter.start.mean()
-        self.balance, self._rest = start / spring, matter.again.mean()
+        start = matter.force_of(matter.start)
+        self.balance, self._rest = start / spring, matter.force_of(matter.again)
         self.position, self.force = np.zeros(path.size), np.full(path.size, start)
         self.slips, self._solved = list[Array](), 0
         self.error = self.drive_error = 0.0
