@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
 from scipy.optimize import brentq
 
 from master.soft.in_time.carried import Allowed, Carried, TooLongError, Trial
@@ -57,18 +58,26 @@ class Pulled:
         All contacts at X = 0.
     task : Task
     level : int
+    plan : list of float
+        Lengths, in steps of the coarsest, of the smooth stretches as coarser steps found them; empty
+        on the coarsest.
     allowed : Allowed
         TooLongError says how far they came.
 
     Attributes
     ----------
     tracks : list of Track
+    stretches : list of float
+        Their lengths in steps, and those of instant slips, as `plan` has them.
     slips : list of Slip
     contacts : Carried
     """
 
-    def __init__(self, cohorts: Cohorts, task: Task, level: int, allowed: Allowed) -> None:
-        self._task, self._step = task, 0.5**level
+    def __init__(
+        self, cohorts: Cohorts, task: Task, level: int, plan: list[float], allowed: Allowed
+    ) -> None:
+        self._task, self._finer, self._plan = task, 2**level, plan
+        self.stretches: list[float] = []
         self.contacts = Carried(cohorts, task.delay, allowed)
         self._steps = Steps(self.contacts, task.spring, task.unit, task.close)
         self.tracks: list[Track] = []
@@ -121,9 +130,13 @@ class Pulled:
         self.tracks.append(track)
         self._write(track, 0.0)
         steps.start(end, track)
-        size, total, share, let_go = self._step, 0.0, 0.5, False
+        number, size = self._planned()
+        total, share, taken, let_go = 0.0, 0.5, 0, False
         while not let_go and here.now < end:
-            trial = steps.step(size, share)
+            taken += 1
+            # the last of the planned steps takes what is left
+            late = taken >= number
+            trial = steps.step(1.5 * size if late else size, share)
             if trial.now >= end:
                 trial = steps.to(end, trial.travel)
             if trial.now <= here.now or steps.past(trial, size):
@@ -134,12 +147,27 @@ class Pulled:
                     total += self._take(half, track, total)
                     trial = trial._replace(travel=trial.travel - half.travel)
                 trial = steps.onset(trial.travel)
+            elif trial.now < end and late:
+                trial = steps.step(size, share)
             time = steps.clock.count(trial.now) - steps.clock.count(here.now)
             stretch = self._take(trial, track, total)
             if stretch > 0.0:
                 total += stretch
                 share = time / stretch
+        self.stretches.append(total)
         return let_go
+
+    def _planned(self) -> tuple[float, float]:
+        """Steps of the next smooth stretch: how many, inf where that is not known, and their size.
+
+        They are as many times 2 as coarser steps found it to take, so that errors are even.
+        """
+        number = len(self.stretches)
+        length = self._plan[number] if number < len(self._plan) else 0.0
+        if not length:
+            return np.inf, 1.0 / self._finer
+        count = int(np.ceil(length)) * self._finer
+        return count, length / count
 
     def _take(self, trial: Trial, track: Track, total: float) -> float:
         """Take a step, the size of which is returned; none that goes nowhere in no time."""
@@ -172,7 +200,7 @@ class Pulled:
         """On to the first balance; where `out` what breaks is born no sooner than that."""
         here, unit = self.contacts, self._task.unit
         steps = self._steps
-        step = SCAN * steps.scales.length if out else self._step * steps.length
+        step = SCAN * steps.scales.length if out else self._planned()[1] * steps.length
         size = steps.sign * step
         begin, broken, travel = here.place, here.breaks, 0.0
         # where heat has broken the weakest those that are left hold again when they are pushed
@@ -198,8 +226,10 @@ class Pulled:
             # accuracy of a slip's end, in mean thresholds
             low = float(brentq(lacks, low, travel + size, xtol=1e-15 * unit))
         here.take(here.tried(low, here.now, out))
-        if out:
-            fresh = here.breaks - broken
-            here.mark_later(here.now, fresh)
-            if not here.delay:
-                here.born_at_once(fresh)
+        if not out:
+            self.stretches.append(abs(here.place - begin) / steps.length)
+            return
+        fresh = here.breaks - broken
+        here.mark_later(here.now, fresh)
+        if not here.delay:
+            here.born_at_once(fresh)

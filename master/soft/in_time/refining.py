@@ -30,9 +30,9 @@ Array = npt.NDArray[np.float64]
 MOST_STEPS, MOST_WORK, MORE = 6e3, 1e9, 10.0
 # Of the tolerance, the share of a step to which its balance is found; no less and no more than.
 CLOSE, CLOSEST = 1e-2, (1e-10, 1e-6)
-# Changes that fall by a quarter, or a little less, are those of answers that fall as the square of
-# the step; of their extrapolations' change a quarter is left at most.
-EVEN, LEFT = 0.27, 0.25
+# The error told is twice the last change of extrapolated answers: of thresholds that grow changes fall
+# by a half or less with each level, and where births jump or P_c bends they do not fall evenly.
+MARGIN = 2.0
 
 
 def refined(
@@ -51,7 +51,7 @@ def refined(
     fastest, spring = max((one.speed for one in course), default=0.0), float(drive.spring or 0.0)
     answers, best = Answers(contacts, drive, balance), None
     close = float(np.clip(CLOSE * tolerance, *CLOSEST))
-    before = 0.0
+    plan, before = list[float](), 0.0
     for level in count():
         memory = memory_of(contacts, level, fastest)
         cohorts, again = (Cohorts.of(contacts, memory, level, reset) for reset in (False, True))
@@ -61,7 +61,7 @@ def refined(
         more = 1.0 if best is None or np.isfinite(best.error) else MORE
         allowed = Allowed(more * MOST_STEPS * share, more * MOST_WORK * share**2, until)
         task = Task(course, spring, drive.slip, contacts.waiting_time, unit, again, close)
-        pulled = Pulled(cohorts, task, level, allowed)
+        pulled = Pulled(cohorts, task, level, plan, allowed)
         here = pulled.contacts
         try:
             pulled.run()
@@ -87,7 +87,7 @@ def refined(
             told = f"error estimate {best.error:.1e} with {best.nodes} steps"
             told += f", above the tolerance {tolerance:.1e}"
             return best._replace(reason=f"{told}; shorten the path or loosen the tolerance")
-        before = here.work
+        plan, before = pulled.stretches, here.work
     raise AssertionError
 
 
@@ -96,7 +96,7 @@ class Answers:
 
     def __init__(self, contacts: Contacts, drive: Drive, balance: float) -> None:
         self._unit, self._spring = contacts.mean_threshold, float(drive.spring or 0.0)
-        self._path, self._balance, self._left = drive.path, balance, left_over(contacts)
+        self._path, self._balance = drive.path, balance
         self._told: list[Array] = []  # of the last levels, of as many slips each
         self._drives: list[Array] = []
 
@@ -122,10 +122,9 @@ class Answers:
             # where F + K X is flat, X before and after is not known as well
             watched = ~(off | other)
             watched[2 * n :] = np.repeat([True, False, False, True, True], slips.shape[1])
-            sizes = [np.abs(one[watched]).max(initial=0.0) for one in (first, second)]
-            left = self._left if sizes[1] < EVEN * sizes[0] else max(self._left, 1.0)
-            steady = np.abs((second + (second - first) / 3.0)[watched]).max(initial=0.0)
-            error = max(left * steady, np.abs(second[other]).max(initial=0.0) / 3.0)
+            changes = np.abs((second + (second - first) / 3.0)[watched])
+            error = MARGIN * changes.max(initial=0.0)
+            error = max(error, np.abs(second[other]).max(initial=0.0) / 3.0)
             answer = told + np.where(off, 0.0, second / 3.0)
         error = max(float(error) + beside, here.unresolved / unit)
         force, holding = answer[: 2 * n].reshape(2, n)
@@ -139,19 +138,3 @@ def _beside(path: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
     """Points of the path that the change of a slip takes, or might take, to its other side."""
     apart, crossed = path[:, None] - now, (path[:, None] < now) != (path[:, None] < before)
     return np.asarray(((np.abs(apart) <= np.abs(now - before)) | crossed).any(axis=1))
-
-
-def left_over(contacts: Contacts) -> float:
-    """Share of the last change of extrapolated answers that may be left as their error.
-
-    Errors do not fall as powers of the squared step where P_c jumps or bends, also where it begins
-    at 0, so that births do; and thresholds that age or grow are followed in steps of another order,
-    the changes of those that grow falling slowly, by a half or less with each level.
-    """
-    law = contacts.thresholds
-    if contacts.grains is not None:
-        return 2.0
-    begins = law.support()[0] == 0.0 and float(law.cdf(0.1 * contacts.mean_threshold)) > 1e-6
-    bends = law.atoms[0].size > 0 or bool((law.breakpoints > 0.0).any())
-    ages = contacts.ageing is not None
-    return 1.0 if ages or begins or bends or not law.knows_breakpoints else LEFT
