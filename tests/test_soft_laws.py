@@ -145,6 +145,10 @@ def test_what_has_no_answer_is_said() -> None:
         match=r"^path\[0\] = 0.0: at time 0 the drive stands where it balances the start",
     ):
         master.solve(Contacts(WIDE, 0.2, thermal=SOFT), [0.0, 2.0], time=[0.0, 1.0], spring=0.4)
+    with pytest.raises(InputError, match='closure = "paper" is not followed under a spring'):
+        master.solve(
+            Contacts(WIDE, thermal=Thermal("soft", 0.1, closure="paper")), PATH, spring=0.4
+        )
     cold = Contacts(WIDE, thermal=Thermal("stiff", 1e-4))
     with pytest.raises(
         InputError, match=r"^thermal: contacts of stiff rates that break within so thin a skin"
