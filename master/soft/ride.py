@@ -41,7 +41,7 @@ class Ride:
         start = matter.force_of(matter.start)
         self.balance, self._rest = start / spring, matter.force_of(matter.again)
         self.position, self.force = np.zeros(path.size), np.full(path.size, start)
-        self.slips, self._solved = list[Array](), 0
+        self.slips = list[Array]()
         self.error = self.drive_error = 0.0
         # what happened since the slider was at X = base, and how far off that may be
         self._base, self._shift = 0.0, 0.0
@@ -71,7 +71,7 @@ class Ride:
     @property
     def nodes(self) -> int:
         """Moments at which number conservation was solved."""
-        return self._solved + sum(pull.nodes for pull in self._fresh.values())
+        return self.matter.nodes + self._relaxed.nodes
 
     def _move(self, direction: int, points: npt.NDArray[np.intp]) -> None:
         """The drive goes straight on over points of its path, through all slips on the way."""
@@ -91,7 +91,6 @@ class Ride:
                 points = points[count:]
                 if not go.slips:
                     y = float(go.curve.carries(np.array([target]), y, go.curve.end)[0])
-                    self._leave(pull)
                     self._last = pull.matter, pull.after(y, self._turn_error(go.curve, y))
                     return
                 if self.rule != "instant":
@@ -100,13 +99,7 @@ class Ride:
                 self._note(pull, go, begin, begin + y, curve.force_at(y))
                 go = letting_go(pull, self.spring, y, target)
             jump = self._reset if self.rule == "reset" else self._reform_after
-            self._leave(pull)
             pull = jump(pull, go, begin)
-
-    def _leave(self, pull: Pull) -> None:
-        """A move is over: what was solved on it is counted, once for moves that come back."""
-        if pull is not self._fresh.get(pull.direction):
-            self._solved += pull.nodes
 
     def _answer(
         self, pull: Pull, go: LettingGo, points: npt.NDArray[np.intp], loads: Array, low: float
