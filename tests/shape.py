@@ -32,7 +32,7 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 12_745, 200, 408),
+    "master": Room(7500, 12_780, 200, 409),
     "eq_model": Room(2200, 4415, 60, 161),
     "origins": Room(4500, 10_060, 120, 281),
     "toolkit": Room(4000, 5610, 100, 148),

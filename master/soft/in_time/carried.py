@@ -18,6 +18,9 @@ import numpy as np
 
 from master.soft.in_time.cohorts import Cohorts
 
+# Points of the polynomial that reads what broke a delay before.
+STENCIL = 4
+
 
 class TooLongError(Exception):
     """The work or the time that a solution may take has come to its end."""
@@ -79,9 +82,10 @@ class Carried:
     def settle(self, cohorts: Cohorts) -> None:
         """These contacts, and nothing before them."""
         self.holding, self.force = cohorts.left[:, 0].tolist()
-        self.cohorts = cohorts.born(0.0)
-        # moments at which steps ended, breaks and births until then
-        self._times, self._breaks, self._births = [self.now], [0.0], [0.0]
+        self.cohorts, self._last = cohorts.born(0.0), (0.0, 0.0)
+        # moments at which steps ended, breaks and births until then, and across which nothing is read
+        self._times, self._bends = [self.now], [0]
+        self._breaks, self._births = [0.0], [0.0]
         self.pending: list[Pending] = []
 
     @property
@@ -92,8 +96,7 @@ class Carried:
     def tried(self, travel: float, now: float, frozen: bool = False) -> Trial:
         """The slider moves on by `travel` until `now`; where `frozen` none is born."""
         duration, before = now - self.now, self._births[-1]
-        fast = abs(travel) / duration if duration > 0.0 else (np.inf if travel else 0.0)
-        cohorts = self.cohorts.advance(travel, duration).born(fast)
+        cohorts = self.cohorts.advance(travel, duration).born(self._speed(travel, duration))
         frozen |= bool(self.delay) and now == self.now
         slope, rest = (0.0, before) if frozen else self._births_at(now)
         between = cohorts.between()
@@ -109,15 +112,33 @@ class Carried:
         """Births up to a later moment, slope * B + rest of the breaks B up to then: slope and rest."""
         if not self.delay:
             return 1.0, 0.0
-        last = self._times[-1]
+        times = np.array([*self._times, now])
         # the delay is longer by a share of 1e-13: what is born at once then is not born before
-        at = now - self.delay - 1e-13 * (now - self._times[0])
-        if at <= self._times[0]:
+        at = now - self.delay - 1e-13 * (now - times[0])
+        if at <= times[0]:
             return 0.0, 0.0
-        if at <= last:
-            return 0.0, float(np.interp(at, self._times, self._breaks))
-        share = (at - last) / (now - last)
-        return share, (1.0 - share) * self.breaks
+        last = times.size - 1
+        cell = int(np.searchsorted(times, at, side="left"))
+        bends = np.array([*self._bends, last])
+        part = int(np.searchsorted(bends, cell, side="left"))
+        low, high = int(bends[part - 1]), min(int(bends[part]), last)
+        begin = min(max(cell - STENCIL // 2, low), max(high - STENCIL + 1, low))
+        nodes = np.arange(begin, min(begin + STENCIL - 1, high) + 1)
+        # births at once are two moments with nothing between
+        nodes = nodes[np.append(np.diff(times[nodes]) > 0.0, True)]
+        weights = _lagrange(times[nodes], at)
+        known = np.array([*self._breaks, 0.0])[nodes]
+        return float(weights[-1]) if nodes[-1] == last else 0.0, float(weights @ known)
+
+    def _speed(self, travel: float, duration: float) -> float:
+        """|dX/dt| at the end of a step, from the mean of this one and of the last."""
+        if duration <= 0.0:
+            return np.inf if travel else 0.0
+        mean, (way, time) = abs(travel) / duration, self._last
+        if not way or travel * way <= 0.0 or time <= 0.0:
+            return mean
+        slower = (duration / travel - time / way) / (travel + way) * travel / duration * travel
+        return mean / float(np.clip(1.0 + slower, 0.05, 2.0))
 
     def take(self, trial: Trial) -> None:
         """Take the step."""
@@ -128,6 +149,7 @@ class Carried:
             raise TooLongError(f"{done}, and more are not taken on")
         if clock.monotonic() > self._allowed.until:
             raise TooLongError("stopped by wall_time")
+        self._last = trial.travel, trial.now - self.now
         self.place, self.now = self.place + trial.travel, trial.now
         self.cohorts, self.force, self.holding = trial.cohorts, trial.force, trial.holding
         self._add(trial.breaks, trial.births)
@@ -145,11 +167,18 @@ class Carried:
 
     def born_at_once(self, weight: float) -> None:
         """A finite share is born where the slider stands: two births with nothing between."""
+        self.bend()
         self.cohorts = self.cohorts.born(0.0)
         held, pull = self.cohorts.between()[:, -1].tolist()
         self.force += pull * weight
         self.holding += held * weight
         self._add(self.breaks, self._births[-1] + weight)
+        self.bend()
+
+    def bend(self) -> None:
+        """Breaks may bend or jump here: nothing is read across."""
+        self._bends.append(len(self._times) - 1)
+        self._last = 0.0, 0.0
 
     def mark_later(self, at: float, weight: float = 0.0) -> None:
         """What bends or jumps here, by a share of the contacts, does so again after the delay."""
@@ -163,3 +192,12 @@ class Carried:
         self.pending = [one for one in self.pending if one.at > self.now]
         if weight > 0.0:
             self.born_at_once(weight)
+
+
+def _lagrange(nodes: np.ndarray, at: float) -> np.ndarray:
+    """Weights of values at nodes (n,) in the polynomial through them, at a point."""
+    apart = nodes[:, None] - nodes
+    np.fill_diagonal(apart, 1.0)
+    ways = np.tile(at - nodes, (nodes.size, 1))
+    np.fill_diagonal(ways, 1.0)
+    return np.asarray((ways / apart).prod(axis=1))

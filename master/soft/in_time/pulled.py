@@ -128,6 +128,7 @@ class Pulled:
         """Until `end`, or until the slider lets go: which of them."""
         here, steps, track = self.contacts, self._steps, Track()
         self.tracks.append(track)
+        here.bend()
         self._write(track, 0.0)
         steps.start(end, track)
         number, size = self._planned()
@@ -202,6 +203,7 @@ class Pulled:
         steps = self._steps
         step = SCAN * steps.scales.length if out else self._planned()[1] * steps.length
         size = steps.sign * step
+        here.bend()
         begin, broken, travel = here.place, here.breaks, 0.0
         # where heat has broken the weakest those that are left hold again when they are pushed
         away = not steps.scales.thin
@@ -226,6 +228,7 @@ class Pulled:
             # accuracy of a slip's end, in mean thresholds
             low = float(brentq(lacks, low, travel + size, xtol=1e-15 * unit))
         here.take(here.tried(low, here.now, out))
+        here.bend()
         if not out:
             self.stretches.append(abs(here.place - begin) / steps.length)
             return
